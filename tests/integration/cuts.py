@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from tests.integration.hosts import Agent, Hosts
-from tests.integration.running import STAGES, Finished, children, finish, wait_until, write_graph
+from tests.integration.running import STAGES, Finished, finish, wait_until, workers, write_graph
 
 GRAPH = """
 there: {uses: ticks.live, with: {count: 1000000, period: 0.02}}
@@ -81,7 +81,7 @@ class Pair:
             self._router = self._routing()
         elif fault.endswith("suspended"):
             first = self.desk.pid if fault.startswith(("operator", "desk")) else self.agent.process.pid
-            stopped = [first, *(children(first) if fault.startswith(("desk", "host")) else ())]
+            stopped = [first, *(workers(first) if fault.startswith(("desk", "host")) else ())]
             self._signal(stopped, signal.SIGSTOP)
             yield
             self._signal(stopped, signal.SIGCONT)
@@ -106,7 +106,7 @@ class Pair:
 
     def host_is_idle(self, seconds: float = 60.0) -> bool:
         """True once the host has no worker; False after `seconds`."""
-        return wait_until(lambda: not children(self.agent.process.pid), seconds)
+        return wait_until(lambda: not workers(self.agent.process.pid), seconds)
 
     def ended(self) -> Finished:
         """End the run by Ctrl-C."""

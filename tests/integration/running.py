@@ -80,10 +80,30 @@ def run(graph: Path, *options: str, out: str = "out") -> Finished:
 def children(pid: int) -> list[int]:
     """Child processes of `pid`, in the order of their start times, because process ids may wrap around."""
     try:
-        text = Path(f"/proc/{pid}/task/{pid}/children").read_text()
+        texts = [path.read_text() for path in Path(f"/proc/{pid}/task").glob("*/children")]
     except OSError:
         return []
-    return [int(word) for word in text.split()]
+    return [int(word) for text in texts for word in text.split()]
+
+
+def command_of(pid: int) -> str:
+    """The command line of a process; empty if it has ended."""
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ").decode()
+    except OSError:
+        return ""
+
+
+def workers(pid: int) -> list[int]:
+    """Worker processes of the host `pid`, in the order of their start; a fork server may be their parent."""
+    found: list[int] = []
+    for child in children(pid):
+        command = command_of(child)
+        if "followspot.host.fork_server" in command:
+            found += children(child)
+        elif "followspot.worker.main" in command:
+            found.append(child)
+    return found
 
 
 def wait_until(condition: Any, seconds: float = 60.0) -> bool:

@@ -18,10 +18,10 @@ from tests.integration.running import (
     Finished,
     alive,
     balanced,
-    children,
     finish,
     start,
     wait_until,
+    workers,
     write_graph,
 )
 
@@ -161,7 +161,7 @@ def test_a_detached_run_outlives_its_operators(room: Room) -> None:
     looking.kill()
     looking.communicate()
     grows(written)
-    (worker,) = children(room.agents["pc-left"].process.pid)
+    (worker,) = workers(room.agents["pc-left"].process.pid)
     subprocess.run(["kill", "-9", str(worker)], check=True)
     grows(written, lambda value: not of_left(value))
     grows(written, of_left, 5)
@@ -198,7 +198,7 @@ def killed(room: Room) -> subprocess.Popen[str]:
 
 def test_the_next_run_ends_what_a_dead_operator_left_on_hosts(room: Room) -> None:
     killed(room)
-    (left,) = children(room.agents["pc-left"].process.pid)
+    (left,) = workers(room.agents["pc-left"].process.pid)
     assert alive(left), "it might be a cable that is out"
     process = room.begin()
     assert wait_until(lambda: not alive(left), 60.0)
@@ -215,7 +215,7 @@ def test_attach_ends_what_a_dead_operator_left_on_hosts(room: Room) -> None:
     killed(room)
     done = command("attach", "graph", "--stop", "--json", *room.connect)
     assert json.loads(done.stdout)["edges"], done.stderr
-    assert wait_until(lambda: not any(children(agent.process.pid) for agent in room.agents.values()), 60.0)
+    assert wait_until(lambda: not any(workers(agent.process.pid) for agent in room.agents.values()), 60.0)
 
 
 def watched_from_elsewhere(run: str, connect: list[str]) -> None:

@@ -12,11 +12,11 @@ from tests.integration.running import (
     Finished,
     alive,
     balanced,
-    children,
     finish,
     start,
     unused_memory,
     wait_until,
+    workers,
     write_graph,
 )
 
@@ -63,20 +63,20 @@ def test_a_worker_killed_mid_run_is_named_and_the_rest_ends(tmp_path: Path, vict
         write_graph(tmp_path, ENDLESS), tmp_path / "out", "--placement", "stage", "--edges", edges
     )
     assert wait_until(lambda: running(tmp_path / "out")), "the run never began"
-    workers = children(process.pid)
+    started = workers(process.pid)
     os.kill(worker_of(process.pid, victim), signal.SIGKILL)
     finished = finish(process, tmp_path / "out")
     assert finished.code == 1
     assert any(f"worker {victim} " in e and "SIGKILL" in e for e in finished.summary["errors"])
     check_counts(finished)
-    assert wait_until(lambda: not any(alive(pid) for pid in workers))
+    assert wait_until(lambda: not any(alive(pid) for pid in started))
     assert wait_until(lambda: unused_memory() <= before)
 
 
 def worker_of(launcher: int, stage: str) -> int:
     """The process that runs a stage: workers start in the order of the plan."""
     order = ["a", "b", "save"]
-    return children(launcher)[order.index(stage)]
+    return workers(launcher)[order.index(stage)]
 
 
 def check_counts(finished: Finished) -> None:
@@ -96,12 +96,12 @@ def test_workers_listen_on_loopback_only_and_end_when_their_launcher_is_killed(
     before = unused_memory()
     process = start(write_graph(tmp_path, ENDLESS), tmp_path / "out", *options)
     assert wait_until(lambda: running(tmp_path / "out")), "the run never began"
-    workers = children(process.pid)
-    assert len(workers) == 3
-    assert listening(workers) == ({"127.0.0.1"} if "zenoh" in options else set())
+    started = workers(process.pid)
+    assert len(started) == 3
+    assert listening(started) == ({"127.0.0.1"} if "zenoh" in options else set())
     process.kill()
     process.communicate()
-    assert wait_until(lambda: not any(alive(pid) for pid in workers))
+    assert wait_until(lambda: not any(alive(pid) for pid in started))
     assert wait_until(lambda: unused_memory() <= before)
     lines = (tmp_path / "out" / "ticks.csv").read_text().splitlines()
     assert [int(line.split(",")[2]) for line in lines] == list(range(1, len(lines) + 1))

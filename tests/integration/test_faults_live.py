@@ -13,10 +13,10 @@ from tests.integration.running import (
     Finished,
     alive,
     balanced,
-    children,
     finish,
     start,
     wait_until,
+    workers,
     write_graph,
 )
 
@@ -76,7 +76,7 @@ class Live:
 
     def workers(self) -> list[int]:
         """Process ids of the live workers in order of start: those never restarted first, as placed."""
-        return [pid for pid in children(self.process.pid) if alive(pid)]
+        return [pid for pid in workers(self.process.pid) if alive(pid)]
 
     def victim(self, name: str) -> int:
         return self.workers()[["left", "right", "main"].index(name)]
@@ -162,7 +162,7 @@ save: {uses: ticks.write, in: {number: c}}
     (tmp_path / "placement.yaml").write_text(placement)
     process = start(graph, out, "--placement", str(tmp_path / "placement.yaml"), "--restart")
     assert wait_until(lambda: (out / "ticks.csv").exists() and (out / "ticks.csv").stat().st_size > 0)
-    os.kill(children(process.pid)[0], signal.SIGKILL)  # its source starts again, and b waits for feedback
+    os.kill(workers(process.pid)[0], signal.SIGKILL)  # its source starts again, and b waits for feedback
     finished = finish(process, out)
     assert finished.code == 0, finished.errors + json.dumps(finished.summary)
     assert balanced(finished.summary)

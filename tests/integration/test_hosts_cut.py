@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from tests.integration.cuts import FAULTS, NAMES, Pair
 from tests.integration.hosts import Hosts, namespaces_are_permitted
-from tests.integration.running import STAGES, Finished, balanced, children, finish, write_graph
+from tests.integration.running import STAGES, Finished, balanced, finish, workers, write_graph
 from tests.integration.test_agents import LIVE, grows, of_left, values
 
 PLACEMENT = """
@@ -142,7 +142,7 @@ def test_a_replay_with_suspended_processes_is_complete_or_fails(hosts: Hosts, pa
     process = hosts.start("desk", *words, *there, "--json", "--quiet")
     written = hosts.folder / "out" / "ticks.csv"
     grows(written, more=100)
-    stopped = [process.pid, *(children(process.pid) if part == "desk" else ())]
+    stopped = [process.pid, *(workers(process.pid) if part == "desk" else ())]
     for pid in stopped:
         os.kill(pid, signal.SIGSTOP)
     time.sleep(12)

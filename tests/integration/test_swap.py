@@ -23,9 +23,9 @@ from tests.integration.running import (
     STAGES,
     Finished,
     balanced,
-    children,
     finish,
     start,
+    workers,
     write_graph,
 )
 
@@ -88,7 +88,7 @@ class Going:
 
     def workers(self) -> list[int]:
         """Process ids of the workers, in the order of the graph until one is restarted."""
-        return children(self.process.pid)
+        return workers(self.process.pid)
 
     def stopped(self) -> Finished:
         self.process.send_signal(signal.SIGINT)

@@ -21,10 +21,10 @@ from tests.integration.running import (
     COMMAND,
     STAGES,
     Finished,
-    children,
     finish,
     start,
     wait_until,
+    workers,
     write_graph,
 )
 
@@ -113,12 +113,6 @@ def watched(folder: Path, placement: str, *options: str, stages: str = LIVE) -> 
     finally:
         run.process.kill()
         run.process.wait()
-
-
-def workers(pid: int) -> list[int]:
-    """Process ids of the workers of a process, in the order of their start."""
-    found = children(pid)
-    return [child for child in found if b"worker.main" in Path(f"/proc/{child}/cmdline").read_bytes()]
 
 
 def all_over(attachment: Attachment) -> bool:

@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Self
 
-from tests.integration.running import COMMAND, Finished, alive, children, finish, wait_until
+from tests.integration.running import COMMAND, Finished, alive, finish, wait_until, workers
 from tests.promises.books import Books, books_of, disagreements
 
 STAGES = Path(__file__).parent / "journal.py"
@@ -113,6 +113,6 @@ class Journaled:
 
     def signal(self, worker: str, number: signal.Signals) -> int:
         pid = self.books.pid(self.workers[worker])
-        if any(pid in children(parent) for parent in self.parents()):  # else another fault had it
+        if any(pid in workers(parent) for parent in self.parents()):  # else another fault had it
             os.kill(pid, number)
         return pid

@@ -6,7 +6,7 @@ import mmap
 import os
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,7 @@ from followspot.host.hot_swap import HostSwaps
 from followspot.host.ledger_file import ledger_memory
 from followspot.host.supervisor import Supervisor
 from followspot.host.worker_pool import WorkerPool
-from followspot.host.worker_process import Start, WorkerProcess, start_process
+from followspot.host.worker_process import WorkerProcess
 from followspot.log.record import Level
 from followspot.log.run_log import RunLog
 from followspot.transport.zenoh.network import Network
@@ -55,14 +55,14 @@ class LocalHost:
         network: Network = Network(),
         hub: Sequence[str] = (),
         clock: HostClock | None = None,
-        start: Start = start_process,
+        in_process: Collection[str] = (),
     ) -> None:
-        """clock: compares this host's clock with the reference; start: starts a worker."""
+        """clock: compares this host's clock with the reference; in_process: workers that are threads here."""
         self.name = name
         self.network = network
         self.hub = tuple(hub)
         self.clock = HostClock() if clock is None else clock
-        self._start = start
+        self._in_process = in_process
         self._memory: int | None = None
         """Descriptor of the ledger's memory."""
         self.ledger = Ledger(0)
@@ -100,7 +100,7 @@ class LocalHost:
         memory = self._memory = ledger_memory(ledger, size)
         self.ledger = Ledger(edges, memoryview(mmap.mmap(memory, size)).cast("q"))
         order = replace(order, out=self.out)
-        self.pool = WorkerPool(self.name, order, memory, self.network, self.hub, self.log, self._start)
+        self.pool = WorkerPool(self.name, order, memory, self.network, self.hub, self.log, self._in_process)
         self.supervisor = Supervisor(self.pool, self.clock, self.tell)
         self._swaps = HostSwaps(self.pool)
         self.ask = self._dispatcher(self._swaps).dispatch

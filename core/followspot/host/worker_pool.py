@@ -18,7 +18,8 @@ from followspot.graph.move import host_workers
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.ship import plan_from_data, plan_to_data
 from followspot.host.rings import RingEnd, Rings
-from followspot.host.worker_process import Start, WorkerProcess, start_process
+from followspot.host.worker_process import WorkerProcess
+from followspot.host.worker_starts import WorkerStarts
 from followspot.log.run_log import RunLog
 from followspot.transport.zenoh.network import Network
 from followspot.worker.edge_links import uses_zenoh
@@ -28,7 +29,7 @@ class WorkerPool:
     """Starts workers, connects them by rings and receives their messages. The supervisor decides when.
 
     host: name of the host; ledger: descriptor of the shared ledger memory; network, hub: see `LocalHost`;
-    log: gets the log records of workers; start: starts a worker.
+    log: gets the log records of workers; in_process: workers that are threads of this process.
     """
 
     def __init__(
@@ -39,7 +40,7 @@ class WorkerPool:
         network: Network,
         hub: Sequence[str],
         log: RunLog,
-        start: Start = start_process,
+        in_process: Collection[str] = (),
     ) -> None:
         self.order = order
         self.plan: Plan = plan_from_data(order.plan)
@@ -54,11 +55,11 @@ class WorkerPool:
         self._network = network
         self._hub = tuple(hub)
         self._log = log
-        self._start = start
         self._selector = selectors.DefaultSelector()
         self._rings = Rings(self.plan, set(self.names()))
         for name in order.over:
             self._rings.discard(name)
+        self._starts = WorkerStarts(self.names(), in_process, [stage.uses for stage in self.plan.stages])
         self._standing_orders: list[Relayed] = []
         """Relayed orders to repeat to workers that start later."""
         self._answers: list[tuple[str, ChangeStatus]] = []
@@ -72,7 +73,9 @@ class WorkerPool:
 
         correction: offsets to add to its clocks, ns; again: True if other workers may be running already.
         """
-        worker = self.workers[name] = WorkerProcess(name, incarnation, self._start, self._handlers(name))
+        worker = self.workers[name] = WorkerProcess(
+            name, incarnation, self._starts.start, self._handlers(name)
+        )
         self._selector.register(worker.channel, selectors.EVENT_READ, worker)
         if again:
             self._rings.renew(name)
@@ -163,6 +166,7 @@ class WorkerPool:
         """End all workers and close all rings that they have not taken."""
         for worker in self.workers.values():
             worker.end()
+        self._starts.close()
         self._rings.close()
         self._selector.close()
 

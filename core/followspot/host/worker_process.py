@@ -5,7 +5,6 @@ from __future__ import annotations
 import signal
 import socket
 import subprocess
-import sys
 import time
 from collections.abc import Callable
 from types import MappingProxyType
@@ -52,15 +51,6 @@ Start = Callable[[str, socket.socket], Process]
 """Starts the worker of this name; the socket is its end of the control channel."""
 
 
-def start_process(_name: str, end: socket.socket) -> Process:
-    """Start a worker in a process of its own. Raises OSError."""
-    return subprocess.Popen(
-        [sys.executable, "-m", "followspot.worker.main", str(end.fileno())],
-        pass_fds=[end.fileno()],
-        stdin=subprocess.DEVNULL,
-    )
-
-
 class WorkerProcess:
     """A started worker and the newest figures that it has sent.
 
@@ -71,7 +61,7 @@ class WorkerProcess:
         self,
         name: str,
         incarnation: int,
-        start: Start = start_process,
+        start: Start,
         handlers: Handlers = MappingProxyType({}),
     ) -> None:
         """Start the worker, which waits for its plan. handlers: of further messages. Raises OSError."""

@@ -16,7 +16,6 @@ from followspot.errors import InputError, Mistake
 from followspot.graph.plan import Plan
 from followspot.host.clocks.host import HostClock
 from followspot.host.local_host import LocalHost
-from followspot.host.worker_process import Start, start_process
 from followspot.operator.remote_host import RemoteHost
 from followspot.transport.zenoh.network import Network
 from followspot.transport.zenoh.session import close_session, connected, locators
@@ -57,11 +56,12 @@ class Agents:
 
 @contextmanager
 def discovered_hosts(
-    plan: Plan, network: Network, media: Path, start: Start = start_process
+    plan: Plan, network: Network, media: Path, in_process: Collection[str] = ()
 ) -> Iterator[tuple[Sequence[Host], Others]]:
     """The hosts of a plan, the local one included, and the other hosts that may join the run.
 
-    media: local folder whose files agents have below their own --media; start: starts a worker of this host.
+    media: local folder whose files agents have below their own --media; in_process: workers of
+    this host that are threads of this process.
     Raises InputError if an agent is missing.
     """
     names = dict.fromkeys(worker.host for worker in plan.workers)
@@ -69,7 +69,7 @@ def discovered_hosts(
         await_agents(session, [name for name in names if name], network)
         hub = (*locators(session), *network.connect)
         others = Agents(RpcClient(session, network.own), media)
-        near = LocalHost("", network, hub, HostClock(others.client), start)
+        near = LocalHost("", network, hub, HostClock(others.client), in_process)
         yield [others.host(name) if name else near for name in names], others
 
 

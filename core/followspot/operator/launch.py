@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import signal
-import socket
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
 from types import FrameType
 from typing import Protocol
@@ -15,7 +13,6 @@ from followspot.control.progress import OnProgress
 from followspot.control.unix_socket import serve_requests
 from followspot.graph.plan import Plan
 from followspot.host.local_host import LocalHost
-from followspot.host.worker_process import Process, start_process
 from followspot.log.run_log import OnLog
 from followspot.operator.coordinator import Coordinator, order_of
 from followspot.operator.report import RunReport
@@ -78,9 +75,8 @@ def prepared(
     if network.public or any(worker.host for worker in plan.workers):
         from followspot.operator.discovery import discovered_hosts
 
-        start = partial(_start_worker, in_process)
         order = order_of(plan, options, restart=restart)
-        with discovered_hosts(plan, network, media, start) as (hosts, others):
+        with discovered_hosts(plan, network, media, in_process) as (hosts, others):
             around = Surroundings(options.out.resolve(), network.for_worker(network.connect))
             yield Coordinator(plan, hosts, order, on_log, others), around
             return
@@ -99,17 +95,8 @@ def local_run(
     """A run on this host alone; see `prepared`."""
     if len(plan.workers) == 1:  # a thread that hangs cannot be killed and replaced
         in_process, restart = (plan.workers[0].name,), False
-    host = LocalHost("", start=partial(_start_worker, in_process))
+    host = LocalHost("", in_process=in_process)
     return Coordinator(plan, [host], order_of(plan, options, restart=restart), on_log)
-
-
-def _start_worker(in_process: Collection[str], name: str, end: socket.socket) -> Process:
-    """Start a worker of this host: a thread if it is in `in_process`, else a process. Raises OSError."""
-    if name not in in_process:
-        return start_process(name, end)
-    from followspot.host.worker_thread import WorkerThread
-
-    return WorkerThread(name, end)
 
 
 def _run_served(run: Coordinator, on_progress: OnProgress | None, surroundings: Surroundings) -> RunReport:

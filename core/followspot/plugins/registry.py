@@ -111,6 +111,12 @@ def stage_names() -> list[str]:
     return sorted({*catalogue(), *_files})
 
 
+def ours(name: str) -> bool:
+    """Whether a stage belongs to the distribution followspot, not to another."""
+    entry = catalogue().get(name.partition("[")[0])
+    return entry is not None and entry.distribution == "followspot"
+
+
 def load_stage(name: str) -> type[Stage]:
     """Import a stage. Raises PluginError with one clear line.
 

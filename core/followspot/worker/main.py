@@ -221,10 +221,10 @@ def _shared_words(fd: int, edges: int) -> memoryview:
     return memoryview(mmap.mmap(fd, max(1, edges) * COLUMNS * 8)).cast("q")
 
 
-def main() -> int:
-    """Entry of the process."""
+def run_worker(descriptor: int) -> int:
+    """Be a worker, and return the exit code of its process. descriptor: of its control channel."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal sends Ctrl-C to all processes; the host decides
-    channel = Channel(socket.socket(fileno=int(sys.argv[1])), ORDERS)
+    channel = Channel(socket.socket(fileno=descriptor), ORDERS)
     worker = WorkerMain(channel)
     try:
         with collecting(worker.log):
@@ -238,4 +238,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_worker(int(sys.argv[1])))

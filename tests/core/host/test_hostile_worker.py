@@ -14,6 +14,7 @@ from followspot.control.dispatch import by_verb
 from followspot.control.pipe import MAX_LINE, Channel
 from followspot.control.worker_messages import Change, Log, Ready, State
 from followspot.host.worker_process import WorkerProcess
+from followspot.host.worker_starts import WorkerStarts
 
 
 class Speaker:
@@ -21,7 +22,7 @@ class Speaker:
 
     def __init__(self) -> None:
         handlers = dict.fromkeys((State, Change, Log), lambda _: None)
-        self.worker = WorkerProcess("left", 0, handlers=handlers)
+        self.worker = WorkerProcess("left", 0, WorkerStarts(["left"], (), []).start, handlers)
         kinds = self.worker.channel._kinds
         self.worker.channel.close()
         ours, self.socket = socket.socketpair()

@@ -11,6 +11,7 @@ from pathlib import Path
 from time import monotonic, sleep
 
 import pytest
+from tests.integration.running import workers
 
 import followspot as fs
 from followspot.control.tapping import Tapping
@@ -138,13 +139,6 @@ class Witness(Stage):
 """
 
 
-def workers_here() -> list[int]:
-    """Worker processes that threads of this process have started."""
-    texts = (path.read_text() for path in Path("/proc/self/task").glob("*/children"))
-    found = [int(word) for text in texts for word in text.split()]
-    return [pid for pid in found if b"worker.main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
-
-
 def test_a_removed_tap_does_not_come_back_with_a_worker_that_restarts(tmp_path: Path) -> None:
     (tmp_path / "witness.py").write_text(WITNESS)
     removed, kept = tmp_path / "removed", tmp_path / "kept"
@@ -154,7 +148,7 @@ def test_a_removed_tap_does_not_come_back_with_a_worker_that_restarts(tmp_path: 
         assert comes_true(lambda: removed.exists() and kept.exists())
         run.untap(taps[:1])
         assert comes_true(lambda: removed.read_text() == "begun closed ")
-        for worker in workers_here():
+        for worker in workers(os.getpid()):
             os.kill(worker, signal.SIGKILL)
         assert comes_true(lambda: kept.read_text() == "begun begun ")
         assert removed.read_text() == "begun closed "

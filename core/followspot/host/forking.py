@@ -1,0 +1,129 @@
+"""The host's side of a fork server: starts the server, orders workers, and waits for them."""
+
+from __future__ import annotations
+
+import os
+import select
+import signal
+import socket
+import struct
+import subprocess
+import sys
+from collections.abc import Iterable
+from contextlib import suppress
+
+PID = struct.Struct("=q")
+"""The server's answer to an order."""
+EXIT_CODE = struct.Struct("=i")
+"""As in `subprocess`: negative if a signal ended the worker."""
+EXIT_CODE_UNKNOWN = 255
+"""Of a worker whose fork server was killed before it."""
+
+
+class ForkedWorker:
+    """`Process` of a worker that a fork server forks as soon as its imports are done."""
+
+    def __init__(self, status: socket.socket) -> None:
+        """status: gets the server's answer, and the exit code."""
+        self._status = status
+        self._pid = 0
+        self._process: int | None = None
+        """Descriptor of the process, which stays that of this process when another gets its number."""
+        self._code: int | None = None
+
+    @property
+    def pid(self) -> int:
+        """Process id; 0 if the server died before it had forked this worker."""
+        self._await_fork(None)
+        return self._pid
+
+    def poll(self) -> int | None:
+        """The exit code; None while the worker is alive."""
+        try:
+            return self.wait(0.0)
+        except subprocess.TimeoutExpired:
+            return None
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Wait for the exit and return its code. Raises subprocess.TimeoutExpired."""
+        self._await_fork(timeout)
+        if self._code is None:
+            assert self._process is not None
+            _await(self._status.fileno(), timeout)
+            code = self._status.recv(EXIT_CODE.size)
+            if not code:  # the server has died, and this worker lives on
+                _await(self._process, timeout)
+            self._code = EXIT_CODE.unpack(code)[0] if code else EXIT_CODE_UNKNOWN
+            os.close(self._process)
+            self._status.close()
+        return self._code
+
+    def kill(self) -> None:
+        """End the worker at once."""
+        self._await_fork(None)
+        if self._code is None:
+            assert self._process is not None
+            with suppress(ProcessLookupError):
+                signal.pidfd_send_signal(self._process, signal.SIGKILL)
+
+    def _await_fork(self, timeout: float | None) -> None:
+        """Wait for the server's answer. Raises subprocess.TimeoutExpired."""
+        if self._process is not None or self._code is not None:
+            return
+        _await(self._status.fileno(), timeout)
+        pid, descriptors, _, _ = socket.recv_fds(self._status, PID.size, 1, socket.MSG_CMSG_CLOEXEC)
+        if descriptors:
+            (self._pid,), self._process = PID.unpack(pid), descriptors[0]
+        else:
+            self._code = EXIT_CODE_UNKNOWN
+            self._status.close()
+
+
+class Forking:
+    """A fork server, started with its first worker; a new one is started if it has died."""
+
+    def __init__(self, stages: Iterable[str]) -> None:
+        """stages: names of the stages that the server imports."""
+        self._stages = tuple(dict.fromkeys(stages))
+        self._server: subprocess.Popen[bytes] | None = None
+        self._orders: socket.socket | None = None
+
+    def start(self, end: socket.socket) -> ForkedWorker:
+        """Order a worker. end: of its control channel. Raises OSError."""
+        if self._server is None or self._server.poll() is not None:
+            self.close()
+            self._start_server()
+        assert self._orders is not None
+        status, theirs = socket.socketpair()
+        try:
+            with theirs:
+                socket.send_fds(self._orders, [b"w"], [end.fileno(), theirs.fileno()])
+        except BaseException:
+            status.close()
+            raise
+        return ForkedWorker(status)
+
+    def close(self) -> None:
+        """End the server; its workers go on."""
+        if self._orders is not None:
+            self._orders.close()
+        if self._server is not None:
+            self._server.wait()
+
+    def _start_server(self) -> None:
+        ours, theirs = socket.socketpair(type=socket.SOCK_SEQPACKET)
+        with theirs:
+            self._server = subprocess.Popen(
+                [sys.executable, "-m", "followspot.host.fork_server", str(theirs.fileno()), *self._stages],
+                pass_fds=[theirs.fileno()],
+                stdin=subprocess.DEVNULL,
+            )
+        self._orders = ours
+
+
+def _await(descriptor: int, timeout: float | None) -> None:
+    """Wait until the descriptor is readable. Raises subprocess.TimeoutExpired."""
+    poll = select.poll()
+    poll.register(descriptor, select.POLLIN)
+    if not poll.poll(None if timeout is None else timeout * 1e3):
+        raise subprocess.TimeoutExpired("worker", timeout or 0.0)

@@ -1,0 +1,44 @@
+"""How a worker starts: as a thread, or as a process, forked if the host starts several."""
+
+from __future__ import annotations
+
+import socket
+import subprocess
+import sys
+from collections.abc import Collection, Iterable
+
+from followspot.host.forking import Forking
+from followspot.host.worker_process import Process
+from followspot.plugins.registry import ours
+
+
+class WorkerStarts:
+    """Starts the workers of one run on one host."""
+
+    def __init__(self, workers: Collection[str], threads: Collection[str], stages: Iterable[str]) -> None:
+        """workers: all workers of the host; threads: those that are threads; stages: the plugins in use.
+
+        The fork server imports only stages of this distribution: the import of another may open a device.
+        """
+        self._threads = frozenset(threads)
+        several = len(set(workers) - self._threads) > 1
+        self._forking = Forking(name for name in stages if ours(name)) if several else None
+
+    def start(self, name: str, end: socket.socket) -> Process:
+        """Start a worker; the socket is its end of the control channel. Raises OSError."""
+        if name in self._threads:
+            from followspot.host.worker_thread import WorkerThread
+
+            return WorkerThread(name, end)
+        if self._forking is not None:
+            return self._forking.start(end)
+        return subprocess.Popen(
+            [sys.executable, "-m", "followspot.worker.main", str(end.fileno())],
+            pass_fds=[end.fileno()],
+            stdin=subprocess.DEVNULL,
+        )
+
+    def close(self) -> None:
+        """End the fork server, if there is one; its workers go on."""
+        if self._forking is not None:
+            self._forking.close()
