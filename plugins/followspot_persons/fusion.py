@@ -11,27 +11,24 @@ from followspot.geometry import wrap
 from followspot.people import Poses
 from followspot.tracking import PREDICTED, TRACKED
 from followspot_persons.association import matched
+from followspot_persons.place_filter import PlaceTrack
 from followspot_persons.sightings import Sightings, blended, sightings_of
 
 NANOSECOND = 1e-9
 FAMILIAR = 0.5
 """Factor on the distance to a camera's person that was assigned to this person before."""
-PLACE_GAIN, VELOCITY_GAIN = 0.7, 0.3
-"""Gains of position and velocity for the difference from the forecast."""
-PERIOD = 1 / 60
-"""Smallest time between two positions that give a velocity, s."""
 
 
 @dataclass(frozen=True, eq=False)
 class Fused:
-    """A person of the room. pose, sigma: (6,); velocity: (2,) m/s; seen: ns; hits: times seen so far;
-    members: camera's name -> the number of this person there.
+    """A person of the room. pose, sigma: (6,); seen: ns; hits: times seen so far; members: camera's name ->
+    the number of this person there.
     """
 
     number: int
     pose: Array
     sigma: Array
-    velocity: Array
+    place: PlaceTrack
     confidence: float
     seen: int
     hits: int
@@ -93,24 +90,26 @@ class Fusion(Stage):
         seconds = max(now - self.time, 0) * NANOSECOND if self.time >= 0 else 0.0
         self.time = now
         seen = sightings_of(poses, self.room.cameras, self.params.direction_sigma, self.params.distance_sigma)
-        groups, free = self.assigned(seen, seconds)
-        self.people = [
-            self.moved(person, seen, groups[i], seconds, now) for i, person in enumerate(self.people)
-        ]
+        self.people = [replace(p, place=p.place.predicted(seconds)) for p in self.people]
+        self.deleted = [replace(p, place=p.place.predicted(seconds)) for p in self.deleted]
+        groups, free = self.assigned(seen)
+        self.people = [self.moved(person, seen, groups[i], now) for i, person in enumerate(self.people)]
         self.people += [self.initiated(seen, rows, now) for rows in self.grouped(seen, free)]
         self.delete_missed(now)
         return self.fused()
 
-    def assigned(self, seen: Sightings, seconds: float) -> tuple[list[list[int]], list[int]]:
-        """The rows of each person, at most one per camera, and the unassigned rows."""
+    def assigned(self, seen: Sightings) -> tuple[list[list[int]], list[int]]:
+        """The rows that each person can have reached, at most one per camera, and the unassigned rows."""
         groups: list[list[int]] = [[] for _ in self.people]
         free = set(range(len(seen.pose)))
         if self.people:
-            forecast = np.array([p.pose[:2] + seconds * p.velocity for p in self.people])
+            forecast = np.array([p.place.state[:2] for p in self.people])
             for camera in np.unique(seen.camera):
                 rows = np.flatnonzero(seen.camera == camera)
                 cost = np.linalg.norm(forecast[:, None] - seen.pose[None, rows, :2], axis=2)
                 cost *= np.where(self.known(seen, rows), FAMILIAR, 1.0)
+                reached = [p.place.reached(seen.pose[rows, :2], seen.covariance[rows]) for p in self.people]
+                cost[~np.array(reached)] = np.inf
                 for person, column in matched(cost, self.params.maximum_distance):
                     groups[person].append(int(rows[column]))
                     free.discard(int(rows[column]))
@@ -141,32 +140,35 @@ class Fusion(Stage):
                 groups.append([row])
         return groups
 
-    def moved(self, person: Fused, seen: Sightings, rows: list[int], seconds: float, now: int) -> Fused:
+    def moved(self, person: Fused, seen: Sightings, rows: list[int], now: int) -> Fused:
         """The person after a picture; it coasts with its velocity if no camera saw it."""
-        forecast = person.pose.copy()
-        forecast[:2] += person.velocity * seconds
         if not rows:
-            return replace(person, pose=forecast, velocity=person.velocity * np.exp(-seconds), confidence=0.0)
-        pose, sigma = blended(seen, rows, person.pose)
-        difference = pose[:2] - forecast[:2]
-        pose[:2] = forecast[:2] + PLACE_GAIN * difference
-        velocity = person.velocity + VELOCITY_GAIN * difference / max(seconds, PERIOD)
-        members = person.members | {seen.names[i]: int(seen.person[i]) for i in rows}
-        confidence = float(seen.confidence[rows].max())
-        return Fused(person.number, pose, sigma, velocity, confidence, now, person.hits + 1, members)
+            return placed(replace(person, confidence=0.0))
+        pose, sigma, covariance = blended(seen, rows, person.pose)
+        return placed(
+            Fused(
+                person.number,
+                pose,
+                sigma,
+                person.place.updated(pose[:2], covariance),
+                float(seen.confidence[rows].max()),
+                now,
+                person.hits + 1,
+                person.members | members_of(seen, rows),
+            )
+        )
 
     def initiated(self, seen: Sightings, rows: list[int], now: int) -> Fused:
-        """A tentative person, or a deleted one that a camera has recognised."""
-        pose, sigma = blended(seen, rows, None)
-        members = {seen.names[i]: int(seen.person[i]) for i in rows}
-        confidence = float(seen.confidence[rows].max())
+        """A tentative person, or a deleted one that a camera has recognised where it can be by now."""
+        pose, sigma, covariance = blended(seen, rows, None)
+        members, place = members_of(seen, rows), PlaceTrack.initiated(pose[:2], covariance)
+        new = Fused(0, pose, sigma, place, float(seen.confidence[rows].max()), now, 1, members)
         for old in self.deleted:
-            if members.items() & old.members.items():
+            reached = old.place.reached(pose[None, :2], covariance[None])[0]
+            if reached and members.items() & old.members.items():
                 self.deleted.remove(old)
-                return Fused(
-                    old.number, pose, sigma, np.zeros(2), confidence, now, old.hits, old.members | members
-                )
-        return Fused(0, pose, sigma, np.zeros(2), confidence, now, 1, members)
+                return replace(new, number=old.number, hits=old.hits, members=old.members | members)
+        return new
 
     def delete_missed(self, now: int) -> None:
         """Number the confirmed persons, and delete those that were missed too long."""
@@ -199,3 +201,13 @@ class Fusion(Stage):
             sigma=np.array([p.sigma for p in people]).reshape(-1, 6),
             confidence=np.array([p.confidence for p in people]),
         )
+
+
+def placed(person: Fused) -> Fused:
+    """The person with the pose at the place of its track."""
+    return replace(person, pose=np.concatenate([person.place.state[:2], person.pose[2:]]))
+
+
+def members_of(seen: Sightings, rows: list[int]) -> dict[str, int]:
+    """Camera's name -> the number of a person there, of these rows."""
+    return {seen.names[i]: int(seen.person[i]) for i in rows}

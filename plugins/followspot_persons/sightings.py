@@ -24,8 +24,8 @@ MIN_SIGMA = np.array([0.01, 0.01, 0.01, 0.1, 0.1, 0.05])
 @dataclass(frozen=True, eq=False)
 class Sightings:
     """Rows of all cameras' poses. camera: (K,) number in the room; names: theirs, one a row; person: (K,)
-    number there; pose, sigma: (K, 6); information: (K, 2, 2) 1/m^2 of the place; confidence: (K,); eye:
-    (K, 3) m, of the camera.
+    number there; pose, sigma: (K, 6); information: (K, 2, 2) 1/m^2 of the place; covariance: its inverse;
+    confidence: (K,); eye: (K, 3) m, of the camera.
     """
 
     camera: Array
@@ -34,6 +34,7 @@ class Sightings:
     pose: Array
     sigma: Array
     information: Array
+    covariance: Array
     confidence: Array
     eye: Array
 
@@ -55,6 +56,7 @@ def sightings_of(
         pose=pose,
         sigma=np.concatenate([p.sigma for p in poses]),
         information=information(pose[:, :2] - eye[:, :2], direction, distance),
+        covariance=information(pose[:, :2] - eye[:, :2], direction, distance, power=1),
         confidence=np.concatenate([p.confidence for p in poses]),
         eye=eye,
     )
@@ -64,23 +66,27 @@ def _states(poses: Poses) -> Array:
     return np.column_stack([poses.xy, poses.height, poses.heading, poses.pan, poses.tilt])
 
 
-def information(offset: Array, direction: float, distance: float) -> Array:
-    """Inverse covariance of places seen from a camera: (K, 2) m from it -> (K, 2, 2) 1/m^2."""
+def information(offset: Array, direction: float, distance: float, power: int = -1) -> Array:
+    """Inverse covariance of places seen from a camera: (K, 2) m from it -> (K, 2, 2) 1/m^2.
+
+    direction: one sigma, rad; distance: one sigma, of the distance; power: 1 for the covariance itself, m^2.
+    """
     length = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 0.1)
     along = offset / length[:, None]
     across = np.column_stack([-along[:, 1], along[:, 0]])
-    weights = 1 / np.array([distance, direction])[:, None] ** 2 / length**2
+    weights = (np.array([distance, direction])[:, None] * length) ** (2 * power)
     return np.asarray(
         weights[0, :, None, None] * along[:, :, None] * along[:, None, :]
         + weights[1, :, None, None] * across[:, :, None] * across[:, None, :]
     )
 
 
-def blended(seen: Sightings, rows: list[int], before: Array | None) -> tuple[Array, Array]:
-    """Pose and sigma, (6,) each, of one person from these rows; before: the last pose (6,), if there is one.
+def blended(seen: Sightings, rows: list[int], before: Array | None) -> tuple[Array, Array, Array]:
+    """Pose and sigma, (6,) each, of one person from these rows, and the covariance (2, 2) m^2 of its place.
 
     Positions are weighted by their information, pans and tilts by their variances. Headings are voted on.
-    Heights are those of the lines of sight to the head's top at the position.
+    Heights are those of the lines of sight to the head's top at the position. before: the last pose (6,), if
+    there is one.
     """
     trust = seen.confidence[rows] + 1e-3
     weight = trust[:, None] / np.maximum(seen.sigma[rows], MIN_SIGMA) ** 2
@@ -90,15 +96,17 @@ def blended(seen: Sightings, rows: list[int], before: Array | None) -> tuple[Arr
     moment = (trust[:, None] * np.einsum("kij,kj->ki", seen.information[rows], seen.pose[rows, :2])).sum(
         axis=0
     )
+    covariance = np.diag(sigma[[X, Y]] ** 2)
     with suppress(np.linalg.LinAlgError):  # without information on the position the mean remains
         pose[[X, Y]] = np.linalg.solve(precision, moment)
-        sigma[[X, Y]] = np.sqrt(np.diag(np.linalg.inv(seen.information[rows].sum(axis=0))))
+        covariance = np.linalg.inv(seen.information[rows].sum(axis=0))
+        sigma[[X, Y]] = np.sqrt(np.diag(covariance))
     pose[HEADING], agreeing = _heading(seen.pose[rows, HEADING], weight[:, HEADING], before)
     for column in (PAN, TILT):
         own = weight[:, column] * (agreeing if column == PAN else 1.0)
         pose[column] = own @ seen.pose[rows, column] / own.sum()
     pose[HEIGHT] = trust @ _sighted_height(seen.eye[rows], seen.pose[rows], pose[:2]) / trust.sum()
-    return pose, sigma
+    return pose, sigma, covariance
 
 
 def _sighted_height(eye: Array, pose: Array, place: Array) -> Array:

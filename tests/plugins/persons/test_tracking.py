@@ -169,7 +169,7 @@ def test_cameras_that_know_the_place_know_the_height():
         xy = eye[:2] + far * (place - eye[:2])
         told.append(poses(name, xy, eye[2] + far * (height - eye[2])))
     seen = sightings_of(told, cameras, 0.012, 0.07)
-    pose, _ = blended(seen, [0, 1], None)
+    pose, _, _ = blended(seen, [0, 1], None)
     true = cameras["a"].center[2] + (height - 1.2) * np.mean([1.15, 1.15])
     assert pose[2] < true - 0.05
     assert pose[2] == pytest.approx(height, abs=0.05)

@@ -1,0 +1,141 @@
+"""Several cameras' poses as people of the room: how far a person gets, and who is the same person again."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.plugins.persons.drawn import SECOND, perspective
+
+from followspot import Room
+from followspot.messages import Header, stamped
+from followspot.people import Poses
+from followspot.stage import Context
+from followspot.tracking import PREDICTED, TRACKED
+from followspot_persons.fusion import Fusion
+from followspot_persons.place_filter import GATE, PlaceTrack
+
+RATE = 15
+
+
+class Cameras:
+    """A fusion of cameras `a` and `b`, both at the origin, that is told poses 15 times a second."""
+
+    def __init__(self, **params: object) -> None:
+        cameras = {name: perspective(name) for name in ("a", "b")}
+        self.stage = Fusion(Context(room=Room(cameras=cameras)), **params)
+        self.stage.setup()
+        self.frame = 0
+
+    def tell(self, *people: tuple[str, int, float, float]) -> Poses:
+        """The fused poses of a picture; each of `people`: camera, number there, x and y in m."""
+        time = Header("fuse", self.frame, self.frame * SECOND // RATE)
+        self.frame += 1
+        told = [
+            stamped(camera_poses(name, [p[1:] for p in people if p[0] == name]), time) for name in ("a", "b")
+        ]
+        return self.stage.process(tuple(told))
+
+
+def camera_poses(name, people):
+    """A camera's poses. people: number, x, y."""
+    rows = np.array(people, float).reshape(-1, 3)
+    count = len(rows)
+    return replace(
+        Poses.empty(),
+        camera=name,
+        person=rows[:, 0].astype(np.int32),
+        state=np.full(count, TRACKED, np.uint8),
+        xy=rows[:, 1:],
+        height=np.full(count, 1.7),
+        heading=np.zeros(count),
+        pan=np.zeros(count),
+        tilt=np.zeros(count),
+        sigma=np.full((count, 6), 0.1),
+        confidence=np.full(count, 0.6),
+    )
+
+
+def walked(cameras, frames, *, number=1, x=2.0, y=0.0, speed=0.0):
+    """The last fused poses of a person that camera `a` follows along y, m/s."""
+    for frame in range(frames):
+        told = cameras.tell(("a", number, x, y + speed * frame / RATE))
+    return told
+
+
+@pytest.mark.parametrize("step", [0.3, 0.65])
+def test_a_person_does_not_go_four_metres_in_0_4_s_however_small_the_steps(step):
+    """A camera's pose runs away along the line of sight, where it is least sure of the distance."""
+    cameras = Cameras()
+    walked(cameras, 15)
+    places = [
+        cameras.tell(("a", 1, 2.0 + min(4.0, step * frame), 0.0)).xy[0, 0] for frame in range(1, 1 + 6)
+    ]
+    assert max(places) < 2.0 + 1.6
+    assert max(np.diff(places)) < 0.5
+
+
+def test_what_nobody_can_have_reached_is_another_person():
+    cameras = Cameras(maximum_distance=9.0)
+    walked(cameras, 15)
+    for _ in range(4):
+        told = cameras.tell(("a", 1, 2.0, 3.5))
+    assert told.person.tolist() == [1, 2]
+    assert told.state.tolist() == [PREDICTED, TRACKED]
+    assert told.xy[0] == pytest.approx([2.0, 0.0], abs=0.1)
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.8, 1.6])
+def test_walking_people_stay_within_the_gate(speed):
+    cameras = Cameras()
+    told = walked(cameras, 24, y=-1.2, speed=speed)
+    assert told.person.tolist() == [1]
+    assert told.xy[0] == pytest.approx([2.0, -1.2 + speed * 23 / RATE], abs=0.08)
+
+
+def test_both_cameras_of_a_person_count():
+    """Camera `b` takes the person for farther away; both are as sure."""
+    cameras = Cameras()
+    for _ in range(20):
+        told = cameras.tell(("a", 1, 2.0, 0.0), ("b", 4, 2.2, 0.0))
+    assert told.person.tolist() == [1]
+    assert 2.02 < told.xy[0, 0] < 2.18
+
+
+@pytest.mark.parametrize(("away", "number"), [(1.0, 1), (6.0, 2)])
+def test_whom_a_camera_knows_again_has_its_number_if_it_can_be_there_by_now(away, number):
+    cameras = Cameras()
+    walked(cameras, 15)
+    for _ in range(12):
+        told = cameras.tell()
+    assert told.person.tolist() == []
+    assert walked(cameras, 4, y=away).person.tolist() == [number]
+
+
+def test_the_place_is_the_kalman_estimate_of_two_measurements():
+    """Information adds up: (P^-1 + R^-1)^-1 (P^-1 x + R^-1 z)."""
+    P, R = np.array([[0.04, 0.01], [0.01, 0.02]]), np.diag([0.01, 0.05])
+    x, z = np.array([1.0, 2.0]), np.array([1.2, 1.9])
+    after = PlaceTrack.initiated(x, P).updated(z, R)
+    together = np.linalg.inv(np.linalg.inv(P) + np.linalg.inv(R))
+    np.testing.assert_allclose(after.covariance[:2, :2], together)
+    np.testing.assert_allclose(
+        after.state[:2], together @ (np.linalg.solve(P, x) + np.linalg.solve(R, z))
+    )
+
+
+def test_the_gate_is_where_one_of_a_thousand_is_farther():
+    rng = np.random.default_rng(3)
+    track = PlaceTrack.initiated(np.zeros(2), np.diag([0.04, 0.01]))
+    noise = rng.standard_normal((200_000, 2)) * np.sqrt([0.05, 0.03])
+    inside = track.reached(noise, np.tile(np.diag([0.01, 0.02]), (len(noise), 1, 1)))
+    assert 1 - inside.mean() == pytest.approx(np.exp(-GATE / 2), rel=0.2)
+    assert np.exp(-GATE / 2) == pytest.approx(1e-3, rel=0.02)
+
+
+def test_a_place_is_vaguer_the_longer_nobody_sees_it():
+    track = PlaceTrack.initiated(np.zeros(2), 0.01 * np.eye(2))
+    once, twice = track.predicted(0.4), track.predicted(0.2).predicted(0.2)
+    np.testing.assert_allclose(once.covariance, twice.covariance)
+    assert 0.1 < np.sqrt(once.covariance[0, 0]) < np.sqrt(track.predicted(1.0).covariance[0, 0]) < 1.0
