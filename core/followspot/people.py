@@ -56,6 +56,8 @@ class Appearances(Message):
     """Weight of the observations of a feature; 0 if its colour is predicted from other features."""
     pose: Array = column("P", 6)
     """Pose at the last update of the appearance: x, y, height (m), heading, pan, tilt (rad)."""
+    stature: Array = column("P", 2)
+    """Height of the person and its sigma, m, from all updates."""
     seen: Array = column("P", dtype="i8", unit="ns")
     """Capture time of the last update."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import cv2
@@ -25,7 +25,8 @@ from followspot_persons.occlusion import covered
 from followspot_persons.panorama import full_turn
 from followspot_persons.shape import SHIPPED as SHIPPED_SHAPE
 from followspot_persons.shape import read_shape, with_girth
-from followspot_persons.spawning import STATURE, spawned
+from followspot_persons.spawning import spawned
+from followspot_persons.stature import USUAL, Stature
 from followspot_persons.track import Track, coasted, followed
 
 NANOSECOND = 1e-9
@@ -62,6 +63,7 @@ class Acquaintance:
     hits: int
     trust: float
     absent: bool = False
+    stature: Stature = field(default_factory=Stature)
 
 
 class Appearance(Stage):
@@ -207,10 +209,12 @@ class Appearance(Stage):
         colors, inside = sampled(picture, seen)
         visible = seen.visibility[0] * inside[0]
         weight = np.where(visible >= SHARP_VISIBILITY, visible, 0.0)
+        stature = person.stature.sized(track.measured, float(self.camera.center[2]))
         model = learnt(person.colors, colors[0].astype(float), weight, self.params.color_averaging_frames)
         return replace(
             person,
-            track=track,
+            track=replace(track, stature=stature.estimate),
+            stature=stature,
             colors=model,
             seen=now,
             hits=person.hits + 1,
@@ -245,7 +249,15 @@ class Appearance(Stage):
                 known = lost[int(np.argmax(likeness))]
                 others = [p for p in others if p is not known]
                 track = replace(known.track.resumed(newcomer.track.particles), pose=newcomer.track.pose)
-                others.append(replace(newcomer, number=known.number, colors=known.colors, track=track))
+                others.append(
+                    replace(
+                        newcomer,
+                        number=known.number,
+                        colors=known.colors,
+                        stature=known.stature,
+                        track=track,
+                    )
+                )
             else:
                 self.numbers += 1
                 others.append(replace(newcomer, number=self.numbers))
@@ -253,7 +265,7 @@ class Appearance(Stage):
 
     def confirmed(self, person: Acquaintance) -> bool:
         """Whether a tentative person is confirmed."""
-        unusual = 0.5 * ((person.track.stature - STATURE) / UNUSUAL) ** 2
+        unusual = 0.5 * ((person.stature.by_size - USUAL) / UNUSUAL) ** 2
         return (
             person.number == 0
             and person.hits > 1
@@ -262,7 +274,7 @@ class Appearance(Stage):
 
     def likeness(self, a: Acquaintance, b: Acquaintance) -> float:
         """Log of how much likelier two acquaintances are one person than two."""
-        return same_person(a.colors, b.colors, (a.track.stature, b.track.stature), self.relations)
+        return same_person(a.colors, b.colors, (a.stature.estimate[0], b.stature.estimate[0]), self.relations)
 
     def appearances(self, camera: str) -> Appearances:
         """The confirmed persons."""
@@ -278,6 +290,7 @@ class Appearance(Stage):
             variance=np.array([m.variance for m in models]).reshape(-1, features, 3),
             evidence=np.array([m.evidence for m in models]).reshape(-1, features),
             pose=np.array([p.track.pose for p in known]).reshape(-1, 6),
+            stature=np.array([p.track.stature for p in known]).reshape(-1, 2),
             seen=np.array([p.seen for p in known], np.int64),
         )
 

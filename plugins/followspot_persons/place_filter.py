@@ -1,7 +1,7 @@
 """A person's place on the floor over time: a Kalman filter whose gate rejects what nobody can walk.
 
-Velocities fade and are driven by noise, as in `followspot_persons.associate.motion`: a person walks about 1 m/s.
-What is too far for that and for the errors of the measurement is outside the gate (Bar-Shalom, Li &
+Velocities fade and are driven by noise, as in `followspot_persons.associate.motion`: a person walks about
+1 m/s. What is too far for that and for the errors of the measurement is outside the gate (Bar-Shalom, Li &
 Kirubarajan 2001, section 3.7).
 """
 

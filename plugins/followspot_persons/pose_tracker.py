@@ -12,7 +12,7 @@ from followspot.people import Appearances, Boxes, Gradients, Poses
 from followspot.tracking import PREDICTED, TRACKED, Frame
 from followspot_persons.appearance import NANOSECOND, pictured
 from followspot_persons.association import box_distance, matched
-from followspot_persons.body_view import HEADING, HEIGHT, view
+from followspot_persons.body_view import HEADING, view
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.pairs import telling_pairs
 from followspot_persons.condensation import Search, scattered
@@ -29,8 +29,6 @@ SPAWN_SIGMA = np.array([0.06, 0.06, 0.03, 0.3, 0.3, 0.1])
 """Sigma of particles about a pose of the slow instance: m, m, m, rad, rad, rad."""
 JOINING = 0.1
 """Share of the particles that a pose of the slow instance replaces."""
-HEEDING = 0.2
-"""Weight of the slow instance's height, which rests on the box, in the person's height."""
 STRAYING = np.array([0.5, 0.5, 0.0, 0.8, 0.8, 0.2])
 """Growth of this sigma with the age of the pose: m/s, m/s, m/s, rad/s, rad/s, rad/s."""
 NEAR = 0.6
@@ -112,22 +110,23 @@ class PoseTracker(Stage):
         """Initiate persons that the slow instance has found, and mix its poses into the particles of tracked
         ones.
         """
-        for number, pose, seen in zip(people.person.tolist(), people.pose, people.seen.tolist(), strict=True):
+        rows = zip(people.person.tolist(), people.pose, people.stature, people.seen.tolist(), strict=True)
+        for number, pose, (tall, sigma), seen in rows:
             before = self.slow_poses.get(number)
             if (before is not None and seen <= before.time) or not np.isfinite(pose).all():
                 continue
             self.slow_poses[number] = SlowPose(seen, pose)
             known = self.people.get(number)
             if known is None:
-                self.people[number] = Followed(number, self.initiated(number, before, now), now, seen)
+                track = replace(self.initiated(number, before, now), stature=(tall, sigma))
+                self.people[number] = Followed(number, track, now, seen)
                 continue
-            track = known.track
+            track = replace(known.track, stature=(tall, sigma))
             then = known.trail.at(seen)
             told = pose if then is None else carried_pose(pose, then, track.pose)
             joining = max(1, int(JOINING * len(track.particles)))
             particles = np.concatenate([track.particles[joining:], self.scattered_about(told, joining)])
-            stature = track.stature + HEEDING * (float(pose[HEIGHT]) - track.stature)
-            self.people[number] = replace(known, track=replace(track, particles=particles, stature=stature))
+            self.people[number] = replace(known, track=replace(track, particles=particles))
 
     def initiated(self, number: int, before: SlowPose | None, now: int) -> Track:
         """The track of a person that the slow instance has just reported, with its past if it returns."""

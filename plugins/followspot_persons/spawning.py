@@ -12,10 +12,8 @@ from followspot_persons.fitness import Detection
 from followspot_persons.hog.likelihood import heading_log_likelihood
 from followspot_persons.motion import limited
 from followspot_persons.shape import ShapeModel
-from followspot_persons.track import STATURE_SIGMA
+from followspot_persons.stature import SPREAD, USUAL
 
-STATURE = 1.72
-"""Mean height of adults, m."""
 BOX_SIGMA = 0.08
 """Error of the size of a detected box, of its size."""
 PLACE_SIGMA = 0.03
@@ -39,7 +37,7 @@ def spawned(
     middle = (y0 + y1) / 2 + PLACE_SIGMA * (y1 - y0) * rng.standard_normal(count)
     top = _slopes(camera, column, middle - size / 2)
     low = _slopes(camera, column, middle + size / 2)
-    stature = STATURE + STATURE_SIGMA * rng.standard_normal(count)
+    stature = USUAL + SPREAD * rng.standard_normal(count)
     apart = np.maximum(top[:, 2] - low[:, 2], 1e-3)
     by_size = stature * (1 - shape.waist) / apart
     distance = np.clip(by_size, NEAREST, farthest(camera, shape))
@@ -57,7 +55,7 @@ def spawned(
 
 def farthest(camera: Camera, shape: ShapeModel) -> float:
     """Distance at which the upper body of an adult is `SMALLEST` px high, m; a long lens sees farther."""
-    return float(camera.matrix[1, 1]) * STATURE * (1 - shape.waist) / SMALLEST
+    return float(camera.matrix[1, 1]) * USUAL * (1 - shape.waist) / SMALLEST
 
 
 def _slopes(camera: Camera, column: Array, row: Array) -> Array:

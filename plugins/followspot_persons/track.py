@@ -13,6 +13,7 @@ from followspot_persons.condensation import Search, condense
 from followspot_persons.fitness import Fitness, Habits
 from followspot_persons.girth import Girth, observed
 from followspot_persons.shape import ShapeModel, with_girth
+from followspot_persons.stature import PROPORTION_SIGMA, SPREAD, USUAL
 
 PLACE_GAIN, VELOCITY_GAIN = 0.6, 0.25
 """Share of the difference to the forecast that place and velocity take over at 15 pictures a second."""
@@ -29,16 +30,8 @@ FASTEST = 2.0
 """Of a person in a room, m/s."""
 PERIOD = 1 / 15
 """Period of the pictures that the gains refer to, s."""
-STATURE_SIGMA = 0.09
-"""Of people's heights, m."""
-STATURE_FLOOR = 0.015
-"""Smallest sigma of a height, m: steps and hats change it."""
 SCALE_SIGMA = 0.06
 """Relative sigma of a distance from a body's size."""
-STATURE_MEMORY = 60.0
-"""Pictures that the height is a mean of."""
-ALIKE = 6.0
-"""Successive pictures that count as one independent height: an error must not confirm itself."""
 WALKING, STRIDING = 0.25, 0.6
 """Speeds at which the course begins to determine the heading, and does so fully, m/s."""
 CONCENTRATION = 8.0
@@ -47,18 +40,18 @@ CONCENTRATION = 8.0
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """particles: (N, 6); pose, sigma: (6,), smoothed; velocity: (2,) m/s; stature: m, a mean of `weight`
-    pictures; likelihood: of the pose in the last picture (eq. 7); typical: its slow mean; shown: share of the
-    outline that no nearer person hides.
+    """particles: (N, 6); pose, sigma: (6,), smoothed; velocity: (2,) m/s; stature: (2,) the person's height
+    and its sigma, m; measured: height that the last picture alone gave, m; likelihood: of the pose in the
+    last picture (eq. 7); typical: its slow mean; shown: share of the outline that no nearer person hides.
     """
 
     particles: Array
     pose: Array
     sigma: Array
     velocity: Array
-    stature: float
+    stature: tuple[float, float] = (USUAL, SPREAD)
+    measured: float = USUAL
     girth: Girth = field(default_factory=Girth.unknown)
-    weight: float = 0.0
     likelihood: float = 0.0
     typical: float = 0.0
     shown: float = 1.0
@@ -67,7 +60,7 @@ class Track:
     def initiated(cls, particles: Array) -> Track:
         """A new person with these particles."""
         pose = particles.mean(axis=0)
-        return cls(particles, pose, particles.std(axis=0), np.zeros(2), float(pose[HEIGHT]))
+        return cls(particles, pose, particles.std(axis=0), np.zeros(2))
 
     def resumed(self, particles: Array) -> Track:
         """The same person after an absence, at one of these places: the body is still known."""
@@ -75,18 +68,16 @@ class Track:
             Track.initiated(particles),
             stature=self.stature,
             girth=self.girth,
-            weight=self.weight,
             typical=self.typical,
         )
 
     @property
     def habits(self) -> Habits:
         """The prior of the next pose from the person's past."""
-        sigma = max(STATURE_FLOOR, STATURE_SIGMA / np.sqrt(1 + self.weight / ALIKE))
         speed = float(np.hypot(*self.velocity))
         walking = float(np.clip((speed - WALKING) / (STRIDING - WALKING), 0, 1))
         course = float(np.arctan2(self.velocity[1], self.velocity[0]))
-        return Habits(self.stature, sigma, course, CONCENTRATION * walking)
+        return Habits(*self.stature, course, CONCENTRATION * walking)
 
 
 def followed(
@@ -110,29 +101,47 @@ def followed(
     if shown < HIDDEN:
         return replace(coasted(track, seconds), particles=particles, likelihood=value, shown=shown)
     girth = observed(track.girth, own, bodies, estimate.pose)
-    weight = min(track.weight + 1, STATURE_MEMORY)
-    stature = track.stature + (float(estimate.pose[HEIGHT]) - track.stature) / weight
-    measured = _with_stature(estimate.pose, stature, eye)
+    tall = float(estimate.pose[HEIGHT])
+    measured = _with_stature(estimate.pose, *track.stature, eye)
     forecast = track.pose.copy()
     forecast[[X, Y]] += track.velocity * seconds
     pose, velocity = _smoothed(forecast, track.velocity, measured, seconds, fresh=not track.likelihood)
     typical = track.typical or max(value, ORDINARY)
     typical += (RISE if value > typical else FALL) * (value - typical)
-    return Track(particles, pose, estimate.sigma, velocity, stature, girth, weight, value, typical, shown)
+    sigma = _vague(estimate.sigma, pose, track.stature[1], eye)
+    return Track(particles, pose, sigma, velocity, track.stature, tall, girth, value, typical, shown)
 
 
-def _with_stature(pose: Array, stature: float, eye: Array) -> Array:
-    """The pose with the person's known height, at the distance where the head's top stays in place.
+def _with_stature(pose: Array, stature: float, sigma: float, eye: Array) -> Array:
+    """The pose with the person's height, known to `sigma` m, at the distance where the head's top stays in
+    place.
 
     If the head is about as high as the camera, its image does not depend on the distance, which then stays.
     """
-    above = pose[HEIGHT] - eye[2]
-    above = np.copysign(max(abs(above), 1e-3), above)
-    share = SCALE_SIGMA**2 / (SCALE_SIGMA**2 + (STATURE_FLOOR / above) ** 2)
+    above = _above(pose, eye)
+    share = SCALE_SIGMA**2 / (SCALE_SIGMA**2 + (sigma / above) ** 2)
     out = pose.copy()
     out[[X, Y]] += share * (stature - pose[HEIGHT]) / above * (pose[[X, Y]] - eye[:2])
     out[HEIGHT] = stature
     return out
+
+
+def _vague(spread: Array, pose: Array, sigma: float, eye: Array) -> Array:
+    """Sigma of a pose (6,): what the particles' spread (6,) leaves out, because it is one error in all
+    pictures: the height is known to `sigma` m, and the distance no better than height and proportions are.
+    """
+    away = pose[[X, Y]] - eye[:2]
+    precision = PROPORTION_SIGMA**-2 + (_above(pose, eye) / sigma) ** 2
+    out = spread.copy()
+    out[[X, Y]] = np.hypot(spread[[X, Y]], away * precision**-0.5)
+    out[HEIGHT] = np.hypot(spread[HEIGHT], sigma)
+    return out
+
+
+def _above(pose: Array, eye: Array) -> float:
+    """Height of the head's top over the camera, m, never quite 0."""
+    above = float(pose[HEIGHT] - eye[2])
+    return float(np.copysign(max(abs(above), 1e-3), above))
 
 
 def coasted(track: Track, seconds: float) -> Track:

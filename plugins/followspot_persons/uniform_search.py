@@ -19,8 +19,8 @@ from followspot_persons.motion import limited, predicted
 from followspot_persons.panorama import full_turn
 from followspot_persons.shape import SHIPPED as SHIPPED_SHAPE
 from followspot_persons.shape import read_shape
-from followspot_persons.spawning import NEAREST, STATURE
-from followspot_persons.track import STATURE_SIGMA
+from followspot_persons.spawning import NEAREST
+from followspot_persons.stature import SPREAD, USUAL
 
 APART = 0.7
 """Smallest distance between two people, m."""
@@ -100,7 +100,7 @@ class UniformSearch(Stage):
             return self.boxes(frame.camera, self.particles[:0], np.empty(0))
         gradients: Gradients = self.edges.process(frame)
         picture = pictured(self.camera, frame, gradients)
-        fitness = Fitness(picture, self.shape, Weights(sharpness=POWER), Habits(STATURE, STATURE_SIGMA))
+        fitness = Fitness(picture, self.shape, Weights(sharpness=POWER), Habits(USUAL, SPREAD))
         kept = len(self.particles) - int(self.params.random_share * len(self.particles))
         moved = predicted(self.particles[:kept], np.zeros(2), seconds, self.camera.center, self.rng)
         cloud = np.concatenate([moved, self.anywhere(len(self.particles) - kept)])
@@ -134,7 +134,7 @@ def uniform_poses(camera: Camera, count: int, farthest: float, rng: np.random.Ge
     toward = toward / np.maximum(np.hypot(toward[:, :1], toward[:, 1:]), 1e-9)
     pose = np.zeros((count, 6))
     pose[:, :2] = camera.center[:2] + rng.uniform(NEAREST, farthest, (count, 1)) * toward
-    pose[:, HEIGHT] = STATURE + STATURE_SIGMA * rng.standard_normal(count)
+    pose[:, HEIGHT] = USUAL + SPREAD * rng.standard_normal(count)
     pose[:, HEADING] = rng.uniform(-np.pi, np.pi, count)
     return limited(pose)
 

@@ -122,13 +122,14 @@ def test_who_returns_in_the_same_clothes_has_the_same_number_and_height():
     show = Show()
     for _ in range(6):
         show.see(standing(2.5, height=1.85))
-    known = show.stage.people[0].track
+    known = show.stage.people[0].stature
     show.leave()
     assert [p.absent for p in show.stage.people] == [True]
     for _ in range(3):
         told = show.see(standing(3.0, 0.5, height=1.85))
     assert numbers(told) == [1]
-    assert show.stage.people[0].track.weight >= known.weight >= 5
+    assert show.stage.people[0].stature.sizes >= known.sizes >= 5
+    assert known.by_size > 1.75
     assert told.pose[0, 0] == pytest.approx(3.0, abs=0.4)
 
 

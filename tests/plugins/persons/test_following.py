@@ -51,6 +51,7 @@ class Room:
             variance=np.full((count, 45, 3), 0.01),
             evidence=np.ones((count, 45)),
             pose=np.array(poses).reshape(-1, 6),
+            stature=np.tile([1.7, 0.03], (count, 1)),
             seen=np.full(count, time, np.int64),
         )
         self.told = stamped(message, Header("c", self.number, time))

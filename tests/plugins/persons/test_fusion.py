@@ -69,9 +69,7 @@ def test_a_person_does_not_go_four_metres_in_0_4_s_however_small_the_steps(step)
     """A camera's pose runs away along the line of sight, where it is least sure of the distance."""
     cameras = Cameras()
     walked(cameras, 15)
-    places = [
-        cameras.tell(("a", 1, 2.0 + min(4.0, step * frame), 0.0)).xy[0, 0] for frame in range(1, 1 + 6)
-    ]
+    places = [cameras.tell(("a", 1, 2.0 + min(4.0, step * frame), 0.0)).xy[0, 0] for frame in range(1, 1 + 6)]
     assert max(places) < 2.0 + 1.6
     assert max(np.diff(places)) < 0.5
 
@@ -120,9 +118,7 @@ def test_the_place_is_the_kalman_estimate_of_two_measurements():
     after = PlaceTrack.initiated(x, P).updated(z, R)
     together = np.linalg.inv(np.linalg.inv(P) + np.linalg.inv(R))
     np.testing.assert_allclose(after.covariance[:2, :2], together)
-    np.testing.assert_allclose(
-        after.state[:2], together @ (np.linalg.solve(P, x) + np.linalg.solve(R, z))
-    )
+    np.testing.assert_allclose(after.state[:2], together @ (np.linalg.solve(P, x) + np.linalg.solve(R, z)))
 
 
 def test_the_gate_is_where_one_of_a_thousand_is_farther():

@@ -17,6 +17,8 @@ from followspot_persons.girth import USUAL, Girth, girths_of, observed
 from followspot_persons.motion import HIGHEST, LOWEST, MAX_PAN, MAX_TILT, limited, predicted
 from followspot_persons.occlusion import covered
 from followspot_persons.shape import read_shape
+from followspot_persons.stature import PROPORTION_SIGMA, SPREAD
+from followspot_persons.stature import USUAL as USUAL_HEIGHT
 from followspot_persons.track import FASTEST, Track, coasted, followed
 
 EYE = np.array([0, 0, 1.2])
@@ -191,9 +193,31 @@ def test_the_prior_knows_the_person_and_the_neck():
     assert usual - nodding == pytest.approx(0.5)
 
 
-def test_a_height_is_surer_the_longer_it_is_known():
+def test_the_prior_is_what_is_known_of_the_height():
     new = Track.initiated(crowd(standing(3.0), 5))
-    assert replace(new, weight=40.0).habits.height_sigma < 0.5 * new.habits.height_sigma
+    assert (new.habits.height, new.habits.height_sigma) == (USUAL_HEIGHT, SPREAD)
+    known = replace(new, stature=(1.9, 0.02)).habits
+    assert (known.height, known.height_sigma) == (1.9, 0.02)
+
+
+@pytest.mark.parametrize("known", [1.65, 1.85])
+def test_a_known_height_moves_the_pose_along_the_line_of_sight(scene, known):
+    """The body drawn is 1.75 m high at 2.5 m: whoever is taller stands farther away."""
+    track = Track.initiated(crowd(standing(2.5, 0.2, 1.75), 150))
+    after = step(replace(track, stature=(known, 0.015)), scene)
+    assert after.pose[HEIGHT] == known
+    distance = 2.5 * (known - 1.2) / 0.55
+    assert np.sign(after.pose[0] - 2.5) == np.sign(distance - 2.5)
+    assert after.pose[0] == pytest.approx(distance, abs=0.25)
+
+
+def test_the_sigma_of_a_pose_holds_what_the_height_leaves_open(scene):
+    """sigma_r = r / sqrt(1 / p^2 + ((h - z) / sigma_h)^2), with p of proportions, along the line of sight."""
+    track = Track.initiated(crowd(standing(2.5, 0.2, 1.75), 150))
+    vague, sure = (step(replace(track, stature=(1.75, s)), scene).sigma for s in (0.06, 0.015))
+    assert vague[0] > 2.5 / np.hypot(1 / PROPORTION_SIGMA, 0.55 / 0.06) > sure[0]
+    assert vague[1] < 0.3 * vague[0]
+    assert vague[HEIGHT] > 0.06 > sure[HEIGHT]
 
 
 @pytest.fixture(scope="module")
@@ -239,12 +263,7 @@ def test_a_hidden_person_coasts_and_keeps_what_is_known(scene):
     after = step(known, hidden, 0.1)
     assert after.shown < 0.4
     assert after.pose[1] == pytest.approx(known.pose[1] + 0.1)
-    assert (after.stature, after.girth, after.weight, after.typical) == (
-        known.stature,
-        known.girth,
-        known.weight,
-        known.typical,
-    )
+    assert (after.stature, after.girth, after.typical) == (known.stature, known.girth, known.typical)
 
 
 def test_typical_likelihoods_rise_faster_than_they_fall(scene):

@@ -123,9 +123,9 @@ def test_two_hearings_tell_where_a_walker_is_by_now():
 
 
 def test_who_comes_back_has_the_body_that_was_learnt():
-    track = replace(Track.initiated(standing(2.0)[None]), stature=1.85, weight=40.0, typical=0.6)
+    track = replace(Track.initiated(standing(2.0)[None]), stature=(1.85, 0.03), typical=0.6)
     back = track.resumed(standing(3.0, height=1.7)[None])
-    assert (back.stature, back.weight, back.typical) == (1.85, 40.0, 0.6)
+    assert (back.stature, back.typical) == ((1.85, 0.03), 0.6)
     assert back.pose[0] == 3.0
 
 
@@ -216,6 +216,7 @@ def watched(tracker, number, pose):
         variance=np.full((1, 45, 3), 0.01),
         evidence=np.ones((1, 45)),
         pose=pose[None],
+        stature=np.array([[1.7, 0.03]]),
         seen=np.zeros(1, np.int64),
     )
     return tracker.process(
