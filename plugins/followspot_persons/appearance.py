@@ -2,31 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
 import cv2
 import numpy as np
 
-from followspot import Array, Field, InputPath, Stage, StageParams
+from followspot import Array, Stage
 from followspot.people import Appearances, Boxes, Gradients
 from followspot.tracking import Frame
+from followspot_persons.acquaintance import Acquaintance
+from followspot_persons.appearance_params import AppearanceParams
 from followspot_persons.association import box_distance, carried, matched, on_body
+from followspot_persons.background import Background
 from followspot_persons.body_view import BodyView, view
-from followspot_persons.color.difference import SHIPPED as SHIPPED_RELATIONS
 from followspot_persons.color.difference import completed, read_relations
 from followspot_persons.color.likelihood import color_likelihood, feature_responses
 from followspot_persons.color.model import ColorModel, learnt
 from followspot_persons.condensation import Search
+from followspot_persons.existence import THERE, averaged, evidence_of
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights, sampled
+from followspot_persons.floor_contact import Presence, presence
 from followspot_persons.girth import girths_of
 from followspot_persons.identity import same_person
 from followspot_persons.occlusion import covered
 from followspot_persons.panorama import full_turn
-from followspot_persons.shape import SHIPPED as SHIPPED_SHAPE
 from followspot_persons.shape import read_shape, with_girth
 from followspot_persons.spawning import spawned
-from followspot_persons.stature import USUAL, Stature
+from followspot_persons.stature import USUAL
 from followspot_persons.track import Track, coasted, followed
 
 NANOSECOND = 1e-9
@@ -47,71 +50,13 @@ STRANGE = 2.0
 """Minus log F^C of a person with other clothes."""
 
 
-@dataclass(frozen=True, eq=False)
-class Acquaintance:
-    """A person of the slow instance: tentative, with number 0, until enough boxes confirm it.
-
-    initiated, seen: ns, times of the first and of the last box; hits: number of boxes; trust: sum of their
-    scores minus the cost of missing boxes; absent: whether the person has left.
-    """
-
-    number: int
-    track: Track
-    colors: ColorModel
-    initiated: int
-    seen: int
-    hits: int
-    trust: float
-    absent: bool = False
-    stature: Stature = field(default_factory=Stature)
-
-
 class Appearance(Stage):
     """Find people with a detector, fit the body model, learn their colours, and recognise them."""
 
     per_camera = True
 
-    class Params(StageParams):
-        shape: InputPath = Field(SHIPPED_SHAPE, description="shape model of head and upper body")
-        color_relations: InputPath = Field(
-            SHIPPED_RELATIONS, description="how the colours of features relate"
-        )
-        particles: int = Field(
-            200,
-            ge=20,
-            le=10_000,
-            unit="1",
-            description="particles per person; raising it improves poses and costs time",
-        )
-        minimum_score: float = Field(
-            0.8,
-            unit="1",
-            description="smallest score of a box that initiates a person; raising it avoids mistakes",
-        )
-        confirmation_score: float = Field(
-            4.0, unit="1", description="sum of scores that confirms a person; raising it avoids false persons"
-        )
-        maximum_missed_time: float = Field(
-            1.5,
-            gt=0,
-            unit="s",
-            description="time without a box until a person is absent; raising it bridges more",
-        )
-        memory_time: float = Field(
-            120.0, gt=0, unit="s", description="time for which an absent person is remembered"
-        )
-        predict_colors: bool = Field(True, description="whether to predict the colours of unseen sides")
-        color_averaging_frames: float = Field(
-            30.0,
-            ge=1,
-            unit="frames",
-            description="pictures that colours are averaged over; raising it adapts more slowly",
-        )
-        minimum_likeness: float = Field(
-            -0.5,
-            unit="1",
-            description="log-likelihood ratio of a returning person; raising it recognises fewer returns",
-        )
+    class Params(AppearanceParams):
+        """Finding, learning and remembering persons."""
 
     params: Params
 
@@ -121,6 +66,7 @@ class Appearance(Stage):
         self.bodies = girths_of(self.shape)
         self.around = self.camera.size[0] if full_turn(self.camera) else 0
         self.weights = Weights()
+        self.background = Background()
         self.people: list[Acquaintance] = []
         self.numbers = 0
         self.time = -1
@@ -130,6 +76,7 @@ class Appearance(Stage):
         seconds = max(now - self.time, 0) * NANOSECOND if self.time >= 0 else 0.0
         self.time = now
         picture = pictured(self.camera, frame, gradients)
+        self.pixels, self.light = frame.pixels, self.background.light(frame.pixels)
         detections = [Detection(*row) for row in zip(boxes.box, boxes.torso, boxes.head, strict=True)]
         present = [p for p in self.people if not p.absent]
         pairs = self.assigned(present, detections, picture, now)
@@ -147,6 +94,7 @@ class Appearance(Stage):
         memory = self.params.memory_time
         kept += [p for p in self.people if p.absent and (now - p.seen) * NANOSECOND <= memory]
         self.people = self.recognised(kept)
+        self.background = self.background.after(frame.pixels, now, self.people_here())
         return self.appearances(frame.camera)
 
     def distance(self, person: Acquaintance) -> float:
@@ -210,16 +158,38 @@ class Appearance(Stage):
         visible = seen.visibility[0] * inside[0]
         weight = np.where(visible >= SHARP_VISIBILITY, visible, 0.0)
         stature = person.stature.sized(track.measured, float(self.camera.center[2]))
+        shown = self.presence(track)
+        if shown is not None and shown.height is not None:
+            stature = stature.stood(shown.height)
+        share = averaged(person.foreground, shown)
+        comparable = person.comparable or (share or 0.0) >= THERE
         model = learnt(person.colors, colors[0].astype(float), weight, self.params.color_averaging_frames)
         return replace(
             person,
             track=replace(track, stature=stature.estimate),
             stature=stature,
+            foreground=share,
+            comparable=comparable,
             colors=model,
             seen=now,
             hits=person.hits + 1,
-            trust=min(person.trust + score, TRUSTED),
+            trust=min(person.trust + score + evidence_of(share, comparable=comparable), TRUSTED),
         )
+
+    def presence(self, track: Track) -> Presence | None:
+        """What the background tells of a person in this picture; None if it is not known."""
+        median = self.background.median
+        if median is None or self.light is None:
+            return None
+        box = view(self.camera, self.shape, track.pose[None]).box[0]
+        return presence(self.camera, self.pixels, median, self.light, track.pose, box)
+
+    def people_here(self) -> Array:
+        """Boxes of the upper bodies of people who surely are no part of the room, (K, 4) px."""
+        poses = [
+            p.track.pose for p in self.people if not p.absent and p.number and (p.foreground or 0.0) >= THERE
+        ]
+        return view(self.camera, self.shape, np.array(poses).reshape(-1, 6)).box
 
     def missed(self, person: Acquaintance, seconds: float, now: int) -> Acquaintance | None:
         """The person after a picture without a box; None deletes a tentative person."""
@@ -233,7 +203,14 @@ class Appearance(Stage):
         """A tentative person from one box."""
         particles = spawned(self.camera, self.shape, detection, self.params.particles, self.rng)
         return Acquaintance(
-            0, Track.initiated(particles), ColorModel.unseen(len(self.shape.names)), now, now, 1, score
+            number=0,
+            track=Track.initiated(particles),
+            colors=ColorModel.unseen(len(self.shape.names)),
+            initiated=now,
+            seen=now,
+            hits=1,
+            trust=score,
+            comparable=self.background.median is not None,
         )
 
     def recognised(self, people: list[Acquaintance]) -> list[Acquaintance]:

@@ -93,6 +93,7 @@ class Fusion(Stage):
         self.people = [replace(p, place=p.place.predicted(seconds)) for p in self.people]
         self.deleted = [replace(p, place=p.place.predicted(seconds)) for p in self.deleted]
         groups, free = self.assigned(seen)
+        free = [row for row in free if not self.strayed(seen, row, groups)]
         self.people = [self.moved(person, seen, groups[i], now) for i, person in enumerate(self.people)]
         self.people += [self.initiated(seen, rows, now) for rows in self.grouped(seen, free)]
         self.delete_missed(now)
@@ -114,6 +115,18 @@ class Fusion(Stage):
                     groups[person].append(int(rows[column]))
                     free.discard(int(rows[column]))
         return groups, sorted(free)
+
+    def strayed(self, seen: Sightings, row: int, groups: list[list[int]]) -> bool:
+        """Whether an unassigned row is a wrong pose of a person: known as this person, or near one that this
+        camera does not see elsewhere. It initiates nobody, because a person never is two.
+        """
+        for person, rows in zip(self.people, groups, strict=True):
+            if person.members.get(seen.names[row]) == seen.person[row]:
+                return True
+            near = np.linalg.norm(person.place.state[:2] - seen.pose[row, :2]) < self.params.maximum_distance
+            if near and all(seen.camera[row] != seen.camera[other] for other in rows):
+                return True
+        return False
 
     def known(self, seen: Sightings, rows: Array) -> Array:
         """Whether a camera's person was assigned to this one before: (people, rows)."""

@@ -27,15 +27,15 @@ def standing(camera: Camera, box: Array) -> tuple[Array, Array]:
     """
     middle = (box[:, 0] + box[:, 2]) / 2
     high = camera.center[2]
-    top = _rise(camera, middle, box[:, 1])
-    waist = _rise(camera, middle, box[:, 3])
+    top = rise(camera, middle, box[:, 1])
+    waist = rise(camera, middle, box[:, 3])
     with np.errstate(divide="ignore", invalid="ignore"):
         distance = high * (1 - WAIST) / (WAIST * top - waist)
     distance = np.where(distance > 0, distance, np.nan)
     return distance, high + distance * top
 
 
-def _rise(camera: Camera, x: Array, y: Array) -> Array:
+def rise(camera: Camera, x: Array, y: Array) -> Array:
     """Rise of the ray to a pixel per metre of horizontal distance."""
     direction = ray(camera, np.column_stack([x, y]))
     with np.errstate(divide="ignore"):

@@ -78,10 +78,27 @@ def test_what_nobody_can_have_reached_is_another_person():
     cameras = Cameras(maximum_distance=9.0)
     walked(cameras, 15)
     for _ in range(4):
-        told = cameras.tell(("a", 1, 2.0, 3.5))
-    assert told.person.tolist() == [1, 2]
-    assert told.state.tolist() == [PREDICTED, TRACKED]
+        told = cameras.tell(("a", 1, 2.0, 6.0))
+    assert told.person.tolist() == [1]
+    assert told.state.tolist() == [PREDICTED]
     assert told.xy[0] == pytest.approx([2.0, 0.0], abs=0.1)
+    told = walked(cameras, 12, y=6.0)
+    assert told.person.tolist() == [2]
+    assert told.state.tolist() == [TRACKED]
+
+
+def test_a_person_never_is_two():
+    """Camera `b` is wrong about the distance of the person, which `a` sees where it is."""
+    cameras = Cameras()
+    for wrong in np.linspace(2.0, 4.0, 20):
+        told = cameras.tell(("a", 1, 2.0, 0.0), ("b", 4, wrong, 0.0))
+    assert told.person.tolist() == [1]
+    for _ in range(6):
+        told = cameras.tell(("a", 1, 2.0, 0.0), ("b", 5, 2.0, 0.6))
+    assert told.person.tolist() == [1]
+    for _ in range(6):
+        told = cameras.tell(("a", 1, 2.0, 0.0), ("b", 4, 2.0, 0.0), ("b", 5, 2.0, 0.6))
+    assert told.person.tolist() == [1, 2]
 
 
 @pytest.mark.parametrize("speed", [0.0, 0.8, 1.6])

@@ -1,0 +1,50 @@
+"""Parameters of `persons.appearance`."""
+
+from __future__ import annotations
+
+from followspot import Field, InputPath, StageParams
+from followspot_persons.color.difference import SHIPPED as SHIPPED_RELATIONS
+from followspot_persons.shape import SHIPPED as SHIPPED_SHAPE
+
+
+class AppearanceParams(StageParams):
+    """Finding, learning and remembering persons."""
+
+    shape: InputPath = Field(SHIPPED_SHAPE, description="shape model of head and upper body")
+    color_relations: InputPath = Field(SHIPPED_RELATIONS, description="how the colours of features relate")
+    particles: int = Field(
+        200,
+        ge=20,
+        le=10_000,
+        unit="1",
+        description="particles per person; raising it improves poses and costs time",
+    )
+    minimum_score: float = Field(
+        0.8,
+        unit="1",
+        description="smallest score of a box that initiates a person; raising it avoids mistakes",
+    )
+    confirmation_score: float = Field(
+        4.0, unit="1", description="sum of scores that confirms a person; raising it avoids false persons"
+    )
+    maximum_missed_time: float = Field(
+        1.5,
+        gt=0,
+        unit="s",
+        description="time without a box until a person is absent; raising it bridges more",
+    )
+    memory_time: float = Field(
+        120.0, gt=0, unit="s", description="time for which an absent person is remembered"
+    )
+    predict_colors: bool = Field(True, description="whether to predict the colours of unseen sides")
+    color_averaging_frames: float = Field(
+        30.0,
+        ge=1,
+        unit="frames",
+        description="pictures that colours are averaged over; raising it adapts more slowly",
+    )
+    minimum_likeness: float = Field(
+        -0.5,
+        unit="1",
+        description="log-likelihood ratio of a returning person; raising it recognises fewer returns",
+    )

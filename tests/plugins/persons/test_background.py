@@ -1,0 +1,154 @@
+"""What the room without people tells of them: where they stand, and whether they exist."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.plugins.persons.drawn import SECOND, SHIRT, WALL, perspective, standing
+from tests.plugins.persons.test_appearance import Show
+
+from followspot.geometry import project
+from followspot_persons.background import FEWEST, INTERVAL, LONGEST, MOST, Background, foreground
+from followspot_persons.body_view import view
+from followspot_persons.existence import EVIDENCE, evidence_of
+from followspot_persons.floor_contact import BEFORE_AXIS, lowest, presence
+from followspot_persons.shape import read_shape
+
+NOBODY = np.empty((0, 4))
+PLAIN = np.full((24, 32, 3), (90, 120, 150), np.uint8)
+
+
+def watched(pictures, seconds=INTERVAL, people=NOBODY):
+    """The background of these pictures, one every so many seconds."""
+    background = Background()
+    for number, pixels in enumerate(pictures):
+        background = background.after(pixels, round(number * seconds * SECOND), people)
+    return background
+
+
+def walking_by(pictures):
+    """Something white that passes through the picture."""
+    for number in range(pictures):
+        pixels = PLAIN.copy()
+        pixels[:, (3 * number) % 32 : (3 * number) % 32 + 4] = 255
+        yield pixels
+
+
+def test_the_background_is_what_most_pictures_show():
+    np.testing.assert_array_equal(watched(walking_by(12)).median, PLAIN)
+    assert watched(walking_by(FEWEST - 1)).median is None
+
+
+def test_pictures_are_kept_at_growing_intervals_until_they_span_a_minute():
+    known = watched(PLAIN for _ in range(400))
+    assert known.interval == LONGEST
+    assert len(known.kept) <= MOST
+    assert LONGEST * len(known.kept) > 30
+
+
+def test_where_people_are_known_the_background_stays_as_it_is():
+    shown = PLAIN.copy()
+    shown[:, 10:20] = 0
+    there = np.array([[12.0, 2.0, 18.0, 12.0]])
+    background = watched(PLAIN for _ in range(FEWEST))
+    for number in range(FEWEST, 4 * FEWEST):
+        background = background.after(shown, number * SECOND * 5, there)
+    np.testing.assert_array_equal(background.median, PLAIN)
+
+
+@pytest.mark.parametrize(("now", "differs"), [(0.8, False), (1.0, False), (0.4, True), (1.4, True)])
+def test_a_shadow_is_no_foreground(now, differs):
+    pixels = np.rint(PLAIN * now).astype(np.uint8)
+    assert foreground(pixels, PLAIN, 1.0).all() == differs
+    assert foreground(pixels, PLAIN, 1.0).any() == differs
+
+
+def test_another_colour_as_bright_is_foreground():
+    assert foreground(PLAIN[..., ::-1], PLAIN, 1.0).all()
+
+
+@pytest.mark.parametrize("dim", [0.3, 0.6])
+def test_light_that_changes_everywhere_makes_no_foreground(dim):
+    room = np.random.default_rng(2).integers(40, 220, (24, 32, 3), np.uint8)
+    background = watched(room for _ in range(FEWEST))
+    pixels = np.rint(room * dim).astype(np.uint8)
+    light = background.light(pixels)
+    assert light == pytest.approx(dim, rel=0.05)
+    assert foreground(pixels, room, light).mean() < 0.1
+
+
+def test_a_camera_that_moved_has_no_background():
+    room = np.random.default_rng(2).integers(0, 255, (48, 64, 3), np.uint8)
+    background = watched(room for _ in range(FEWEST))
+    assert background.light(np.roll(room, 5, axis=1)) is None
+    assert background.light(room[:20]) is None
+
+
+def of_body(pose, true):
+    """What a plain wall as background says of a pose, where a body of a true pose stands."""
+    camera = perspective()
+    pixels = np.full((240, 320, 3), WALL, np.uint8)
+    head, foot = project(camera, np.array([true[:3], [*true[:2], 0.0]]))
+    back = pixels.copy()
+    half = 0.1 * (foot[1] - head[1])
+    columns = slice(int(head[0] - half), int(head[0] + half))
+    feet = project(camera, np.array([[true[0] - BEFORE_AXIS, true[1], 0.0]]))[0, 1]
+    pixels[int(head[1]) : int(feet), columns] = SHIRT
+    box = view(camera, read_shape(), pose[None]).box[0]
+    return presence(camera, pixels, back, 1.0, pose, box)
+
+
+@pytest.mark.parametrize("height", [1.55, 1.7, 1.9])
+def test_feet_on_the_floor_give_the_height(height):
+    """The pose has the head's top in place, at a wrong distance and height."""
+    true = standing(4.0, 0.3, height)
+    pose = true.copy()
+    pose[:2] *= 1.1
+    pose[2] = 1.2 + 1.1 * (height - 1.2)
+    told = of_body(pose, true)
+    assert told.foreground > 0.6
+    assert told.height == pytest.approx(height, abs=0.015)
+
+
+def test_feet_below_the_picture_or_far_from_the_pose_tell_nothing():
+    assert of_body(standing(1.5), standing(1.5)).height is None
+    assert of_body(standing(3.5), standing(5.5)).height is None
+
+
+def test_an_empty_place_has_no_foreground():
+    told = of_body(standing(3.0, -0.8), standing(3.0, 0.9))
+    assert told.foreground < 0.1
+    assert told.height is None
+
+
+def test_the_lowest_row_is_before_the_first_long_gap():
+    filled = np.array([1, 1, 0, 1, 1, 0, 0, 0, 1], bool)
+    assert lowest(filled, 2) == 4
+    assert lowest(filled, 4) == 8
+
+
+def test_furniture_is_evidence_against_a_person_unless_it_may_be_the_background():
+    assert evidence_of(0.9, comparable=True) == EVIDENCE
+    assert evidence_of(0.0, comparable=True) == -EVIDENCE
+    assert evidence_of(0.0, comparable=False) == 0.0
+    assert evidence_of(None, comparable=True) == 0.0
+
+
+def test_boxes_on_furniture_confirm_nobody_and_a_person_there_is_confirmed():
+    """The detector sees a person on the plain wall, more and more often than it would a real one."""
+    numbers = {}
+    for real in (False, True):
+        show = Show()
+        for _ in range(FEWEST + 1):
+            show.see()
+        for _ in range(8):
+            told = show.see(*([standing(2.5)] if real else []), boxed=[standing(2.5)], score=1.0)
+        numbers[real] = told.person.tolist()
+    assert numbers == {False: [], True: [1]}
+
+
+def test_who_stood_there_from_the_start_stays():
+    show = Show()
+    for _ in range(20):
+        told = show.see(standing(2.5), score=1.0)
+    assert told.person.tolist() == [1]
