@@ -75,3 +75,12 @@ def _check(found: os.stat_result, path: str | Path, most: int | None) -> None:
 
 def _too_large(path: str | Path, most: int) -> OSError:
     return OSError(errno.EFBIG, f"larger than {most} bytes", str(path))
+
+
+def unused_path(path: Path) -> Path:
+    """The path, or the first numbered one beside it that is not taken."""
+    unused, number = path, 1
+    while unused.exists():
+        number += 1
+        unused = path.with_stem(f"{path.stem}-{number}")
+    return unused

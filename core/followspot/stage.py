@@ -138,6 +138,8 @@ class Context:
     pause: Callable[[float], bool] = _sleep
     """Wait (s), for a source that keeps its own pace. Returns False at once if the run is ending: the source
     should return then. Readers of recordings that need no pace do not wait."""
+    resumed: bool = False
+    """True if an earlier instance of the stage has worked in this run: a sink keeps what that one wrote."""
     post: Post | None = None
     """Channel to the observers of a tap on another host than the operator's."""
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Literal, NoReturn
 
 from followspot.errors import FollowspotError
+from followspot.files import unused_path
 from followspot_recording.writer import McapWriter
 
 Compression = Literal["lz4", "zstd", "none"]
@@ -123,7 +124,7 @@ def join(path: Path, chunking: Chunking) -> Recorder:
     """
     recorder = _open.get(path)
     if recorder is None:
-        recorder = _open[path] = Recorder(_free(path), chunking)
+        recorder = _open[path] = Recorder(unused_path(path), chunking)
     recorder.users += 1
     return recorder
 
@@ -134,12 +135,3 @@ def leave(path: Path, recorder: Recorder) -> None:
     if recorder.users == 0:
         _open.pop(path, None)
         recorder.close()
-
-
-def _free(path: Path) -> Path:
-    """The path, or the first numbered one that is not taken: after a restart nothing recorded is lost."""
-    free, number = path, 1
-    while free.exists():
-        number += 1
-        free = path.with_stem(f"{path.stem}-{number}")
-    return free

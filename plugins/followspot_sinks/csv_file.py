@@ -62,7 +62,7 @@ class CsvFile(LineSink):
         self.names = tuple(cells.name for cells in table)
         self.chosen = chosen_columns(table, self.params.columns)
         head = ("frame", "time", *(self.names[i] for i in self.chosen))
-        self.write([",".join(map(_text, head)) + "\n"])
+        self.begin(",".join(map(_text, head)) + "\n")
 
 
 def _texts(cells: Cells) -> list[str]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from followspot import Array, Field, Joined, Latest, OutputPath, Stage, StageParams
 from followspot.errors import FollowspotError
+from followspot.files import unused_path
 from followspot.geometry import project
 from followspot.people import Boxes, Poses
 from followspot.room import Camera
@@ -120,9 +121,11 @@ class Draw(Stage):
         """The file for the camera's pictures."""
         if camera not in self.files:
             form = self.params.format
-            video = form == "mp4"
+            path = self.folder / f"{camera}.mp4"
             self.files[camera] = (
-                VideoFile(self.folder, camera) if video else PictureFolder(self.folder, camera, form)
+                PictureFolder(self.folder, camera, form)
+                if form != "mp4"
+                else VideoFile(unused_path(path) if self.context.resumed else path)
             )
         return self.files[camera]
 

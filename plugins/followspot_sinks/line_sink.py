@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from io import FileIO
+from os import pread
 from pathlib import Path
 
 from followspot import Stage
@@ -21,15 +22,25 @@ class LineSink(Stage):
     file: FileIO | None = None
 
     def setup(self) -> None:
-        """Create the file, replacing an older one. Raises FollowspotError if that is not possible."""
+        """Create the file, or open that which the run began. Raises FollowspotError if that is not possible.
+
+        A file of an earlier run is replaced.
+        """
         path = below(self.context.out, self.params.path)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            self.file = FileIO(path, "w")
+            self.file = FileIO(path, "a+" if self.context.resumed else "w")
         except OSError as error:
             raise FollowspotError(f"{path} cannot be written: {error.strerror}") from None
         self.pending: list[str] = []
         self.pending_bytes = 0
+
+    def begin(self, line: str) -> None:
+        """Write the first line of an empty file. Raises FollowspotError if the file begins otherwise."""
+        if self.file is None or not self.context.resumed or self.file.tell() == 0:
+            self.write([line])
+        elif pread(self.file.fileno(), len(line.encode()), 0) != line.encode():
+            raise FollowspotError(f"{self.params.path} has other columns\n    give the sink another file")
 
     def write(self, lines: Iterable[str]) -> None:
         """Add lines, each with its line end. Raises FollowspotError if the disk does not take them."""

@@ -32,8 +32,8 @@ class PictureFile(Protocol):
 class VideoFile:
     """An .mp4 with the frame rate of the first two pictures."""
 
-    def __init__(self, folder: Path, camera: str) -> None:
-        self.path = folder / f"{camera}.mp4"
+    def __init__(self, path: Path) -> None:
+        self.path = path
         self.first: tuple[Array, int] | None = None
         self.writer: cv2.VideoWriter | None = None
 

@@ -38,7 +38,11 @@ workers:
   main:  {stages: [sum, save]}
 """
 
-SHORT = PAIR.replace("[more, less]", "[more, less, short]") + "short: {uses: ticks.live, with: {count: 3}}\n"
+SHORT = (
+    PAIR.replace("[more, less]", "[more, less, short]")
+    + "short: {uses: ticks.live, with: {count: 3}}\n"
+    + "keep: {uses: sinks.jsonl, in: {messages: sum}}\n"
+)
 
 
 class Live:
@@ -130,6 +134,9 @@ def test_after_the_end_of_a_camera_file_other_workers_are_still_restarted(tmp_pa
     run = Live(tmp_path, stages=SHORT, placement=PLACEMENT + "  short: {stages: [short]}\n")
     assert wait_until(lambda: len(run.workers()) == 3), "the short one has not ended"
     _, right, main = run.workers()
+    kept = run.out / "messages.jsonl"
+    assert wait_until(lambda: kept.stat().st_size > 0), "nothing was flushed"
+    before = kept.read_text().splitlines()
     run.kill_writer(main)
     run.go_on()
     os.kill(right, signal.SIGSTOP)
@@ -144,6 +151,9 @@ def test_after_the_end_of_a_camera_file_other_workers_are_still_restarted(tmp_pa
     assert balanced(finished.summary)
     assert any("worker right" in line and "hangs" in line for line in finished.summary["warnings"])
     assert finished.edge("short.", "sum.")["delivered"] <= 3
+    after = kept.read_text().splitlines()
+    assert after[: len(before)] == before, "what a sink wrote before its worker died was lost"
+    assert json.loads(after[-1])["time"] > json.loads(before[-1])["time"]
     assert all(0 <= edge["lost"] <= 10 for edge in finished.summary["edges"])
 
 

@@ -47,12 +47,12 @@ def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change
     words: STAGE=USES to swap, STAGE.KEY=VALUE to set a parameter; STAGE is a stage of the graph file or one
     of its instances, or a sub-graph, with FILE for USES; folder: that paths in the words are relative to. A
     replacement keeps the given parameters of the old stage that it also has, and takes those that the room
-    tunes of it, unless `--set` or a change gave them.
+    tunes of it, unless `--set` or a change gave them. Files of sub-graphs come first, in whatever order.
     """
     mistakes: list[Mistake] = []
     wishes: dict[str, _Wish] = {}
     recipe = plan.recipe
-    for word in words:
+    for word in sorted(words, key=_is_set):
         override = read_override(_spelled(word), mistakes)
         if override is not None and is_subgraph(plan, override.stage):
             recipe = _note_subgraph(override, word, replace(plan, recipe=recipe), folder, wishes, mistakes)
@@ -86,10 +86,15 @@ class _Wish:
     """What gave each parameter that is no default its value."""
 
 
+def _is_set(word: str) -> bool:
+    """True for STAGE.KEY=VALUE, False for STAGE=USES."""
+    return "." in word.partition("=")[0]
+
+
 def _spelled(word: str) -> str:
     """STAGE=USES is short for STAGE.uses=USES."""
     stage, sign, uses = word.partition("=")
-    return f"{stage}.uses={uses}" if sign and "." not in stage else word
+    return f"{stage}.uses={uses}" if sign and not _is_set(word) else word
 
 
 def _note_subgraph(

@@ -90,15 +90,21 @@ def _set(fresh: Plan, name: str, word: str) -> list[StageChange]:
 
 
 def _differing(before: Plan, after: Plan, name: str) -> list[StageChange]:
-    """The stages of a sub-graph that are another plugin stage or have other parameters."""
+    """The stages of a sub-graph that are another plugin stage or have other parameters.
+
+    What a change gave before stays if the stage still has the parameter.
+    """
     old = _stages(before, name)
     found = []
     for stage in _stages(after, name).values():
         was = old[stage.name]
         same = stage.uses == was.uses
-        params = {k: v for k, v in stage.params.items() if not (same and was.params.get(k) == v)}
+        given = before.origins.get(stage.name, {})
+        kept = {k: was.params[k] for k in stage.params if given.get(k) == BY_A_CHANGE}
+        wanted = {**stage.params, **kept}
+        params = {k: v for k, v in wanted.items() if not (same and was.params.get(k) == v)}
         if params or not same:
-            origins = after.origins.get(stage.name, {})
+            origins = {**after.origins.get(stage.name, {}), **dict.fromkeys(kept, BY_A_CHANGE)}
             found.append(StageChange(stage.name, stage.uses, params, origins))
     return found
 

@@ -160,6 +160,7 @@ class _Builder:
             warn=warn,
             loan=partial(_loan, tuple(outputs.values())),
             pause=self.pace.wait_aside if stage.live else self.pace.wait,
+            resumed=self.options.resumed,
         )
         build = partial(self.wiring.classes[stage.name], context, **stage.params)
         if self.wiring.ports[stage.name].source:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import traceback
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from followspot.errors import FollowspotError
@@ -50,6 +51,7 @@ def _restart(runner: StageRunner) -> None:
     state = runner.stage.state()
     runner.stage.close()
     runner.stage = runner.build()
+    runner.stage.context = replace(runner.stage.context, resumed=True)
     runner.stage.setup()
     if state is not None:
         runner.stage.restore(state)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from followspot.control.swap import ChangeOrder, ChangeStatus
@@ -104,7 +104,8 @@ def prepared(worker: Worker, stages: Sequence[PlannedStage]) -> list[Replacement
     for planned in stages:
         runner = runners[planned.name]
         try:
-            build = partial(load_stage(planned.uses), runner.stage.context, **planned.params)
+            context = replace(runner.stage.context, resumed=True)
+            build = partial(load_stage(planned.uses), context, **planned.params)
             stage = build()
             replacements.append(Replacement(runner, stage, build))
             stage.setup()

@@ -139,7 +139,14 @@ class WorkerMain:
         edges = len(links.plan.edges)
         ledger = Ledger(edges, _shared_words(memory, edges))
         self.clock = Clock(*order.clock)
-        options = RunOptions(Path(order.out), order.frames, self.warnings.add, order.restart, self.clock)
+        options = RunOptions(
+            Path(order.out),
+            order.frames,
+            self.warnings.add,
+            order.restart,
+            self.clock,
+            resumed=order.incarnation > 0,
+        )
         return build_worker(Wiring(links.plan), order.worker, ledger, options, links)
 
     def _started(self) -> bool:

@@ -28,7 +28,7 @@ class RunOptions:
 
     out: folder for outputs; frames: messages per source, None for all; warn: gets stage name and text;
     rejoin: whether workers that die are started again, while live joins go on without them and others wait;
-    clock: of this host.
+    clock: of this host; resumed: whether the worker's stages have worked in this run before.
     """
 
     out: Path = Path()
@@ -36,6 +36,7 @@ class RunOptions:
     warn: Callable[[str, str], None] = lambda stage, text: None
     rejoin: bool = False
     clock: Clock = field(default_factory=Clock)
+    resumed: bool = False
 
 
 class Wiring:

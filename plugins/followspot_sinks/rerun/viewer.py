@@ -7,6 +7,7 @@ from typing import Any
 
 from followspot import Field, Message, OutputHost, OutputPath, Stage, StageParams
 from followspot.errors import FollowspotError
+from followspot.files import unused_path
 from followspot_sinks.line_sink import below
 from followspot_sinks.rerun.scene import entity_of, log_cameras, parts_of, shape_of
 
@@ -48,7 +49,7 @@ class Rerun(Stage):
         else:
             path = below(self.context.out, self.params.path)
             path.parent.mkdir(parents=True, exist_ok=True)
-            self.stream.save(path)
+            self.stream.save(unused_path(path) if self.context.resumed else path)
         log_cameras(self.rerun, self.stream, self.room)
         self.shown = True
 

@@ -45,6 +45,28 @@ def test_a_value_that_suits_none_of_several_stages_is_one_mistake(tmp_path: Path
     assert mistake.text.startswith('"level" of stage "tracker/hall/detect" (toy.detect) cannot be')
 
 
+SOFTER = TRACKER.replace("graph: tracker", "graph: softer")
+
+
+@pytest.mark.parametrize("word", ["hall.level=0.75", "hall/detect/cam1.level=0.75"])
+def test_what_was_set_stays_when_a_sub_graph_is_replaced(tmp_path: Path, word: str) -> None:
+    plan = planned(tmp_path, SHARED)
+    before = after(plan, word)
+    write(tmp_path, softer=SOFTER.replace("uses: toy.detect", "uses: toy.detect_again"))
+    swapped = after(before, f"hall={tmp_path / 'softer.yaml'}")
+    assert swapped.notes != before.notes
+    assert levels(swapped) == levels(before) != levels(plan)
+    again = after(swapped, f"hall={tmp_path / 'softer.yaml'}")
+    assert levels(again) == levels(before), "it counts as set after a change, too"
+
+
+def test_a_file_and_its_parameter_may_come_in_any_order(tmp_path: Path) -> None:
+    plan = planned(tmp_path, SHARED)
+    write(tmp_path, softer=SOFTER)
+    file = f"hall={tmp_path / 'softer.yaml'}"
+    assert levels(after(plan, "hall.level=0.75", file)) == levels(after(plan, file, "hall.level=0.75"))
+
+
 @pytest.mark.parametrize(
     "word", ["each=cameras", "cameras=cameras", "in.frames=eyes", "optional=true", "graph=x.yaml"]
 )

@@ -98,6 +98,17 @@ def test_a_change_that_fails_leaves_every_stage_as_it_was(tmp_path: Path) -> Non
     assert run.plan.notes == ()
 
 
+def test_a_stage_that_takes_over_knows_that_another_one_worked_in_this_run(tmp_path: Path) -> None:
+    resumed: dict[str, bool] = {}
+
+    def changed(run: Coordinator) -> None:
+        change(run, "y.at=7")
+        resumed.update({runner.name: runner.stage.context.resumed for runner in worker_of(run).runners})
+
+    changed_at_the_gate(tmp_path, changed)
+    assert {name for name, found in resumed.items() if found} == {"y"}
+
+
 def test_a_run_that_is_over_is_not_changed(tmp_path: Path) -> None:
     run, _ = changed_at_the_gate(tmp_path, lambda run: None)
     with pytest.raises(FollowspotError, match="the run has ended"):

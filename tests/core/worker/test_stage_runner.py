@@ -10,6 +10,7 @@ from tests.core.worker.solo import Solo
 from followspot.graph.compile import compile_graph
 from followspot.messages import Header, stamped
 from followspot.transport.token import ABSENT
+from followspot.worker.error_policy import recover
 from followspot.worker.input_queue import InputQueue
 from followspot.worker.ledger import Ledger
 from followspot.worker.wiring import Wiring
@@ -90,3 +91,14 @@ def test_the_latency_of_64_sources_is_measured_apart_and_that_of_all_others_toge
         save.deliver(None, Header(f"camera{number}/cam", 0, 0))
     assert list(save.paths) == [*(f"camera{number}/cam" for number in range(64)), "others"]
     assert save.paths["others"].count == 6
+
+
+def test_a_stage_that_is_rebuilt_after_an_error_knows_that_it_worked_before(tmp_path: Path) -> None:
+    run = solo(tmp_path)
+    run.worker.setup()
+    runner = next(runner for runner in run.worker.runners if runner.name == "b")
+    runner.on_error, first = "restart", runner.stage
+    recover(runner, Header("a", 0, 900), ValueError("no"))
+    assert (first.context.resumed, runner.stage.context.resumed) == (False, True)
+    assert runner.stage is not first
+    run.worker.close()

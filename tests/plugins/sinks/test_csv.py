@@ -27,8 +27,9 @@ def tracks(seq: int, time: int, rows: int = 2) -> Tracks:
     return stamped(message, Header("track", seq, time))
 
 
-def saved(folder: Path, *messages: Tracks) -> Path:
-    sink = CsvFile(Context(room=ROOM, out=folder))
+def saved(folder: Path, *messages: Tracks, resumed: bool = False, columns: tuple[str, ...] = ()) -> Path:
+    receives = () if messages else (Tracks,)
+    sink = CsvFile(Context(room=ROOM, out=folder, resumed=resumed, receives=receives), columns=columns)
     sink.setup()
     for message in messages:
         sink.process((message,))
@@ -43,6 +44,21 @@ def test_tracks_are_one_row_per_target_and_frame(tmp_path: Path) -> None:
         "7,0.233333333,red,tracked,1.500000,-2.250000,0.333333,0.750000,-1.125000,0.166667,0.015000,0.022500,0.003333",
         "7,0.233333333,green,predicted,0.000000,0.100000,2.000000,0.000000,0.050000,1.000000,0.000000,0.001000,0.020000",
     ]
+
+
+def test_a_sink_that_is_resumed_adds_to_what_the_run_has_written(tmp_path: Path) -> None:
+    whole = saved(tmp_path / "whole", tracks(0, 0), tracks(1, 10)).read_text()
+    saved(tmp_path, tracks(0, 0))
+    assert saved(tmp_path, tracks(1, 10), resumed=True).read_text() == whole
+    assert saved(tmp_path / "new", tracks(0, 0), tracks(1, 10), resumed=True).read_text() == whole
+    assert saved(tmp_path, tracks(0, 0)).read_text() != whole, "another run begins anew"
+
+
+def test_rows_with_other_columns_are_not_added_to_a_file(tmp_path: Path) -> None:
+    before = saved(tmp_path, tracks(0, 0)).read_text()
+    with pytest.raises(FollowspotError, match="other columns\n    give the sink another file"):
+        saved(tmp_path, resumed=True, columns=("x",))
+    assert (tmp_path / "tracks.csv").read_text() == before
 
 
 def test_frame_without_known_positions_has_no_row(tmp_path: Path) -> None:

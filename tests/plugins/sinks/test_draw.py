@@ -228,7 +228,7 @@ def test_a_video_that_cannot_be_written_names_the_remedy(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("cv2.VideoWriter.isOpened", lambda self: False, raising=False)
-    file = VideoFile(tmp_path, "left")
+    file = VideoFile(tmp_path / "left.mp4")
     file.write(np.zeros((48, 64, 3), "u1"), 0, 0)
     with pytest.raises(FollowspotError, match="format: jpg"):
         file.close()
@@ -264,3 +264,12 @@ def test_folder_that_cannot_be_written_and_one_outside_are_refused(tmp_path: Pat
         Draw(Context(room=ROOM, out=tmp_path)).setup()
     with pytest.raises(InputError, match="outside the output folder"):
         Draw(Context(room=ROOM, out=tmp_path), path="../up").setup()
+
+
+def test_the_video_of_a_stage_that_is_resumed_stands_beside_the_first_one(tmp_path: Path) -> None:
+    for resumed in (False, True):
+        sink = Draw(Context(room=ROOM, out=tmp_path, resumed=resumed))
+        sink.setup()
+        sink.process((frame(),))
+        sink.close()
+    assert sorted(path.name for path in (tmp_path / "drawn").iterdir()) == ["left-2.mp4", "left.mp4"]
