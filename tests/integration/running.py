@@ -86,6 +86,11 @@ def children(pid: int) -> list[int]:
     return [int(word) for text in texts for word in text.split()]
 
 
+def descendants(pid: int) -> list[int]:
+    """Child processes of `pid`, and theirs."""
+    return [found for child in children(pid) for found in (child, *descendants(child))]
+
+
 def command_of(pid: int) -> str:
     """The command line of a process; empty if it has ended."""
     try:

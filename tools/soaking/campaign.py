@@ -40,7 +40,7 @@ from soaking.show import (
     Hosts,
     Show,
     books_of,
-    children,
+    descendants,
     disagreements,
     unused_memory,
 )
@@ -95,7 +95,7 @@ def memory(show: Show) -> int:
     """Bytes that all processes of the show take, shared ones counted once."""
     hosts = [show.run.pid, *(agent.process.pid for agent in show.agents.values())]
     total = 0
-    for pid in [*hosts, *(child for host in hosts for child in children(host))]:
+    for pid in [*hosts, *(pid for host in hosts for pid in descendants(host))]:
         try:
             text = Path(f"/proc/{pid}/smaps_rollup").read_text()
         except OSError:

@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
 from tests.integration.hosts import Agent, Hosts  # noqa: E402
-from tests.integration.running import alive, children, unused_memory  # noqa: E402
+from tests.integration.running import alive, descendants, unused_memory, workers  # noqa: E402
 from tests.promises.books import Books, books_of, disagreements  # noqa: E402
 
 from soaking.room import write_files  # noqa: E402
@@ -31,7 +31,7 @@ __all__ = [
     "Hosts",
     "Show",
     "books_of",
-    "children",
+    "descendants",
     "disagreements",
     "unused_memory",
 ]
@@ -112,7 +112,7 @@ class Show:
     def workers(self) -> list[int]:
         """Process ids of all workers."""
         hosts = [self.run.pid, *(agent.process.pid for agent in self.agents.values())]
-        return [pid for host in hosts for pid in children(host) if alive(pid)]
+        return [pid for host in hosts for pid in workers(host) if alive(pid)]
 
     def signal_worker(self, number: signal.Signals) -> None:
         """SIGKILL; or SIGSTOP: it hangs until its host kills it."""
