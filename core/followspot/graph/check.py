@@ -61,6 +61,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
         if instance.name in classes:
             _check_inputs(instance, classes[instance.name], expanded.left_out, mistakes)
             check_picture(instance, classes[instance.name], expanded.room, mistakes)
+    _check_unserved(expanded.unserved, mistakes)
     stages = [
         CheckedStage(instance, stage, params)
         for name, stage in classes.items()
@@ -93,6 +94,15 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
         subgraph_ports(expanded.outputs, stages, expanded.room),
         expanded.room_node,
     )
+
+
+def _check_unserved(instances: Sequence[Instance], mistakes: list[Mistake]) -> None:
+    """Note what is wrong with stages that are left out, whatever the room has."""
+    for instance in instances:
+        stage = _class(instance.uses, instance.uses_place, mistakes) if instance.uses else None
+        if stage is not None:
+            _check_inputs(instance, stage, {}, mistakes)
+            _params(instance, stage, mistakes)
 
 
 def _classes(expanded: Expanded, mistakes: list[Mistake]) -> dict[str, type[Stage]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from followspot.document import Node, child
@@ -36,6 +36,8 @@ class Expanded:
     wires: tuple[Wire, ...]
     left_out: Mapping[str, Mistake]
     """Optional stages without an instance, each with the reason: a mistake for a stage that needs one."""
+    unserved: tuple[Instance, ...] = ()
+    """One instance of each stage that is left out, to check what is written there."""
     notes: tuple[str, ...] = ()
     offered: frozenset[str] = frozenset()
     """Stages that an interface names among its outputs."""
@@ -81,11 +83,18 @@ def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
         instances=instances,
         wires=tuple(wires),
         left_out=left_out,
+        unserved=tuple(_unserved(loaded, left_out)),
         notes=tuple(dict.fromkeys(reason.text for reason in left_out.values())),
         offered=loaded.offered,
         tuned=loaded.tuned,
         outputs=loaded.outputs,
     )
+
+
+def _unserved(loaded: Loaded, left_out: Collection[str]) -> Iterator[Instance]:
+    """An instance, of a member that is not known, of each stage that is left out."""
+    for stage in (*(loaded.stages[name] for name in left_out if name in loaded.stages), *loaded.apart):
+        yield _instance(stage, ANY, loaded, [])
 
 
 def _nothing(loaded: Loaded, text: str, remedy: str, mistakes: list[Mistake]) -> Expanded:

@@ -39,6 +39,8 @@ class Loaded:
     """What the interface of the graph file names."""
     left_out: Mapping[str, Mistake] = field(default_factory=dict)
     """The sub-graphs that the room has nothing for, with the reasons."""
+    apart: tuple[StageDeclaration, ...] = ()
+    """The stages of these."""
     optional: tuple[OptionalUse, ...] = ()
     """The other sub-graphs that may be left out."""
     tuned: frozenset[Place] = frozenset()
@@ -74,6 +76,7 @@ def load(
         composed.offered,
         composed.promises,
         composed.left_out,
+        tuple(read_stage(name, node, mistakes) for name, node in composed.apart.items()),
         composed.optional,
         composed.tuned,
         composed.outputs,

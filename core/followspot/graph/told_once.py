@@ -18,15 +18,15 @@ def told_once(mistakes: Iterable[Mistake]) -> list[Mistake]:
     """The first of the mistakes that have one cause.
 
     One text about one value is one mistake, wherever sub-graphs take the value to. So are texts at one
-    place, reached by the same uses of files, that differ in members alone.
+    place, reached by whatever uses of its file, that differ in members and sub-graphs alone.
     """
     kept: list[Mistake] = []
     seen: set[tuple[Place | None, str]] = set()
     for mistake in mistakes:
         written = _OF_A_VALUE.sub(r"\1", mistake.text)
-        value = (mistake.place and replace(mistake.place, outer=None), written)
-        member = (mistake.place, _OF_A_MEMBER.sub("/", mistake.text))
-        if value in seen or (mistake.place is not None and member in seen):
+        at = mistake.place and replace(mistake.place, outer=None)
+        value, member = (at, written), (at, _OF_A_MEMBER.sub("/", mistake.text))
+        if value in seen or (at is not None and member in seen):
             continue
         seen |= {value, member}
         kept.append(mistake)

@@ -154,3 +154,48 @@ def test_a_word_that_is_no_switch_is_one_mistake(tmp_path: Path) -> None:
         planned(tmp_path, MAIN.replace("WHICH", "optional: maybe"))
     (mistake,) = caught.value.mistakes
     assert mistake.text == 'optional cannot be "maybe"'
+
+
+TYPOS = composed.TRACKER.replace("toy.pair", "toy.piar").replace("{model: ", "{modle: 1, model: ")
+
+
+@pytest.mark.parametrize(
+    ("which", "tracker", "texts"),
+    [
+        ("each: zones", TYPOS, ['no stage "toy.piar" is installed',
+         'stage "far/track" (toy.track) has no parameter "modle"']),
+        ("cameras: 'cameras[zone=attic]'", TYPOS, ['no stage "toy.piar" is installed',
+         'stage "far/track" (toy.track) has no parameter "modle"']),
+        ("each: zones, with: {lvl: 1}", composed.TRACKER,
+         ['graph "far", used as "far", has no parameter "lvl"']),
+        ("each: zones, with: {level: high}", composed.TRACKER,
+         ['"level" of stage "far/detect" (toy.detect) cannot be \'high\': it must be a valid number, '
+          "unable to parse string as a number"]),
+    ],
+)  # fmt: skip
+def test_mistakes_in_it_are_told_although_it_is_left_out(
+    tmp_path: Path, which: str, tracker: str, texts: list[str]
+) -> None:
+    main = MAIN.replace("WHICH", f"{which}, optional: true").replace(
+        "far:  {graph: tracker", "far:  {graph: far"
+    )
+    far = tracker.replace("graph: tracker", "graph: far")
+    with pytest.raises(InputError) as caught:
+        planned(tmp_path, main, far=far)
+    assert [mistake.text for mistake in caught.value.mistakes] == texts
+
+
+def test_its_outputs_must_be_there_although_it_is_left_out(tmp_path: Path) -> None:
+    main = MAIN.replace("WHICH", "each: zones, optional: true").replace("far.blobs", "far.blob")
+    with pytest.raises(InputError, match='sub-graph "far" has no output "blob"'):
+        planned(tmp_path, main)
+
+
+def test_a_stage_that_is_left_out_is_checked(tmp_path: Path) -> None:
+    late = "  late: {uses: toy.detect, each: zones, optional: true, in: {fram: eyes}, with: {lvl: 1}}\n"
+    with pytest.raises(InputError) as caught:
+        planned(tmp_path, MAIN.replace("WHICH", "each: zones, optional: true") + late)
+    assert [mistake.text for mistake in caught.value.mistakes] == [
+        'stage "late" has no input "fram"',
+        'stage "late" (toy.detect) has no parameter "lvl"',
+    ]

@@ -19,6 +19,15 @@ stages:
   one:  {graph: one.yaml, each: cameras, in: {frames: eyes}}
   pair: {uses: toy.pair, in: {blobs: one.blobs}}
 """
+TWICE = """\
+graph: main
+room: room.yaml
+stages:
+  eyes:  {uses: room.source, each: cameras}
+  left:  {graph: one.yaml, in: {frames: eyes}}
+  right: {graph: one.yaml, in: {frames: eyes}}
+  pair:  {uses: toy.pair, in: {blobs: [left.blobs, right.blobs]}}
+"""
 ONE = """\
 graph: one
 params:  {level: detect.level}
@@ -60,6 +69,24 @@ def test_a_mistake_of_every_member_is_told_once(tmp_path: Path, before: str, aft
     assert refused(tmp_path, MAIN, one) == [text]
 
 
+@pytest.mark.parametrize(
+    ("before", "after", "text"),
+    [
+        ("in: {frame: camera}", "", 'stage "left/detect" (toy.detect) needs the input "frame"'),
+        ("in: {frame: camera}", "in: {frames: camera}", 'stage "left/detect" has no input "frames"'),
+        ("frame: camera}", "frame: kamera}", 'there is no stage "left/kamera"'),
+        ("outputs: {blobs: detect}", "outputs: {blobs: late}\n",
+         "the stages left/late -> left/late wait for each other"),
+    ],
+)  # fmt: skip
+def test_a_mistake_in_a_file_that_is_used_twice_is_told_once(
+    tmp_path: Path, before: str, after: str, text: str
+) -> None:
+    one = ONE.replace(before, after)
+    one += f"  late: {LATE}\n" if "late" in after else ""
+    assert refused(tmp_path, TWICE, one) == [text]
+
+
 def test_members_that_a_sender_does_not_serve_are_told_together(tmp_path: Path) -> None:
     main = MAIN + (
         "  few:  {uses: toy.any, each: 'cameras[name=cam1]', in: {blobs: one.blobs}}\n"
@@ -82,11 +109,11 @@ def test_different_mistakes_at_one_place_are_all_told() -> None:
     place = Place("one.yaml", 3, 1)
     found = [Mistake(place, text) for text in ('"a/b" needs x', '"a/c" needs x', '"a/b" needs y')]
     elsewhere = [
-        Mistake(place.within(Place("main.yaml", 4, 1)), '"a/d" needs x'),
         Mistake(None, "a/b"),
         Mistake(None, "a/c"),
     ]
-    assert told_once([*found, *elsewhere]) == [found[0], found[2], *elsewhere]
+    used = Mistake(place.within(Place("main.yaml", 4, 1)), '"a/d" needs x')
+    assert told_once([*found, used, *elsewhere]) == [found[0], found[2], *elsewhere]
 
 
 @pytest.mark.parametrize("feeds", ["[detect, detect]", "[detect, detect.out]"])

@@ -43,6 +43,8 @@ class Composed:
     """What the interface of the graph file itself names."""
     left_out: Mapping[str, Mistake] = field(default_factory=dict)
     """The sub-graphs that the room has nothing for, with the reasons; feeds still name them."""
+    apart: Mapping[str, Node] = field(default_factory=dict)
+    """The stages of these."""
     optional: tuple[OptionalUse, ...] = ()
     """The other sub-graphs that may be left out."""
     tuned: frozenset[Place] = frozenset()
@@ -80,6 +82,7 @@ def compose(
         known = {*stages, *(found.name for found in _units(unit))}
         mistakes.append(_no_stage(name, override, stages, known))
     check_nested(unit, wrong)
+    apart = dict(_apart(unit, wrong))
     mistakes += wrong
     stages = seen_only(stages, _units(unit))
     read = tuple(files.files)
@@ -96,6 +99,7 @@ def compose(
         offered,
         promises_of(unit),
         left_out_below(unit),
+        apart,
         tuple(optional_uses(unit)) if not wrong else (),
         frozenset(units.tuned),
         _outputs(unit) if not wrong else {},
@@ -155,6 +159,13 @@ def _stages(unit: Unit, mistakes: list[Mistake]) -> Iterator[tuple[str, Node]]:
                 yield from _stages(inner, mistakes)
         elif name not in unit.replaced:
             yield below(unit.name, name), _flat(name, node, unit, mistakes)
+
+
+def _apart(unit: Unit, mistakes: list[Mistake]) -> Iterator[tuple[str, Node]]:
+    """The stages of all sub-graphs that are left out, with full names."""
+    for one in (unit, *_units(unit)):
+        for left_out in one.apart.values():
+            yield from _stages(left_out, mistakes)
 
 
 def _flat(name: str, node: Node, unit: Unit, mistakes: list[Mistake]) -> Node:

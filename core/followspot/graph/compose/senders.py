@@ -48,6 +48,8 @@ def senders(unit: Unit, feed: Node, mistakes: list[Mistake], way: _Way = ()) -> 
         return [_only(one, unit.stages[stage], unit.limits) for one in found]
     absent = next((name for name in enclosing(stage) if name in unit.left_out), None)
     if absent is not None:
+        if stage in unit.apart:
+            _of_output(unit.apart[stage], port, feed, mistakes, way)
         return [renamed(feed, _join(below(unit.name, absent), port))]
     if stage in unit.units:
         return [one for inner in unit.units[stage] for one in _of_output(inner, port, feed, mistakes, way)]

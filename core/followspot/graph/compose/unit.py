@@ -47,6 +47,8 @@ class Unit:
     units: dict[str, tuple[Unit, ...]] = field(default_factory=dict)
     left_out: dict[str, Mistake] = field(default_factory=dict)
     """The sub-graphs that the room has nothing for, by their names in this unit, with the reasons."""
+    apart: dict[str, Unit] = field(default_factory=dict)
+    """What these would be in a room that had it, to check their files."""
     optional: Place | None = None
     """Where the stage is that may be left out; None for any other."""
     inputs: Mapping[str, Wired] = field(default_factory=dict)
@@ -102,6 +104,8 @@ class Units:
         around = Surroundings(self.room, self.named, parent.name, parent.limits)
         found = fan_out(stage, entry, around, self.mistakes)
         parent.left_out |= found.left_out
+        if stage in found.left_out:
+            self._set_apart(parent, stage, entry, overrides)
         if [use.name for use in found.uses] == [stage]:
             yield from self._use(parent, stage, found.uses[0], entry, overrides if found.complete else ())
             return
@@ -112,6 +116,16 @@ class Units:
             entry = Form(own, f'sub-graph "{below(parent.name, use.name)}"', SUBGRAPH, [])  # noted above
             mine = [override for override in overrides if override.stage.startswith(f"{use.name}/")]
             yield from self._use(parent, stage, use, entry, mine)
+
+    def _set_apart(self, parent: Unit, stage: str, entry: Form, overrides: Sequence[Override]) -> None:
+        """Make the unit of a sub-graph that is left out as if its room were not known, for its mistakes."""
+        units = Units(self.files, None, self.named, self.mistakes, self.odd)
+        use = Use(stage, parent.limits, optional=True)
+        inside = overrides if entry.get("each") is None else ()
+        for unit in units._use(parent, stage, use, entry, inside):
+            parent.apart[stage] = unit
+        self.unknown += units.unknown
+        self.tuned |= units.tuned
 
     def _own(self, node: Node, stage: str, name: str, overrides: Sequence[Override]) -> Node:
         """The entry of one member of a sub-graph, with the overrides for this member alone."""
