@@ -65,7 +65,12 @@ def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change
     if mistakes:
         raise InputError(told_once(mistakes))
     new = tuple(stage for stage in changed if stage != wishes[stage.name].old)
-    return Change(new, {stage.name: wishes[stage.name].origins for stage in new}, recipe)
+    return Change(new, {stage.name: _present(wishes[stage.name].origins, stage) for stage in new}, recipe)
+
+
+def _present(origins: Mapping[str, Origin], stage: PlannedStage) -> Mapping[str, Origin]:
+    """Those of the parameters that the stage has."""
+    return {name: origin for name, origin in origins.items() if name in stage.params}
 
 
 def with_stages(plan: Plan, stages: Iterable[PlannedStage]) -> Plan:

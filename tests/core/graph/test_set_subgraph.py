@@ -60,6 +60,15 @@ def test_what_was_set_stays_when_a_sub_graph_is_replaced(tmp_path: Path, word: s
     assert levels(again) == levels(before), "it counts as set after a change, too"
 
 
+def test_what_was_set_is_forgotten_with_its_parameter(tmp_path: Path) -> None:
+    plan = planned(tmp_path, SHARED)
+    write(tmp_path, softer=SOFTER)
+    plan = after(plan, "hall.level=0.75")
+    other = after(plan, "hall/detect=toy.through")
+    assert not levels(other)
+    assert set(levels(after(other, f"hall={tmp_path / 'softer.yaml'}")).values()) == {0.5}
+
+
 def test_a_file_and_its_parameter_may_come_in_any_order(tmp_path: Path) -> None:
     plan = planned(tmp_path, SHARED)
     write(tmp_path, softer=SOFTER)
