@@ -5,7 +5,7 @@ from __future__ import annotations
 WINDOW = 10_000_000_000
 """Time after which an old delay is forgotten, ns: clocks of devices drift by less than 1 ms in it."""
 RESTART = 1_000_000_000
-"""A device whose time goes back by more, ns, was started anew."""
+"""A device whose time goes back by more, ns, or ahead of this computer's by more, was started anew."""
 LEAST = 1000
 """Smallest interval of capture times, ns."""
 
@@ -23,6 +23,7 @@ class DeviceClock:
         self.restarts = 0
         self.interval = 0
         self._device: int | None = None
+        self._arrival = 0
         self._last = -(1 << 62)
         self._begin = 0
         self._least: int | None = None
@@ -35,14 +36,15 @@ class DeviceClock:
         """
         self.interval = 0
         if device is not None:
-            if self._device is not None and device < self._device - RESTART:
+            ahead = 0 if self._device is None else device - self._device - max(0, arrival - self._arrival)
+            if self._device is not None and (device < self._device - RESTART or ahead > RESTART):
                 self.restarts += 1
                 self._device = self._least = self._before = None
             if self._device is not None:
                 if device <= self._device:
                     return None
                 self.interval = device - self._device
-            self._device = device
+            self._device, self._arrival = device, arrival
         told = arrival if device is None else device + self._offset(arrival - device, arrival)
         self._last = max(told, self._last + LEAST)
         return self._last

@@ -59,6 +59,21 @@ def test_a_device_that_starts_anew_is_followed_and_told() -> None:
     assert clock.restarts == 1
 
 
+def test_a_device_whose_clock_jumps_ahead_is_followed_and_misses_no_readings() -> None:
+    clock = DeviceClock()
+    clock.capture_time(0, 10_000 * MS)
+    for k, device in enumerate((10**15, 2 * 10**15, 3 * 10**15), 1):
+        assert clock.capture_time(device, (10_000 + k) * MS) == (10_000 + k) * MS
+        assert (clock.restarts, clock.interval) == (k, 0)
+
+
+def test_a_gap_that_lasted_is_an_interval_also_if_the_reading_after_it_was_quick() -> None:
+    clock = DeviceClock()
+    clock.capture_time(0, 10_900 * MS)
+    assert clock.capture_time(5000 * MS, 15_000 * MS) is not None
+    assert (clock.restarts, clock.interval) == (0, 5000 * MS)
+
+
 def test_missing_readings_are_counted_by_the_rate_or_by_the_usual_interval() -> None:
     known, unknown = Losses(400.0), Losses(None)
     assert [known.within(round(n * 2.5 * MS * 1.02)) for n in (1, 2, 6)] == [0, 1, 5]
