@@ -31,7 +31,7 @@ FASTEST = 2.0
 PERIOD = 1 / 15
 """Period of the pictures that the gains refer to, s."""
 SCALE_SIGMA = 0.06
-"""Relative sigma of a distance from a body's size."""
+"""Relative sigma of a distance from a body's size in one picture."""
 WALKING, STRIDING = 0.25, 0.6
 """Speeds at which the course begins to determine the heading, and does so fully, m/s."""
 CONCENTRATION = 8.0
@@ -119,7 +119,8 @@ def _with_stature(pose: Array, stature: float, sigma: float, eye: Array) -> Arra
     If the head is about as high as the camera, its image does not depend on the distance, which then stays.
     """
     above = _above(pose, eye)
-    share = SCALE_SIGMA**2 / (SCALE_SIGMA**2 + (sigma / above) ** 2)
+    by_size = SCALE_SIGMA**2 + PROPORTION_SIGMA**2
+    share = by_size / (by_size + (sigma / above) ** 2)
     out = pose.copy()
     out[[X, Y]] += share * (stature - pose[HEIGHT]) / above * (pose[[X, Y]] - eye[:2])
     out[HEIGHT] = stature
