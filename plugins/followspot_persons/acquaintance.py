@@ -14,7 +14,8 @@ class Acquaintance:
     """A person of the slow instance: tentative, with number 0, until enough boxes confirm it.
 
     initiated, seen: ns, times of the first and of the last box; hits: number of boxes; trust: sum of their
-    scores minus the cost of missing boxes; absent: whether the person has left; foreground: mean share of the
+    scores minus the cost of missing boxes; absent: whether the person has left; boxed: ns, of the
+    detector's last box, while the foreground may prolong `seen`; foreground: mean share of the
     upper body that differs from the background, None while there is no background; comparable: whether the
     person came after the background, or once differed from it, and so is no part of it.
     """
@@ -27,6 +28,7 @@ class Acquaintance:
     hits: int
     trust: float
     absent: bool = False
+    boxed: int = 0
     foreground: float | None = None
     comparable: bool = False
     stature: Stature = field(default_factory=Stature)

@@ -14,7 +14,7 @@ from followspot.tracking import Frame
 from followspot_persons.acquaintance import Acquaintance
 from followspot_persons.appearance_params import AppearanceParams
 from followspot_persons.association import box_distance, carried, matched, on_body
-from followspot_persons.background import Background
+from followspot_persons.background import Background, foreground
 from followspot_persons.body_view import BodyView, view
 from followspot_persons.color.difference import completed, read_relations
 from followspot_persons.color.likelihood import color_likelihood, feature_responses
@@ -23,6 +23,7 @@ from followspot_persons.condensation import Search
 from followspot_persons.existence import THERE, averaged, evidence_of
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights, sampled
 from followspot_persons.floor_contact import Presence, presence
+from followspot_persons.foreground_box import STEP, foreground_box, without_others
 from followspot_persons.girth import girths_of
 from followspot_persons.identity import same_person
 from followspot_persons.occlusion import covered
@@ -48,6 +49,8 @@ COLOR_SHARE = 0.3
 """Weight of minus log F^C against the distance, relative to this limit, when boxes are given to persons."""
 STRANGE = 2.0
 """Minus log F^C of a person with other clothes."""
+FAMILIAR = 1.3
+"""Largest minus log F^C of a known person in the foreground that has no box."""
 
 
 class Appearance(Stage):
@@ -88,7 +91,11 @@ class Appearance(Stage):
             present[person] = known
         missed = set(range(len(present))) - {person for person, _ in pairs}
         kept = [p for i, p in enumerate(present) if i not in missed]
-        kept += [p for i in sorted(missed) if (p := self.missed(present[i], seconds, now))]
+        others = self.boxes_of(kept)
+        for i in sorted(missed):
+            after = self.prolonged(present[i], others, seen, seconds, now)
+            after = after or self.missed(present[i], seconds, now)
+            kept += [after] if after else []
         new = self.unclaimed(boxes, pairs)
         kept += [self.initiated(detections[i], float(boxes.score[i]), now) for i in new]
         memory = self.params.memory_time
@@ -172,6 +179,7 @@ class Appearance(Stage):
             comparable=comparable,
             colors=model,
             seen=now,
+            boxed=now,
             hits=person.hits + 1,
             trust=min(person.trust + score + evidence_of(share, comparable=comparable), TRUSTED),
         )
@@ -184,12 +192,48 @@ class Appearance(Stage):
         box = view(self.camera, self.shape, track.pose[None]).box[0]
         return presence(self.camera, self.pixels, median, self.light, track.pose, box)
 
+    def prolonged(
+        self, person: Acquaintance, others: Array, picture: Picture, seconds: float, now: int
+    ) -> Acquaintance | None:
+        """The person after a picture without a box, at the foreground that it must be; None if there is none.
+
+        others: (K, 4) px, upper bodies of people that have boxes. Colours are not learnt.
+        """
+        median = self.background.median
+        unboxed = (now - person.boxed) * NANOSECOND
+        if median is None or self.light is None or not (person.number and person.comparable):
+            return None
+        if unboxed > self.params.maximum_unboxed_time:
+            return None
+        there = coasted(person.track, seconds)
+        expected = self.boxes_of([replace(person, track=there)])[0]
+        now_, then = self.pixels[::STEP, ::STEP], median[::STEP, ::STEP]
+        mask = without_others(foreground(now_, then, self.light), others, self.camera)
+        reach = (NEAR / 2 + FAR * seconds / 2) * (expected[3] - expected[1])
+        box = foreground_box(self.camera, mask, expected, person.stature.estimate[0], reach)
+        seen = view(self.camera, self.shape, there.pose[None])
+        if box is None or self.strangeness(person, seen, box, picture) > FAMILIAR:
+            return None
+        detection = Detection(box, np.zeros(0), np.zeros(0))
+        fitness = Fitness(picture, self.shape, self.weights, detection=detection)
+        search = Search(self.params.particles)
+        track = followed(person.track, seconds, fitness, self.bodies, search, self.rng)
+        shown = self.presence(track)
+        stature = person.stature
+        if shown is not None and shown.height is not None:
+            stature = stature.stood(shown.height)
+        return replace(person, track=replace(track, stature=stature.estimate), stature=stature, seen=now)
+
     def people_here(self) -> Array:
         """Boxes of the upper bodies of people who surely are no part of the room, (K, 4) px."""
-        poses = [
-            p.track.pose for p in self.people if not p.absent and p.number and (p.foreground or 0.0) >= THERE
-        ]
-        return view(self.camera, self.shape, np.array(poses).reshape(-1, 6)).box
+        return self.boxes_of(
+            [p for p in self.people if not p.absent and p.number and (p.foreground or 0.0) >= THERE]
+        )
+
+    def boxes_of(self, people: list[Acquaintance]) -> Array:
+        """Upper bodies of people, (K, 4) px."""
+        poses = np.array([p.track.pose for p in people]).reshape(-1, 6)
+        return view(self.camera, self.shape, poses).box
 
     def missed(self, person: Acquaintance, seconds: float, now: int) -> Acquaintance | None:
         """The person after a picture without a box; None deletes a tentative person."""

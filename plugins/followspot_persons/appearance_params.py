@@ -33,6 +33,13 @@ class AppearanceParams(StageParams):
         unit="s",
         description="time without a box until a person is absent; raising it bridges more",
     )
+    maximum_unboxed_time: float = Field(
+        8.0,
+        ge=0,
+        unit="s",
+        description="time for which the foreground alone prolongs a person without boxes; raising it bridges "
+        "more",
+    )
     memory_time: float = Field(
         120.0, gt=0, unit="s", description="time for which an absent person is remembered"
     )

@@ -54,10 +54,12 @@ class Background:
         kept, interval = (*self.kept, self.without(pixels, people)), self.interval
         if len(kept) > MOST:
             kept, interval = (kept[::2], 2 * interval) if interval < LONGEST else (kept[1:], interval)
-        median = np.partition(np.stack(kept), len(kept) // 2, axis=0)[len(kept) // 2]
-        return Background(
-            kept, time + round(interval * 1e9), interval, median if len(kept) >= FEWEST else None
+        median = (
+            np.partition(np.stack(kept), len(kept) // 2, axis=0)[len(kept) // 2]
+            if len(kept) >= FEWEST
+            else None
         )
+        return Background(kept, time + round(interval * 1e9), interval, median)
 
     def without(self, pixels: Array, people: Array) -> Array:
         """The picture with the background in place of people."""

@@ -126,7 +126,8 @@ class PoseTracker(Stage):
             told = pose if then is None else carried_pose(pose, then, track.pose)
             joining = max(1, int(JOINING * len(track.particles)))
             particles = np.concatenate([track.particles[joining:], self.scattered_about(told, joining)])
-            self.people[number] = replace(known, track=replace(track, particles=particles))
+            boxed = max(known.boxed, seen)
+            self.people[number] = replace(known, track=replace(track, particles=particles), boxed=boxed)
 
     def initiated(self, number: int, before: SlowPose | None, now: int) -> Track:
         """The track of a person that the slow instance has just reported, with its past if it returns."""

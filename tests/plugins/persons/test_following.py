@@ -98,6 +98,19 @@ def test_without_boxes_a_person_must_look_ever_more_as_usual_and_a_long_timeout_
     assert ends == {0.6: [PREDICTED], 60.0: [TRACKED]}
 
 
+@pytest.mark.parametrize(("again", "state"), [(False, PREDICTED), (True, TRACKED)])
+def test_whom_the_slow_instance_still_sees_needs_no_box(again, state):
+    room = Room(maximum_missed_time=9.0, maximum_unseen_time=99.0)
+    room.tell(standing(2.5))
+    followed_for(room, 3, standing(2.5), boxed=[standing(2.5)])
+    room.stage.people[1] = lifted(room.stage.people[1], 1.2 * room.stage.people[1].track.typical)
+    for _ in range(8):
+        if again:
+            room.tell(standing(2.5))
+        last = followed_for(room, 1, standing(2.5))
+    assert last == [[state]]
+
+
 def lifted(person, typical):
     return replace(person, track=replace(person.track, typical=typical))
 

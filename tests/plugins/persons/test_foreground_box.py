@@ -1,0 +1,103 @@
+"""Known people that the detector misses: found again in what differs from the background."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.plugins.persons.drawn import perspective, standing
+from tests.plugins.persons.test_appearance import Show
+from tests.plugins.persons.test_background import FEWEST
+
+from followspot_persons.body_view import view
+from followspot_persons.foreground_box import STEP, foreground_box, without_others
+from followspot_persons.shape import read_shape
+from followspot_persons.upper_body_box import RATIO
+
+CAMERA = perspective()
+
+
+def body(pose):
+    """The upper body of a pose, (4,) px."""
+    return view(CAMERA, read_shape(), pose[None]).box[0]
+
+
+def mask_of(*boxes):
+    """Foreground of bodies from these boxes on downwards: heads and torsos, as wide as the model's."""
+    mask = np.zeros((CAMERA.size[1] // STEP, CAMERA.size[0] // STEP), bool)
+    for x0, y0, x1, y1 in boxes:
+        middle, tall = (x0 + x1) / 2, y1 - y0
+        for half, down in ((0.15, 0.0), (0.25, 0.3)):
+            columns = slice(int((middle - half * tall) / STEP), int((middle + half * tall) / STEP))
+            mask[max(0, int((y0 + down * tall) / STEP)) :, columns] = True
+    return mask
+
+
+@pytest.mark.parametrize("pose", [standing(3.0, 0.25), standing(2.6, -0.1), standing(3.4)])
+def test_the_foreground_gives_the_box_of_a_known_height(pose):
+    true, expected = body(pose), body(standing(3.0))
+    found = foreground_box(CAMERA, mask_of(true), expected, 1.7, 40.0)
+    assert (found[0] + found[2]) / 2 == pytest.approx((true[0] + true[2]) / 2, abs=2 * STEP)
+    assert found[1] == pytest.approx(true[1], abs=1.5 * STEP)
+    size, right = found[3] - found[1], true[3] - true[1]
+    before = expected[3] - expected[1]
+    assert abs(size - right) <= max(0.06 * right, 0.75 * abs(before - right))
+    assert found[2] - found[0] == pytest.approx(RATIO * size)
+
+
+def test_a_head_beyond_the_picture_keeps_its_place_and_the_body_tells_the_side():
+    near = standing(0.75)
+    expected = body(near)
+    assert expected[1] < -10
+    found = foreground_box(CAMERA, mask_of(body(standing(0.75, 0.08))), expected, 1.7, 60.0)
+    assert found[1] == expected[1]
+    assert (found[0] + found[2]) / 2 < (expected[0] + expected[2]) / 2 - 10
+
+
+def test_an_empty_place_a_far_body_and_somebody_elses_body_are_none():
+    expected = body(standing(3.0))
+    assert foreground_box(CAMERA, mask_of(), expected, 1.7, 40.0) is None
+    assert foreground_box(CAMERA, mask_of(body(standing(3.0, 1.3))), expected, 1.7, 20.0) is None
+    other = body(standing(3.0, 0.1))
+    left = without_others(mask_of(other), other[None], CAMERA)
+    assert foreground_box(CAMERA, left, expected, 1.7, 40.0) is None
+
+
+def lost_after(show, *boxes, pictures=8):
+    """Whether a person is known no more in pictures that show it walking, with these boxes alone."""
+    for step in range(pictures):
+        show.see(standing(2.6, 0.05 * step), boxed=list(boxes))
+    return show.stage.people[0].absent
+
+
+@pytest.mark.parametrize(("time", "lost"), [(8.0, False), (0.4, True)])
+def test_who_is_known_stays_without_boxes_for_a_time_in_the_foreground(time, lost):
+    show = Show(maximum_unboxed_time=time)
+    for _ in range(FEWEST + 1):
+        show.see()
+    for _ in range(5):
+        show.see(standing(2.6))
+    colors = show.stage.people[0].colors
+    assert lost_after(show) == lost
+    person = show.stage.people[0]
+    np.testing.assert_array_equal(person.colors.mean, colors.mean)
+    if not lost:
+        assert person.track.pose[1] == pytest.approx(0.35, abs=0.12)
+
+
+def test_who_leaves_the_picture_is_not_prolonged():
+    show = Show()
+    for _ in range(FEWEST + 1):
+        show.see()
+    for _ in range(5):
+        show.see(standing(2.6))
+    show.leave(5)
+    assert show.stage.people[0].absent
+
+
+def test_a_part_of_the_background_is_not_prolonged():
+    show = Show()
+    for _ in range(10):
+        show.see(standing(2.6))
+    for _ in range(5):
+        show.see(standing(2.6), boxed=[])
+    assert show.stage.people[0].absent
