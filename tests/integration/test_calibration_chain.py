@@ -124,6 +124,7 @@ def test_tracking_is_within_1_3_times_the_error_with_the_true_calibration(
         assert target["identity_switches"] == 0, name
 
 
+@pytest.mark.thorough
 def test_the_check_finds_the_new_room_good_and_a_camera_that_was_moved_since(chain: Chain) -> None:
     said = json.loads(command("calibrate", "check", "--room", chain.made, "--points", POINTS, "--json"))
     assert said["failures"] == []

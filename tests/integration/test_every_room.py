@@ -45,7 +45,14 @@ CASES = {
     "markers": Case("markers.yaml", "poses.poses", ("poses", "vision.marker_poses")),
     "show": Case("show.yaml", "balls/track.tracks", ("balls/fuse", "balls.mean")),
 }
-HEAVY = {"show", "3 colour and 3 infrared", "3 infrared", "building"}
+HEAVY = {
+    "show",
+    "3 colour and 3 infrared",
+    "2 colour and 1 infrared",
+    "3 infrared",
+    "building",
+    "markers",
+}
 MARKED = [
     pytest.param(case, id=name, marks=[pytest.mark.thorough] * (name in HEAVY))
     for name, case in CASES.items()

@@ -56,7 +56,7 @@ def test_ctrl_c_and_sigterm_end_cleanly_with_complete_outputs(
 
 
 @pytest.mark.parametrize("edges", ["ring", pytest.param("zenoh", marks=pytest.mark.thorough)])
-@pytest.mark.parametrize("victim", ["a", "b", "save"])
+@pytest.mark.parametrize("victim", ["a", "b", pytest.param("save", marks=pytest.mark.thorough)])
 def test_a_worker_killed_mid_run_is_named_and_the_rest_ends(tmp_path: Path, victim: str, edges: str) -> None:
     before = unused_memory()
     process = start(
@@ -89,7 +89,11 @@ def check_counts(finished: Finished) -> None:
     assert written <= finished.edge("b.", "save.")["sent"]
 
 
-@pytest.mark.parametrize("options", PLACEMENTS[1:], ids=["stages", "zenoh"])
+@pytest.mark.parametrize(
+    "options",
+    [PLACEMENTS[1], pytest.param(PLACEMENTS[2], marks=pytest.mark.thorough)],
+    ids=["stages", "zenoh"],
+)
 def test_workers_listen_on_loopback_only_and_end_when_their_launcher_is_killed(
     tmp_path: Path, options: tuple[str, ...]
 ) -> None:

@@ -18,6 +18,7 @@ pytestmark = pytest.mark.skipif(
 )
 
 
+@pytest.mark.thorough
 def test_a_run_survives_random_faults_and_accounts_for_every_message() -> None:
     """The tracker recovers after each fault; other tests measure how fast."""
     words = ["--faults", str(len(KINDS)), "--within", "50", "--notice", "50", "--json", "--only", *KINDS]

@@ -25,15 +25,12 @@ DATA = ROOT.parent / "shared" / "data" / "glowballs-dev"
 FUSIONS = ("balls.mean_shift", "balls.bundle")
 MADE = "dev3"
 """Sequence from which the rooms are made."""
-CASES = [
-    pytest.param(
-        sequence, fusion, marks=[] if (sequence, fusion) == (MADE, "balls.bundle") else [pytest.mark.thorough]
-    )
-    for sequence in ("dev1", "dev2", MADE, "dev4")
-    for fusion in FUSIONS
-]
+CASES = [(sequence, fusion) for sequence in ("dev1", "dev2", MADE, "dev4") for fusion in FUSIONS]
 
-pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/glowballs-dev")
+pytestmark = [
+    pytest.mark.thorough,
+    pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/glowballs-dev"),
+]
 
 
 class Rooms(NamedTuple):

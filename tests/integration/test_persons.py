@@ -45,6 +45,7 @@ def tracked(room: Path, graph: str, frames: int, out: Path, *options: str | Path
     return summary
 
 
+@pytest.mark.thorough
 @needs_recordings
 def test_a_person_in_a_panorama_is_followed_the_same_with_the_slow_instance_in_a_process_of_its_own(
     tmp_path: Path,

@@ -171,9 +171,8 @@ def test_mean_shift_is_better_than_the_mean_for_every_target(
         assert scored(sequence, "balls.mean_shift")[name]["rmse_mm"] < mean["rmse_mm"], name
 
 
-@pytest.mark.parametrize(
-    "fusion", ["balls.mean_shift", pytest.param("balls.bundle", marks=pytest.mark.thorough)]
-)
+@pytest.mark.thorough
+@pytest.mark.parametrize("fusion", ["balls.mean_shift", "balls.bundle"])
 def test_projections_as_bright_as_the_balls_are_not_taken_for_them(tmp_path: Path, fusion: str) -> None:
     room = ROOT / "graphs" / "rooms" / "simulated_bright.yaml"
     targets = track(room, tmp_path, "--set", f"fuse.uses={fusion}", "--frames", "700")["targets"]

@@ -101,7 +101,7 @@ def stand(case: Case, folder: Path, *, record: bool) -> Stand:
 @pytest.fixture(scope="module")
 def demo(tmp_path_factory: pytest.TempPathFactory) -> Stand:
     """The demo, with the sinks that tell most of what its stages send."""
-    case = Case("glowballs.yaml", "simulated", 150, BALLS)
+    case = Case("glowballs.yaml", "simulated", 60, BALLS)
     return stand(case, tmp_path_factory.mktemp("demo"), record=False)
 
 
@@ -109,7 +109,7 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> Stand:
 def test_the_demo_gives_the_same_bytes_in_processes_of_its_own(
     demo: Stand, tmp_path: Path, way: tuple[str, str]
 ) -> None:
-    assert demo.once.report["frames"] == 150
+    assert demo.once.report["frames"] == 60
     assert {"tracks.csv", "color.csv", "infrared.csv", "forecast.jsonl"} <= set(demo.once.files)
     assert not differences(demo.once, demo.play(tmp_path, *way))
 

@@ -247,6 +247,7 @@ def test_in_the_ready_panorama_people_leave_and_return():
     assert (visible[-1] > 0.5).any()
 
 
+@pytest.mark.thorough
 def test_a_recording_of_people_holds_the_pictures_and_the_poses_that_the_stages_give(tmp_path):
     path = ROOMS / "simulated_persons.yaml"
     command = ["simulate", "--room", str(path), "--out", str(tmp_path), "--frames", "2", "--seed", "5"]

@@ -56,6 +56,7 @@ def errors(room: Path, offset: Array | None, out: Path) -> Array:
     return np.array([one["rmse_mm"] for one in scores.values()])
 
 
+@pytest.mark.thorough
 def test_offsets_are_found_and_track_as_well_as_if_they_were_known(
     recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -26,7 +26,8 @@ FREE_MM = 36.0
 
 
 @pytest.mark.parametrize(
-    ("cameras", "missing", "outliers"), [(3, 0.1, 0.0), (4, 0.4, 0.1), (6, 0.6, 0.3), (24, 0.5, 0.3)]
+    ("cameras", "missing", "outliers"),
+    [(3, 0.1, 0.0), (4, 0.4, 0.1), (6, 0.6, 0.3), pytest.param(24, 0.5, 0.3, marks=pytest.mark.thorough)],
 )
 def test_known_intrinsics_give_the_room_within_noise(cameras, missing, outliers):
     room = made_room(cameras, 400, missing=missing, outliers=outliers, noise=NOISE)
@@ -68,6 +69,7 @@ def test_cameras_without_a_common_view_are_linked_in_a_chain():
     assert differences(solved, room)[0].max() < 4 * KNOWN_MM
 
 
+@pytest.mark.thorough
 def test_auto_keeps_good_intrinsics_and_mends_bad_ones():
     room = made_room(5, 250, noise=NOISE)
     assert solve(room.sightings, room.cameras, "auto").intrinsics == "known"

@@ -31,6 +31,7 @@ def test_the_old_toolbox_is_beaten_on_its_own_recording():
     assert settled.used.sum() > 0.9 * seen
 
 
+@pytest.mark.thorough
 @needs_shared
 def test_nine_cameras_and_a_ball_agree_with_their_authors():
     """selfcal-ball-9cam, every 20th frame: median under 3.1 px, shape within 1 % of the authors'."""

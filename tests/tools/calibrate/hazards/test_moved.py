@@ -51,6 +51,7 @@ def test_of_three_cameras_one_is_named():
     assert [text[:28] for text in told] == ["cam2 was moved at frame 150,"]
 
 
+@pytest.mark.thorough
 def test_frames_since_the_move_give_the_room_as_it_is_now(tmp_path, capsys):
     room, after = with_move(waved_room(5, ROWS), 3, 4.0, 200)
     path, points = tmp_path / "room.yaml", wand_file(room, tmp_path / "wand.csv")

@@ -42,6 +42,7 @@ def test_a_late_camera_is_told_and_corrected(late):
     assert told[0].startswith(frames + (" late" if late > 0 else " early"))
 
 
+@pytest.mark.thorough
 def test_every_camera_may_have_been_started_by_hand():
     late = np.array([4.3, -3.0, 17.0, 40.6, 0.0])
     room = waved_room(5, 250, late=dict(enumerate(late)), missing=0.2, outliers=0.1)
@@ -65,7 +66,7 @@ def test_cameras_that_agree_on_nothing_are_refused():
         settle(room.cameras, np.where(alone[..., None], room.sightings.pixel, np.nan), Free())
 
 
-@pytest.mark.parametrize(("camera", "late"), [(1, 4.5), (2, -6.0)])
+@pytest.mark.parametrize(("camera", "late"), [pytest.param(1, 4.5, marks=pytest.mark.thorough), (2, -6.0)])
 def test_motion_that_tells_too_little_is_no_reason_to_fail(camera, late):
     """With unknown lenses a fifth of reflections and a third of gaps leave some points undetermined."""
     room = waved_room(5, 250, late={camera: late}, missing=0.3, outliers=0.2)
@@ -117,6 +118,7 @@ def test_an_offset_that_no_room_file_takes_is_refused():
         with_offsets(room.cameras, timed, 30.0)
 
 
+@pytest.mark.thorough
 @needs_shared
 def test_real_cameras_out_of_step_fit_better_once_that_is_corrected():
     """selfcal-ball-9cam, a ball at 15 px a frame: without the correction the median is 2.7 px."""
