@@ -13,9 +13,15 @@ import pytest
 FUZZ = Path(__file__).parents[2] / "tools" / "fuzz.py"
 
 
-@pytest.fixture(scope="module")
-def outcomes() -> dict[str, Any]:
-    words = [sys.executable, str(FUZZ), "--share", "0.002", "--seed", "11", "--json"]
+SOME = ["zenoh", "ring", "graph", "tables", "request", "registry", "video"]
+
+
+@pytest.fixture(
+    scope="module", params=[SOME, pytest.param([], marks=pytest.mark.thorough)], ids=["some", "all"]
+)
+def outcomes(request: pytest.FixtureRequest) -> dict[str, Any]:
+    only = ["--only", *request.param] if request.param else []
+    words = [sys.executable, str(FUZZ), "--share", "0.002", "--seed", "11", "--json", *only]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     assert done.stdout, done.stderr
     found: dict[str, Any] = json.loads(done.stdout)
@@ -27,11 +33,11 @@ def test_no_broken_input_crashes_hangs_or_takes_much_memory(outcomes: dict[str, 
 
 
 def test_every_broken_input_is_accepted_or_counted_with_a_reason(outcomes: dict[str, Any]) -> None:
-    assert len(outcomes) == 22
+    assert len(outcomes) in (len(SOME), 22)
     for outcome in outcomes.values():
         assert outcome["accepted"] + sum(outcome["refused"].values()) == outcome["inputs"] > 0
     reasons = [reason for outcome in outcomes.values() for reason in outcome["refused"]]
-    assert len(reasons) > 50
+    assert len(reasons) > (50 if len(outcomes) == 22 else 15)
 
 
 def test_a_crash_is_reported_and_fails_the_script(tmp_path: Path) -> None:
