@@ -133,7 +133,8 @@ def watched(out: Path, *options: str) -> Iterator[tuple[subprocess.Popen[str], s
             reading.start()
             yield process, found[0]
             reading.join(timeout=60)
-            assert rest == []  # nothing is complained of
+            said = "".join(rest).strip()  # a slow machine cannot score all frames of a run without end
+            assert not said or "more were to come" in said
         finally:
             process.kill()
 
@@ -245,5 +246,5 @@ def test_the_buttons_of_a_browser_pause_step_and_resume_a_replay(tmp_path: Path)
         chromium.ask(f"{toggle}.click()")
         chromium.wait("document.querySelector('#life').dataset.life === 'running'")
         process.send_signal(signal.SIGINT)
-        process.communicate(timeout=60)
+        process.wait(timeout=60)
         assert [error for error in chromium.errors if "ERR_CONNECTION" not in error] == []
