@@ -92,7 +92,7 @@ class ModeCovariance:
         alone = table.diagonal(axis1=1, axis2=2)
         if self.depth:
             alone, weight = alone.copy(), weight * (view[:, 0] != view[:, 1])
-            table.reshape(modes, -1)[:, :: cameras + 1] = 0.0
+            table.reshape(modes, cameras**2)[:, :: cameras + 1] = 0.0
         table = table + table.swapaxes(1, 2)
         of_view = table.sum(axis=2)
         total = (held.sum(axis=1) + TINY)[:, None]

@@ -117,6 +117,14 @@ def test_candidates_of_a_depth_camera_have_its_sigma_and_two_cameras_half_the_va
         assert of == pytest.approx(np.eye(3) * 0.008**2 * share)
 
 
+def test_depth_cameras_that_see_nothing_have_no_mode() -> None:
+    cameras = {name: replace(c, kind="depth") for name, c in ROOM.cameras.items()}
+    made = MeanShift(Context(room=replace(ROOM, cameras=cameras)))
+    made.setup()
+    nothing = one_ball(undistorted(PLACE), PLACE).where(np.zeros(0, int))
+    assert len(made.process(nothing, None).xyz) == 0
+
+
 def test_rivals_widen_the_covariance_by_their_spread_and_the_odds_that_they_are_right() -> None:
     xyz = PLACE + np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.0, -0.2]])
     weights = np.array([[2.0, 1.0, 1.0], [2.0, 0.0, 1.0], [2.0, 0.0, 0.0]])
