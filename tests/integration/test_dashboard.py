@@ -229,6 +229,7 @@ def test_the_buttons_of_a_browser_pause_step_and_resume_a_replay(tmp_path: Path)
     ):
         chromium.open(url, 1024, 768)
         chromium.wait("document.querySelector('#life').dataset.life === 'running'")
+        chromium.wait("!document.querySelector('#player').hidden")
         chromium.ask(f"{toggle}.click()")
         chromium.wait("document.querySelector('#life').dataset.life === 'paused'")
         chromium.wait(f"{toggle}.textContent === 'resume'")

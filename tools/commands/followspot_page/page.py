@@ -44,6 +44,8 @@ class Page:
         self.plan = plan
         self.ask: RunHandle | None = None
         """The run that browsers may change; None if the page only shows it."""
+        self.shut = "this page only shows: it is open to other computers"
+        """Why browsers may not change the run."""
         self.gate = gate
         self.remote: RemotePreviews | None = None
         """Previews from other hosts; None if the run has none."""
@@ -98,6 +100,7 @@ class Page:
 
     async def allow_changes(self, run: RunHandle) -> None:
         """Let browsers ask for changes, once the possible ones are known."""
+        self.shut = "this page only shows yet: it still reads which changes are possible"
         await asyncio.to_thread(forms, self.plan)  # imports every stage that could be swapped in
         self.ask = run
         self.show(self.plan)
@@ -105,7 +108,7 @@ class Page:
     async def do(self, text: str) -> str:
         """Carry out a browser's request; a line about it. Raises FollowspotError if that fails."""
         if self.ask is None:
-            raise FollowspotError("this page only shows: it is open to other computers")
+            raise FollowspotError(self.shut)
         asked = wish_of(text)
         if isinstance(asked, Record):
             if asked.on:
