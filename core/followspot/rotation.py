@@ -60,3 +60,16 @@ def rotation_vector(q: Array) -> Array:
 def angle_between(p: Array, q: Array) -> Array:
     """Angle of the rotation from one to the other, 0 to pi. p, q: (..., 4). Returns (...) rad."""
     return np.asarray(np.linalg.norm(rotation_vector(multiply(inverse(p), q)), axis=-1))
+
+
+def signed_axes(text: str) -> Array:
+    """Matrix (3, 3) whose rows are new axes in terms of the old ones, from a text such as "y -x z".
+
+    Raises ValueError if an axis is named twice.
+    """
+    if sorted(text.replace("-", "").split()) != ["x", "y", "z"]:
+        raise ValueError("each of x, y and z must be named once")
+    axes = np.zeros((3, 3))
+    for row, word in enumerate(text.split()):
+        axes[row, "xyz".index(word[-1])] = -1.0 if word[0] == "-" else 1.0
+    return axes

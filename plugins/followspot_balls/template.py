@@ -36,15 +36,6 @@ class ColorSpots(NamedTuple):
         return float(self.area.min()), float(self.area.max())
 
 
-def learn_color(frames: Sequence[Array]) -> tuple[Array, tuple[float, float]]:
-    """Hue histogram (16,), normalised, and smallest and largest area in px of a glowing target.
-
-    frames: BGR pictures (H, W, 3) u8. Raises ValueError if no target is seen.
-    """
-    spots = color_spots(frames)
-    return color_template(spots), spots.extremes
-
-
 def color_spots(frames: Sequence[Array]) -> ColorSpots:
     """The target in each frame that shows it: spots of one colour. Raises ValueError if there are none."""
     spots = glowing([brightness(frame) for frame in frames], COLOR_EDGE)

@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import field_validator
 
 from followspot import Array, Field, StageParams
+from followspot.rotation import signed_axes
 
 TURN, FORCE, MAGNETIC = ("gx", "gy", "gz"), ("ax", "ay", "az"), ("mx", "my", "mz")
 VALUES = (*TURN, *FORCE, *MAGNETIC)
@@ -34,8 +35,6 @@ class AxesParams(StageParams):
     @field_validator("axes")
     @classmethod
     def _check_axes(cls, value: str) -> str:
-        if sorted(value.replace("-", "").split()) != ["x", "y", "z"]:
-            raise ValueError("each of x, y and z must be named once")
         if np.linalg.det(signed_axes(value)) < 0:
             raise ValueError("the axes must be right-handed: change one sign, or swap two")
         return value
@@ -63,14 +62,6 @@ class UnitParams(AxesParams):
 def scale_of(turn: float, force: float, magnetic: float) -> Array:
     """(9,): factors of the three kinds of values, from other units to those of a reading."""
     return np.repeat([turn, force, magnetic], 3)
-
-
-def signed_axes(text: str) -> Array:
-    """(3, 3): axes of the target in terms of those of the readings, from a text such as "y -x z"."""
-    axes = np.zeros((3, 3))
-    for row, word in enumerate(text.split()):
-        axes[row, "xyz".index(word[-1])] = -1.0 if word[0] == "-" else 1.0
-    return axes
 
 
 def converted(values: Array, scale: Array, axes: str) -> tuple[Array, Array, Array]:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from followspot import Source, Stage, at
+from followspot import Source, at
 from followspot.tracking import DepthImage
-from followspot_sim.camera import schedule
 from followspot_sim.depth_picture import DepthPicture
 from followspot_sim.parameters import DepthCameraParams
+from followspot_sim.performance import Performance
 
 
-class SimDepthCamera(Stage):
+class SimDepthCamera(Performance):
     """Render the simulated room as this depth camera sees it, frame by frame.
 
     The scene is that of `sim.camera`: cameras of both kinds and equal parameters see one performance. With
@@ -29,13 +29,9 @@ class SimDepthCamera(Stage):
         """Prepare the empty room and the noise. Raises InputError for an unknown target."""
         self._picture = DepthPicture(self.params, self.room, self.camera)
 
-    def length(self) -> int | None:
-        """Number of depth images; None if they never end."""
-        return self.params.frames or None
-
     def process(self) -> Source[DepthImage]:
         """Depth images at the middle of their exposure: frame k at k / fps seconds, by the camera's clock."""
-        for frame, time_ns in schedule(self.params, self.context):
+        for frame, time_ns in self.schedule():
             depth = self.context.loan(self._picture.shape, "f4")
             self._picture.render(frame, depth)
             yield at(time_ns, DepthImage(camera=self.camera.name, depth=depth), seq=frame)

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterator
 from typing import ClassVar
 
 import cv2
 import numpy as np
 
-from followspot import Array, Camera, Field, Source, Stage, StageParams, at
+from followspot import Array, Camera, Field, Source, StageParams, at
 from followspot.geometry import project
 from followspot.tracking import Frame
+from followspot_sim.performance import Performance
 from followspot_sim.screen import rays_of
 from followspot_sim.sensor import own_rng
 
@@ -36,6 +35,9 @@ class MarkerSimParams(StageParams):
     noise_sigma: float = Field(
         2.0, ge=0, le=50, unit="grey levels", description="standard deviation of the sensor noise"
     )
+    realtime: bool = Field(
+        False, description="whether frames come at the pace of fps instead of as fast as possible"
+    )
 
 
 def marker_pose(marker: int, markers: int, time: float) -> tuple[Array, Array]:
@@ -51,13 +53,7 @@ def marker_pose(marker: int, markers: int, time: float) -> tuple[Array, Array]:
     return about_up @ about_side, middle
 
 
-def schedule(params: MarkerSimParams) -> Iterator[tuple[int, int]]:
-    """Frame numbers with their capture times, ns."""
-    for frame in range(params.frames) if params.frames else itertools.count():
-        yield frame, round(frame * 1e9 / params.fps)
-
-
-class MarkerCamera(Stage):
+class MarkerCamera(Performance):
     """Render square markers as this camera sees them: every pixel along its own lines of sight."""
 
     per_camera: ClassVar[bool] = True
@@ -76,13 +72,9 @@ class MarkerCamera(Stage):
         down, right = np.mgrid[:height, :width] / max(width, height)
         self._empty = 70 + 50 * down + 20 * np.sin(9 * right)
 
-    def length(self) -> int | None:
-        """Number of pictures; None if they never end."""
-        return self.params.frames or None
-
     def process(self) -> Source[Frame]:
         """Pictures, frame k at k / fps seconds."""
-        for frame, time in schedule(self.params):
+        for frame, time in self.schedule():
             light = self.picture(frame / self.params.fps)
             light += self._rng.normal(0, self.params.noise_sigma, light.shape)
             gray = light.clip(0, 255).round().astype(np.uint8)[..., None]

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot import Array, Source, Stage, at
+from followspot import Array, Source, at
 from followspot.geometry import project
 from followspot.tracking import Truth
-from followspot_sim.marker_camera import MarkerSimParams, marker_pose, schedule
+from followspot_sim.marker_camera import MarkerSimParams, marker_pose
+from followspot_sim.performance import Performance
 
 INSIDE = 12.0
 """Distance from the border of the picture at which a marker is seen, px."""
 
 
-class MarkerTruth(Stage):
+class MarkerTruth(Performance):
     """Give the middle of each marker; marker k is target k of the room.
 
     The parameters must equal those of the cameras.
@@ -25,14 +26,10 @@ class MarkerTruth(Stage):
 
     params: Params
 
-    def length(self) -> int | None:
-        """One truth for each frame; None if they never end."""
-        return self.params.frames or None
-
     def process(self) -> Source[Truth]:
         """Places of the markers that are targets, frame k at k / fps seconds."""
         names = tuple(self.room.targets)[: self.params.markers]
-        for frame, time in schedule(self.params):
+        for frame, time in self.schedule():
             poses = [marker_pose(k, self.params.markers, frame / self.params.fps) for k in range(len(names))]
             shown = np.array([self.shown(*pose) for pose in poses], bool).reshape(len(names), -1).sum(axis=1)
             xyz = np.array([middle for _, middle in poses]).reshape(-1, 3)

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot import Source, Stage, at
+from followspot import Source, at
 from followspot.tracking import Truth
-from followspot_sim.camera import schedule
 from followspot_sim.parameters import SimParams
+from followspot_sim.performance import Performance
 from followspot_sim.visibility import judge, visible_fraction
 from followspot_sim.world import setting, world_of
 
 
-class SimTruth(Stage):
+class SimTruth(Performance):
     """Give the ground truth of each frame; the parameters must equal those of the cameras."""
 
     class Params(SimParams):
@@ -26,13 +26,9 @@ class SimTruth(Stage):
         self._radii = np.array([t.radius for t in self.room.targets.values()])
         self._cameras = tuple(self.room.cameras.values())
 
-    def length(self) -> int | None:
-        """One truth for each frame; None if they never end."""
-        return self.params.frames or None
-
     def process(self) -> Source[Truth]:
         """Centres of all shown targets, with their visibility in the cameras of the room."""
-        for frame, time_ns in schedule(self.params, self.context):
+        for frame, time_ns in self.schedule():
             yield at(time_ns, self.truth(frame), seq=frame)
 
     def truth(self, frame: int) -> Truth:

@@ -10,9 +10,9 @@ from pydantic import field_validator
 
 from followspot import Field, Mistake, Room, Source, Stage, at
 from followspot.csv_rows import FIRST_ROWS, Row
-from followspot.messages import Array
 from followspot.points import Points3D
 from followspot.room import Member
+from followspot.rotation import signed_axes
 from followspot_vision.frame_table import FrameParams, FrameRows, FrameTable, read_frames
 from followspot_vision.picture_points import label_of, score_of
 
@@ -55,8 +55,7 @@ class CandidatesCsv(Stage):
         @field_validator("axes")
         @classmethod
         def _check_axes(cls, value: str) -> str:
-            if sorted(value.replace("-", "").split()) != ["x", "y", "z"]:
-                raise ValueError("each of x, y and z must be named once")
+            signed_axes(value)
             return value
 
     params: Params
@@ -99,14 +98,6 @@ class CandidatesCsv(Stage):
             error=np.full(len(rows), np.nan),
             score=np.array([row[5] for row in rows], "f8"),
         )
-
-
-def signed_axes(text: str) -> Array:
-    """(3, 3): the room's axes in terms of the file's, from a text such as "x -z y"."""
-    axes = np.zeros((3, 3))
-    for row, word in enumerate(text.split()):
-        axes[row, "xyz".index(word[-1])] = -1.0 if word[0] == "-" else 1.0
-    return axes
 
 
 def _read(given: FrameParams, scale: float, most: int | None = None) -> FrameTable[Point]:

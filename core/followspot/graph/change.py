@@ -36,11 +36,6 @@ class Change:
         return replace(with_stages(plan, self.stages), origins=origins, recipe=self.recipe)
 
 
-def changed_stages(plan: Plan, words: Sequence[str], folder: Path = Path()) -> tuple[PlannedStage, ...]:
-    """The stages that change, in their new form; see `change_of`."""
-    return change_of(plan, words, folder).stages
-
-
 def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change:
     """What becomes of a plan. Raises InputError with every mistake.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from followspot.graph.plan import Plan
+from followspot.graph.plan import Plan, PlannedStage
 from followspot.messages import Message
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.ports import ports
@@ -17,7 +17,7 @@ def scored_file(plan: Plan, kind: type[Message]) -> Path | None:
     Sinks say that they write tables by `Stage.table_path`. Of several, it is that of the sink farthest
     downstream.
     """
-    classes = {stage.name: _class(stage.uses) for stage in plan.stages}
+    classes = {stage.name: class_of(stage) for stage in plan.stages}
     for stage in reversed(plan.stages):
         sink = classes[stage.name]
         if sink is not None and sink.table_path and _receives(plan, stage.name, kind, classes):
@@ -36,8 +36,9 @@ def _receives(plan: Plan, name: str, kind: type[Message], classes: dict[str, typ
     return bool(types) and all(types)
 
 
-def _class(uses: str) -> type[Stage] | None:
+def class_of(stage: PlannedStage) -> type[Stage] | None:
+    """The class of a stage; None if this host does not have its plugin."""
     try:
-        return load_stage(uses)
+        return load_stage(stage.uses)
     except PluginError:  # it runs on another host
         return None

@@ -7,9 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
-from followspot.plugins.registry import PluginError, load_stage
+from followspot.operator.scored import class_of
 from followspot.ports import Ports, ports
-from followspot.stage import Stage
 from followspot.worker.ledger import EdgeCount
 
 Counted = tuple[PlannedEdge, EdgeCount]
@@ -64,7 +63,7 @@ class _Run:
     def __init__(self, plan: Plan, edges: Sequence[Counted]) -> None:
         self.plan = plan
         self.stages = {stage.name: stage for stage in plan.stages}
-        self.classes = {stage.uses: _class(stage.uses) for stage in plan.stages}
+        self.classes = {stage.uses: class_of(stage) for stage in plan.stages}
         self.out: Mapping[str, list[Counted]] = defaultdict(list)
         self.firing: Mapping[str, list[Counted]] = defaultdict(list)
         for edge, count in edges:
@@ -141,13 +140,6 @@ class _Run:
         if not fed:
             return "`followspot doctor` looks at every camera"
         return f"`followspot echo` shows what it gets, `followspot plugins {uses}` lists its parameters"
-
-
-def _class(uses: str) -> type[Stage] | None:
-    try:
-        return load_stage(uses)
-    except PluginError:  # it runs on another host
-        return None
 
 
 def _quoted(names: Sequence[str]) -> str:

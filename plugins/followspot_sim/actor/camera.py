@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from followspot import Source, Stage, at
+from followspot import Source, at
 from followspot.tracking import Frame
 from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.actor.picture import ActorPicture
-from followspot_sim.camera import schedule
+from followspot_sim.performance import Performance
 
 
-class PersonCamera(Stage):
+class PersonCamera(Performance):
     """Render people who walk, turn and look around in a furnished room, as this camera sees them.
 
     Every instance computes the same performance, so the pictures are consistent in any placement. With
@@ -29,13 +29,9 @@ class PersonCamera(Stage):
         """Draw the empty room."""
         self._picture = ActorPicture(self.params, self.camera)
 
-    def length(self) -> int | None:
-        """Number of pictures; None if they never end."""
-        return self.params.frames or None
-
     def process(self) -> Source[Frame]:
         """Pictures, frame k at k / fps seconds."""
-        for frame, time_ns in schedule(self.params, self.context):
+        for frame, time_ns in self.schedule():
             pixels = self.context.loan(self._picture.shape, "u1")
             self._picture.render(frame, pixels)
             yield at(time_ns, Frame(camera=self.camera.name, pixels=pixels), seq=frame)

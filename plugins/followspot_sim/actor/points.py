@@ -8,14 +8,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from followspot import Source, Stage, at
+from followspot import Source, at
 from followspot.geometry import undistort
 from followspot.people import Boxes
 from followspot.points import Points2D
 from followspot_sim.actor.landmarks import NAMES, landmarks
 from followspot_sim.actor.network import Finding, NetworkParams, found_in
 from followspot_sim.actor.scene import stage_of
-from followspot_sim.camera import schedule
+from followspot_sim.performance import Performance
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Outputs:
     boxes: Boxes
 
 
-class PersonPoints(Stage):
+class PersonPoints(Performance):
     """Tell the joints and boxes of simulated people as a network for poses would find them, without pictures.
 
     Joints have noise and gaps, some are elsewhere; people hide each other, are missed at random, and false
@@ -44,13 +44,9 @@ class PersonPoints(Stage):
         """Prepare the performance."""
         self._stage = stage_of(self.params)
 
-    def length(self) -> int | None:
-        """Number of pictures; None if they never end."""
-        return self.params.frames or None
-
     def process(self) -> Source[Outputs]:
         """What is found in each picture, frame k at k / fps seconds."""
-        for frame, time_ns in schedule(self.params, self.context):
+        for frame, time_ns in self.schedule():
             found = self.found(frame)
             points, boxes = self.points(found), self.boxes(found)
             yield Outputs(at(time_ns, points, seq=frame), at(time_ns, boxes, seq=frame))

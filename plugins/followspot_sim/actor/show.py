@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot import Array, Camera, Field, Room, Source, Stage, at
+from followspot import Array, Camera, Field, Room, Source, at
 from followspot.geometry import project
 from followspot.tracking import Truth
 from followspot_sim.actor.camera import PersonCamera
 from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.actor.picture import ActorPicture
 from followspot_sim.ball_image import color_light, compose, stamps
-from followspot_sim.camera import schedule
 from followspot_sim.eye import eye_of
 from followspot_sim.parameters import COLORS
+from followspot_sim.performance import Performance
 from followspot_sim.screen import rays_of
 from followspot_sim.sensor import linear
 
@@ -55,7 +55,7 @@ class ShowCamera(PersonCamera):
         self._picture = _ShowPicture(self.params, self.room, self.camera)
 
 
-class ShowTruth(Stage):
+class ShowTruth(Performance):
     """Give the true positions of the balls of `sim.show_camera`.
 
     The parameters must equal those of the cameras.
@@ -66,14 +66,10 @@ class ShowTruth(Stage):
 
     params: Params
 
-    def length(self) -> int | None:
-        """One truth for each frame; None if they never end."""
-        return self.params.frames or None
-
     def process(self) -> Source[Truth]:
         """Centres of all balls; trackable are those in the pictures of two cameras or more."""
         names = tuple(self.room.targets)
-        for frame, time_ns in schedule(self.params, self.context):
+        for frame, time_ns in self.schedule():
             xyz = ball_places(self.params, len(names), frame)
             views = sum(_inside(camera, xyz).astype(int) for camera in self.room.cameras.values())
             shown = np.asarray(views) >= 2

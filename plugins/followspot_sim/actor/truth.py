@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot import Array, Field, Source, Stage, at
+from followspot import Array, Field, Source, at
 from followspot.people import PoseTruth
 from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.actor.scene import Play, stage_of
 from followspot_sim.actor.visibility import Onlooker
-from followspot_sim.camera import schedule
+from followspot_sim.performance import Performance
 
 
-class PoseTruthOfActors(Stage):
+class PoseTruthOfActors(Performance):
     """Give the true poses of each frame; the parameters must equal those of the cameras."""
 
     class Params(ActorParams):
@@ -31,13 +31,9 @@ class PoseTruthOfActors(Stage):
         cameras = self.room.cameras.values() if self.params.visibility else ()
         self._onlookers = [Onlooker(self.params, camera) for camera in cameras]
 
-    def length(self) -> int | None:
-        """One truth for each frame; None if they never end."""
-        return self.params.frames or None
-
     def process(self) -> Source[PoseTruth]:
         """The poses of all people, with the visible share in the camera that sees most."""
-        for frame, time_ns in schedule(self.params, self.context):
+        for frame, time_ns in self.schedule():
             yield at(time_ns, self.truth(frame), seq=frame)
 
     def truth(self, frame: int) -> PoseTruth:

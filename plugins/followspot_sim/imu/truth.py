@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot import Source, Stage, at
+from followspot import Source, at
 from followspot.inertial import PosedTruth
-from followspot_sim.camera import schedule
 from followspot_sim.imu.parameters import PropParams
 from followspot_sim.imu.turning import Turning
+from followspot_sim.performance import Performance
 from followspot_sim.truth import SimTruth
 
 
-class PosedSimTruth(Stage):
+class PosedSimTruth(Performance):
     """Give the ground truth of each frame; the parameters must equal those of cameras and sensors."""
 
     class Params(PropParams):
@@ -27,13 +27,9 @@ class PosedSimTruth(Stage):
         self._places.setup()
         self._turning = Turning(self.params.seed, len(self.room.targets), self.params.turn_rate)
 
-    def length(self) -> int | None:
-        """One truth for each frame; None if they never end."""
-        return self.params.frames or None
-
     def process(self) -> Source[PosedTruth]:
         """As `sim.truth`, with orientations."""
-        for frame, time_ns in schedule(self.params, self.context):
+        for frame, time_ns in self.schedule():
             yield at(time_ns, self.truth(frame), seq=frame)
 
     def truth(self, frame: int) -> PosedTruth:

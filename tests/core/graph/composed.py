@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from tests.core.graph.files import GRAPH, ROOM, TOY
 
+from followspot.graph.change import change_of
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedStage
 
@@ -51,3 +53,8 @@ def names(plan: Plan) -> list[str]:
 def edges(plan: Plan) -> list[str]:
     """The edges, with their delays."""
     return [edge.name + (f" delay {edge.delay}" if edge.delay else "") for edge in plan.edges]
+
+
+def changed_stages(plan: Plan, words: Sequence[str], folder: Path = Path()) -> tuple[PlannedStage, ...]:
+    """The stages that change, in their new form."""
+    return change_of(plan, words, folder).stages

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from tests.core.graph.composed import TRACKER
+from tests.core.graph.composed import TRACKER, changed_stages
 from tests.core.graph.composed import planned as composed
 from tests.core.graph.files import TOY, write
 
 from followspot.errors import InputError
-from followspot.graph.change import changed_stages, with_stages
+from followspot.graph.change import with_stages
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from tests.core.graph.composed import TRACKER, planned, stage, write
+from tests.core.graph.composed import TRACKER, changed_stages, planned, stage, write
 from tests.core.graph.files import ROOM, TOY
 from tests.core.graph.test_subgraphs import SHARED
 
 from followspot.errors import InputError
-from followspot.graph.change import change_of, changed_stages
+from followspot.graph.change import change_of
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.operator.changed import changed, with_change

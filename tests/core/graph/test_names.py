@@ -5,13 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from tests.core.graph.composed import planned, write
+from tests.core.graph.composed import changed_stages, planned, write
 from tests.core.graph.files import TOY
 from tests.core.graph.test_subgraphs import MIDDLE, NESTED, SHARED
 
 from followspot.errors import InputError
 from followspot.graph import show
-from followspot.graph.change import changed_stages
 from followspot.graph.compile import compile_graph
 from followspot.graph.move import moved
 from followspot.graph.names import subgraphs

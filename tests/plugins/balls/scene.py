@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from followspot.geometry import project, undistort
 from followspot.messages import Array, Header, seal, stamped
 from followspot.room import Camera, Room, Target
 from followspot.tracking import TRACKED, Blobs, Candidates, Forecast, Frame, Positions
+from followspot_balls.template import color_spots, color_template
 
 RADIUS = 0.0762
 SIZE = (160, 120)
@@ -151,3 +154,9 @@ def positions_at(
         predicted=np.full(count, predicted),
     )
     return seal(stamped(message, Header("test", 0, round(seconds * 1e9))))
+
+
+def learn_color(frames: Sequence[Array]) -> tuple[Array, tuple[float, float]]:
+    """Hue histogram (16,) of a glowing target, and its smallest and largest area, px."""
+    spots = color_spots(frames)
+    return color_template(spots), spots.extremes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.plugins.balls.scene import SIZE, disc, forecast_at, make_room, picture
+from tests.plugins.balls.scene import SIZE, disc, forecast_at, learn_color, make_room, picture
 
 from followspot.geometry import project
 from followspot.messages import Array, seal
@@ -15,7 +15,7 @@ from followspot_balls.components import MOST, above_local_peak, components, of_s
 from followspot_balls.hue import BIT, bhattacharyya, hue_bits, normalised
 from followspot_balls.ir_blobs import IrBlobs
 from followspot_balls.strip import whole_strip
-from followspot_balls.template import learn_color, learn_infrared
+from followspot_balls.template import learn_infrared
 from followspot_balls.votes import agreement, disc_centers
 
 ROOM = make_room()

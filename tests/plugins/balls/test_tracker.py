@@ -10,7 +10,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from tests.plugins.balls.scene import make_room, picture
+from tests.plugins.balls.scene import learn_color, make_room, picture
 
 from followspot.messages import Array, Header, Message, seal, stamped
 from followspot.room import Camera, Room, Target
@@ -24,7 +24,7 @@ from followspot_balls.kalman import Kalman
 from followspot_balls.mean import Mean
 from followspot_balls.mean_shift import MeanShift
 from followspot_balls.search_gate import SearchGate
-from followspot_balls.template import learn_color, learn_infrared
+from followspot_balls.template import learn_infrared
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs
 from followspot_target_filter.stage import Outputs

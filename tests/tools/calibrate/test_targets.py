@@ -11,6 +11,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from tests.plugins.balls.scene import learn_color
 
 from followspot import Camera, Context, Room, Target
 from followspot.cli.main import main
@@ -20,7 +21,7 @@ from followspot.tracking import Frame
 from followspot_balls.color_blobs import ColorBlobs
 from followspot_balls.glow import glowing
 from followspot_balls.hue import bhattacharyya
-from followspot_balls.template import ColorSpots, color_spots, color_template, learn_color, learn_infrared
+from followspot_balls.template import ColorSpots, color_spots, color_template, learn_infrared
 from followspot_calibrate.targets.separability import (
     HUE_SHARE,
     LARGEST,
