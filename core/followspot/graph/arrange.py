@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Literal
 
-from followspot.graph.check import Checked, CheckedStage
+from followspot.graph.check import Checked
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.cycles import cyclic, successors, topological
 from followspot.graph.given import origins
+from followspot.graph.instances import CheckedStage
 from followspot.graph.placement import Placed
 from followspot.graph.plan import (
     DEPTHS,

@@ -11,7 +11,7 @@ from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.connections import CheckedEdge, check_cycles, check_lagged_cycles, connect
 from followspot.graph.expand import Expanded
 from followspot.graph.file_check import check_files
-from followspot.graph.instances import Instance
+from followspot.graph.instances import CheckedStage, Instance
 from followspot.graph.parameters import output_paths, validated
 from followspot.graph.picture_form import check_picture
 from followspot.graph.reproducibility import risks
@@ -23,15 +23,6 @@ from followspot.plugins.registry import PluginError, load_stage
 from followspot.ports import ports
 from followspot.room import SETS, Room, StageUse
 from followspot.stage import Stage
-
-
-@dataclass(frozen=True)
-class CheckedStage:
-    """An instance with its class and its validated parameters in JSON types."""
-
-    instance: Instance
-    stage: type[Stage]
-    params: Mapping[str, Any]
 
 
 @dataclass(frozen=True)

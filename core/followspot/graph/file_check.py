@@ -6,13 +6,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from followspot.errors import InputError, Mistake, Place
+from followspot.graph.instances import CheckedStage
 from followspot.graph.parameters import path_parameters
-from followspot.graph.warnings import Checked
 from followspot.room import Room
 from followspot.stage_params import PathIn
 
 
-def check_files(stages: Sequence[Checked], room: Room, mistakes: list[Mistake]) -> None:
+def check_files(stages: Sequence[CheckedStage], room: Room, mistakes: list[Mistake]) -> None:
     """Note what stages find in their files: at the place in the file, together with that of the path."""
     for checked in stages:
         for mistake in _found(checked, room):
@@ -21,7 +21,7 @@ def check_files(stages: Sequence[Checked], room: Room, mistakes: list[Mistake]) 
             mistakes.append(replace(mistake, place=at))
 
 
-def _found(checked: Checked, room: Room) -> Iterator[Mistake]:
+def _found(checked: CheckedStage, room: Room) -> Iterator[Mistake]:
     """The result of `check_files`; that it fails is a mistake itself."""
     params = checked.stage.Params(**checked.params)
     try:
@@ -33,7 +33,7 @@ def _found(checked: Checked, room: Room) -> Iterator[Mistake]:
         yield Mistake(None, text, "tell the author of the plugin")
 
 
-def _place(checked: Checked, mistake: Mistake) -> Place:
+def _place(checked: CheckedStage, mistake: Mistake) -> Place:
     """Where the parameter that the mistake names is written, else the first path, else the stage."""
     written = checked.instance.params
     named = written.get(mistake.text.partition(": ")[0])

@@ -8,7 +8,8 @@ from collections.abc import Iterator
 
 from followspot.document import Node
 from followspot.errors import shown
-from followspot.graph.check import Checked, CheckedStage
+from followspot.graph.check import Checked
+from followspot.graph.instances import CheckedStage
 from followspot.graph.override import is_set, options
 from followspot.graph.parameters import plain_default
 from followspot.graph.plan import Origin

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from followspot.document import Node
 from followspot.errors import Place
 from followspot.graph.declaration import Feed, StageDeclaration
 from followspot.room import Member
+from followspot.stage import Stage
 
 ANY = Member("", "?")
 """Stands for the members of a room that has mistakes, so that the rest of the graph is still checked."""
@@ -26,6 +28,15 @@ class Instance:
     params: Mapping[str, Node]
     tuned: frozenset[str] = frozenset()
     """The parameters that the room tunes."""
+
+
+@dataclass(frozen=True)
+class CheckedStage:
+    """An instance with its class and its validated parameters in JSON types."""
+
+    instance: Instance
+    stage: type[Stage]
+    params: Mapping[str, Any]
 
 
 @dataclass(frozen=True)

@@ -6,32 +6,17 @@ The use of clocks or random numbers in the code of a stage does not show in a pl
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Protocol
+from collections.abc import Iterator, Sequence
 
 from followspot.errors import Mistake
 from followspot.graph.connections import CheckedEdge
-from followspot.graph.instances import Instance
+from followspot.graph.instances import CheckedStage
 from followspot.graph.sampling import sampled_cycles
-from followspot.stage import Stage
 
 _RECORD = "record the run and replay it"
 
 
-class Checked(Protocol):
-    """An instance with its class and its validated parameters."""
-
-    @property
-    def instance(self) -> Instance: ...
-
-    @property
-    def stage(self) -> type[Stage]: ...
-
-    @property
-    def params(self) -> Mapping[str, Any]: ...
-
-
-def risks(stages: Sequence[Checked], edges: Sequence[CheckedEdge]) -> list[Mistake]:
+def risks(stages: Sequence[CheckedStage], edges: Sequence[CheckedEdge]) -> list[Mistake]:
     """A mistake for each reason, at its place in the graph or the room; once for all cameras."""
     found = [*_anywhere(stages), *_lossy(edges)]
     if any(checked.stage.live for checked in stages):
@@ -39,7 +24,7 @@ def risks(stages: Sequence[Checked], edges: Sequence[CheckedEdge]) -> list[Mista
     return list(dict.fromkeys(found))
 
 
-def _anywhere(stages: Sequence[Checked]) -> Iterator[Mistake]:
+def _anywhere(stages: Sequence[CheckedStage]) -> Iterator[Mistake]:
     """Reasons that also hold for replays."""
     for checked in stages:
         declared = checked.instance.declared
@@ -60,7 +45,7 @@ def _lossy(edges: Sequence[CheckedEdge]) -> Iterator[Mistake]:
             yield Mistake(feed.places.get("codec", feed.place), text, "codec: lossless")
 
 
-def _live(stages: Sequence[Checked]) -> Iterator[Mistake]:
+def _live(stages: Sequence[CheckedStage]) -> Iterator[Mistake]:
     for checked in stages:
         if checked.stage.live:
             declared = checked.instance.declared

@@ -6,20 +6,20 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from followspot.document import Node
 from followspot.graph.compose.feeds import option, sender
+from followspot.graph.instances import CheckedStage
 from followspot.graph.selector import read_selector
-from followspot.graph.warnings import Checked
 from followspot.ports import ports
 from followspot.room import Room
 
 
 def subgraph_ports(
-    outputs: Mapping[str, Sequence[Node]], stages: Sequence[Checked], room: Room
+    outputs: Mapping[str, Sequence[Node]], stages: Sequence[CheckedStage], room: Room
 ) -> dict[str, tuple[str, ...]]:
     """The ports, STAGE.PORT each, behind each output, SUBGRAPH.NAME; none behind one that is left out.
 
     outputs: with what feeds a reader of each. Of a stage without a named port all ports count.
     """
-    groups: dict[str, list[Checked]] = {}
+    groups: dict[str, list[CheckedStage]] = {}
     for stage in stages:
         groups.setdefault(stage.instance.declared.name, []).append(stage)
     found = {
@@ -29,7 +29,7 @@ def subgraph_ports(
     return {name: named for name, named in found.items() if named}
 
 
-def _ports(feed: Node, groups: Mapping[str, Sequence[Checked]], room: Room) -> Iterator[str]:
+def _ports(feed: Node, groups: Mapping[str, Sequence[CheckedStage]], room: Room) -> Iterator[str]:
     """The ports that a feed of an input comes from."""
     stage, port = sender(feed) or ("", None)
     only = option(feed, "only")

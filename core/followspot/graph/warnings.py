@@ -7,14 +7,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from operator import or_
-from typing import Any, Protocol
 
 from followspot.document import Node, child
 from followspot.errors import Mistake
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.cycles import Successors, successors, topological
 from followspot.graph.expand import Expanded
-from followspot.graph.instances import Instance
+from followspot.graph.instances import CheckedStage, Instance
 from followspot.graph.told_once import told_once
 from followspot.ports import ports
 from followspot.room import Camera, Member, Room, Sensor
@@ -26,24 +25,11 @@ FIRING = ("plain", "joined")
 """Kinds of inputs whose messages let a stage fire."""
 
 
-class Checked(Protocol):
-    """An instance with its class and its validated parameters."""
-
-    @property
-    def instance(self) -> Instance: ...
-
-    @property
-    def stage(self) -> type[Stage]: ...
-
-    @property
-    def params(self) -> Mapping[str, Any]: ...
-
-
 @dataclass(frozen=True)
 class Flow:
     """The checked stages, and all edges by the instances at their ends."""
 
-    stages: Mapping[str, Checked]
+    stages: Mapping[str, CheckedStage]
     edges: Sequence[CheckedEdge]
 
     @cached_property
@@ -58,15 +44,17 @@ class Flow:
         return topological(self.after)
 
     @cached_property
-    def groups(self) -> Mapping[str, list[Checked]]:
+    def groups(self) -> Mapping[str, list[CheckedStage]]:
         """The instances of each stage of the graph file."""
-        found: dict[str, list[Checked]] = defaultdict(list)
+        found: dict[str, list[CheckedStage]] = defaultdict(list)
         for checked in self.stages.values():
             found[checked.instance.declared.name].append(checked)
         return found
 
 
-def warnings(stages: Sequence[Checked], edges: Sequence[CheckedEdge], expanded: Expanded) -> list[Mistake]:
+def warnings(
+    stages: Sequence[CheckedStage], edges: Sequence[CheckedEdge], expanded: Expanded
+) -> list[Mistake]:
     """Everything in a graph without mistakes that can never come to anything, at its place."""
     room = expanded.room
     flow = Flow({checked.instance.name: checked for checked in stages}, edges)
@@ -168,7 +156,7 @@ def _foreseen(flow: Flow, room: Room) -> Iterator[Mistake]:
             yield replace(mistake, place=mistake.place or first.instance.declared.place)
 
 
-def _said(checked: Checked, room: Room, cameras: Sequence[Camera]) -> list[Mistake]:
+def _said(checked: CheckedStage, room: Room, cameras: Sequence[Camera]) -> list[Mistake]:
     """The result of `check_room`; that it fails is a warning itself."""
     try:
         return list(checked.stage.check_room(checked.stage.Params(**checked.params), room, cameras))
