@@ -38,13 +38,16 @@ class Weighed(NamedTuple):
     """(M,) log-likelihood ratio, as a rival of the other hypotheses."""
     evidence: Array
     """(M,) likewise, as evidence of a ball."""
+    fit: Array
+    """(M,) likewise, of the views alone that show it."""
     complete: Array
     """(M,) bool, whether three views that all make pairs with each other show it."""
 
     @classmethod
     def none(cls) -> Weighed:
         """No hypothesis."""
-        return cls(np.zeros((0, 3)), np.zeros(0, int), np.zeros(0), np.zeros(0), np.zeros(0, bool))
+        none = np.zeros(0)
+        return cls(np.zeros((0, 3)), np.zeros(0, int), none, none, none, np.zeros(0, bool))
 
 
 class Associate(Stage):
@@ -54,6 +57,7 @@ class Associate(Stage):
     views make likeliest. All views vote on it, also those that show nothing there, by how often they showed
     the target lately; other blobs around and other targets count as clutter. Colour cameras tell whose ball
     it is and infrared cameras that it is one, so a target needs both in the long run if the room has both.
+    A frame that speaks against a tracked target, by blobs that hardly fit, leaves it no candidates.
     """
 
     advice = "lower confirmation_odds, or give the room more cameras that see each place"
@@ -122,11 +126,12 @@ class Associate(Stage):
         chance = coincidences(known, self.color, 1 / found.variance)
         rank = ball_ratio(views.ratio, self.color, chance, self.params.other_probability)
         evidence = ball_ratio(views.ratio, self.color, chance, 1.0)
+        fit = np.maximum(views.ratio, 0.0).sum(axis=1) + chance[0]
         complete = np.zeros(len(found.target), bool)
         if lost.any():
             begun = found.row >= 0
             complete[begun] = appearing(candidates, lost)[found.row[begun], found.target[begun]]
-        return Weighed(found.xyz, found.target, rank - found.improbability(), evidence, complete)
+        return Weighed(found.xyz, found.target, rank - found.improbability(), evidence, fit, complete)
 
     def remembered(self, found: Weighed, views: Views, forecast: Forecast | None, tracked: Array) -> Array:
         """Probabilities that the views show the targets in the next frame: (T, C)."""
@@ -174,6 +179,8 @@ class Associate(Stage):
                 gain = self.rules.bound if clear[number] else found.evidence[best] if len(mine) else 0.0
                 place, steps = forecast.xyz[number], self.steps(forecast)
                 self.existence[number] = followed(before, gain, place, self.rules, steps)
+                if best >= 0 and self.doubtful(found, best):
+                    best = -1
             else:
                 near = None if forecast is None or lost[number] else forecast.xyz[number]
                 others = int(np.logical_and(self.alike[number], ~tracked).sum())
@@ -183,6 +190,11 @@ class Associate(Stage):
             if best >= 0 and self.existence[number].odds >= self.rules.silent:
                 chosen.append(best)
         return np.array(chosen, int)
+
+    def doubtful(self, found: Weighed, best: int) -> bool:
+        """Whether a frame speaks against a place, and blobs that show it fit hardly better than clutter."""
+        p = self.params
+        return bool(found.evidence[best] < p.least_evidence and found.fit[best] < p.least_fit)
 
     def state(self) -> Any:
         existence = [{**one._asdict(), "places": one.places._asdict()} for one in self.existence]

@@ -99,6 +99,18 @@ class AssociateParams(StageParams):
         unit="nats",
         description="largest log-odds of a target; raising it keeps covered targets longer",
     )
+    least_evidence: float = Field(
+        -1.0,
+        unit="nats",
+        description="log-likelihood ratio of a frame below which it speaks against a tracked target; raising "
+        "it prefers gaps to wrong places",
+    )
+    least_fit: float = Field(
+        5.0,
+        unit="nats",
+        description="that of the views alone that show the target, below which such a frame leaves it no "
+        "candidates; raising it prefers gaps to wrong places",
+    )
     silence_odds: float = Field(
         -2.5,
         unit="nats",

@@ -161,6 +161,22 @@ def test_pairs_that_disagree_lead_to_the_place_on_which_all_views_agree() -> Non
     assert np.ptp(found.xyz, axis=0).max() < 0.005
 
 
+def test_a_frame_that_speaks_against_a_track_by_blobs_that_hardly_fit_leaves_it_nothing() -> None:
+    """Specks beside the ball in two of four views that all showed it; whole blobs are followed still."""
+    off = {"cam0": (1.0, 0.0), "cam1": (0.0, -1.0)}
+    there, two = forecast_at([BALL, (-1, 0, 0.5)]), views({BALL: tuple(off)})
+    specks = tuple(
+        seal(replace(b, xy=b.xy + np.array(off.get(b.camera, (0.0, 0.0))), area=np.full(len(b.area), 2.0)))
+        for b in two
+    )
+    for rule, left in (({}, 0), ({"least_evidence": -100.0}, 1), ({"least_fit": -100.0}, 1)):
+        associate = stage(**rule)
+        for _ in range(5):
+            associated(associate, views({BALL: EVERYWHERE}), there)
+        assert len(red(associated(associate, specks, there))) == left
+        assert len(red(associated(associate, two, there))) == 1
+
+
 def test_frames_that_follow_each_other_faster_count_as_less() -> None:
     counts = []
     for period in (1 / 15, 1 / 30, 1 / 60):
