@@ -32,6 +32,7 @@ class LineSink(Stage):
             self.file = FileIO(path, "a+" if self.context.resumed else "w")
         except OSError as error:
             raise FollowspotError(f"{path} cannot be written: {error.strerror}") from None
+        self.due = False
         self.pending: list[str] = []
         self.pending_bytes = 0
 
@@ -47,8 +48,12 @@ class LineSink(Stage):
         for line in lines:
             self.pending.append(line)
             self.pending_bytes += len(line)
-        if self.pending_bytes >= FLUSH_BYTES:
+        if self.due or self.pending_bytes >= FLUSH_BYTES:
             self.flush()
+
+    def state(self) -> None:
+        """There is none; the next lines are flushed, so that a worker that dies loses a second of them."""
+        self.due = True
 
     def flush(self) -> None:
         """Hand all lines to the operating system. Raises FollowspotError."""
@@ -56,7 +61,7 @@ class LineSink(Stage):
             return
         data = memoryview("".join(self.pending).encode())
         self.pending.clear()
-        self.pending_bytes = 0
+        self.due, self.pending_bytes = False, 0
         try:
             while data:
                 data = data[self.file.write(data) :]

@@ -54,6 +54,19 @@ def test_a_sink_that_is_resumed_adds_to_what_the_run_has_written(tmp_path: Path)
     assert saved(tmp_path, tracks(0, 0)).read_text() != whole, "another run begins anew"
 
 
+def test_after_a_checkpoint_the_next_row_reaches_the_disk_with_those_before(tmp_path: Path) -> None:
+    sink = CsvFile(Context(room=ROOM, out=tmp_path))
+    sink.setup()
+    sink.process((tracks(0, 0),))
+    assert (tmp_path / "tracks.csv").read_text() == ""
+    sink.state()
+    sink.process((tracks(1, 10),))
+    assert len((tmp_path / "tracks.csv").read_text().splitlines()) == 5
+    sink.process((tracks(2, 20),))
+    assert len((tmp_path / "tracks.csv").read_text().splitlines()) == 5
+    sink.close()
+
+
 def test_rows_with_other_columns_are_not_added_to_a_file(tmp_path: Path) -> None:
     before = saved(tmp_path, tracks(0, 0)).read_text()
     with pytest.raises(FollowspotError, match="other columns\n    give the sink another file"):
