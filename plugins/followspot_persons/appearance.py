@@ -13,11 +13,10 @@ from followspot.people import Appearances, Boxes, Gradients
 from followspot.tracking import Frame
 from followspot_persons.acquaintance import Acquaintance
 from followspot_persons.appearance_params import AppearanceParams
-from followspot_persons.association import box_distance, carried, matched, on_body
 from followspot_persons.background import Background, foreground
-from followspot_persons.body_view import BodyView, view
+from followspot_persons.body_view import view
+from followspot_persons.box_assignment import FAR, NANOSECOND, NEAR, BoxAssignment
 from followspot_persons.color.difference import completed, read_relations
-from followspot_persons.color.likelihood import color_likelihood, feature_responses
 from followspot_persons.color.model import ColorModel, learnt
 from followspot_persons.condensation import Search
 from followspot_persons.existence import THERE, averaged, evidence_of
@@ -25,30 +24,18 @@ from followspot_persons.fitness import Detection, Fitness, Picture, Weights, sam
 from followspot_persons.floor_contact import Presence, presence
 from followspot_persons.foreground_box import STEP, foreground_box, without_others
 from followspot_persons.girth import girths_of
-from followspot_persons.identity import same_person
 from followspot_persons.occlusion import covered
-from followspot_persons.panorama import full_turn
+from followspot_persons.recognition import Recognition
 from followspot_persons.shape import read_shape, with_girth
 from followspot_persons.spawning import spawned
-from followspot_persons.stature import USUAL
 from followspot_persons.track import Track, coasted, followed
 
-NANOSECOND = 1e-9
 SHARP_VISIBILITY = 0.3
 """Cosine of the steepest view of a feature whose colour is learnt."""
-NEAR, FAR = 0.5, 1.5
-"""Distance between the boxes of a person at which they may belong together, in heights: at once, and more for
-each second since the last one, for a body is 0.7 m high to the waist and people walk a metre a second."""
 MISS = 1.5
 """Loss of a person's trust per picture without a box."""
 TRUSTED = 12.0
 """Largest trust in a person."""
-UNUSUAL = 0.12
-"""Difference from the mean height that raises the confirmation score of a newcomer by half a point, m."""
-COLOR_SHARE = 0.3
-"""Weight of minus log F^C against the distance, relative to this limit, when boxes are given to persons."""
-STRANGE = 2.0
-"""Minus log F^C of a person with other clothes."""
 FAMILIAR = 1.3
 """Largest minus log F^C of a known person in the foreground that has no box."""
 
@@ -67,8 +54,10 @@ class Appearance(Stage):
         self.shape = read_shape(self.params.shape)
         self.relations = read_relations(self.params.color_relations)
         self.bodies = girths_of(self.shape)
-        self.around = self.camera.size[0] if full_turn(self.camera) else 0
         self.weights = Weights()
+        p = self.params
+        self.recognition = Recognition(p.confirmation_score, p.minimum_likeness, self.relations)
+        self.assignment = BoxAssignment(self.camera, self.shape, self.relations)
         self.background = Background()
         self.people: list[Acquaintance] = []
         self.numbers = 0
@@ -82,7 +71,7 @@ class Appearance(Stage):
         self.pixels, self.light = frame.pixels, self.background.light(frame.pixels)
         detections = [Detection(*row) for row in zip(boxes.box, boxes.torso, boxes.head, strict=True)]
         present = [p for p in self.people if not p.absent]
-        pairs = self.assigned(present, detections, picture, now)
+        pairs = self.assignment.pairs(present, detections, picture, now)
         seen = picture
         for person, box in sorted(pairs, key=lambda pair: self.distance(present[pair[0]])):
             score = float(boxes.score[box])
@@ -96,55 +85,17 @@ class Appearance(Stage):
             after = self.prolonged(present[i], others, seen, seconds, now)
             after = after or self.missed(present[i], seconds, now)
             kept += [after] if after else []
-        new = self.unclaimed(boxes, pairs)
+        new = self.assignment.unclaimed(boxes, pairs, self.params.minimum_score)
         kept += [self.initiated(detections[i], float(boxes.score[i]), now) for i in new]
         memory = self.params.memory_time
         kept += [p for p in self.people if p.absent and (now - p.seen) * NANOSECOND <= memory]
-        self.people = self.recognised(kept)
+        self.people, self.numbers = self.recognition.applied(kept, self.numbers)
         self.background = self.background.after(frame.pixels, now, self.people_here())
         return self.appearances(frame.camera)
 
     def distance(self, person: Acquaintance) -> float:
         """Distance of a person from the camera, m."""
         return float(np.hypot(*(person.track.pose[:2] - self.camera.center[:2])))
-
-    def assigned(
-        self, people: list[Acquaintance], detections: list[Detection], picture: Picture, now: int
-    ) -> list[tuple[int, int]]:
-        """Pairs of person and box: near in the picture, and of the person's colours."""
-        if not people or not detections:
-            return []
-        boxes = np.array([d.box for d in detections])
-        cost = np.empty((len(people), len(boxes)))
-        for i, person in enumerate(people):
-            age = (now - person.seen) * NANOSECOND
-            seen = view(self.camera, self.shape, person.track.pose[None])
-            distance = box_distance(seen.box, boxes, self.around)[0]
-            cost[i] = distance / (NEAR + FAR * age)
-            for j in np.flatnonzero(cost[i] < 1):
-                cost[i, j] += COLOR_SHARE * self.strangeness(person, seen, boxes[j], picture)
-        return matched(cost, 1 + COLOR_SHARE * STRANGE)
-
-    def strangeness(self, person: Acquaintance, seen: BodyView, box: Array, picture: Picture) -> float:
-        """Minus log F^C of a person, standing in a box as in the last picture; 0 if no colour is known."""
-        if person.colors.evidence.sum() == 0:
-            return 0.0
-        placed = replace(seen, surface=carried(seen.surface[0], seen.box[0], box)[None])
-        colors, inside = sampled(picture, placed)
-        model = completed(person.colors, self.relations)
-        responses = feature_responses(
-            colors, model.mean.astype(np.float32), model.variance.astype(np.float32)
-        )
-        return -float(np.log(color_likelihood(responses * inside, seen.visibility)[0]))
-
-    def unclaimed(self, boxes: Boxes, pairs: list[tuple[int, int]]) -> list[int]:
-        """Boxes that initiate a person: with a sufficient score, and not on a person that has a box."""
-        claimed = [box for _, box in pairs]
-        taken = on_body(boxes.box, boxes.box[claimed], self.around) | (
-            boxes.score < self.params.minimum_score
-        )
-        taken[claimed] = True
-        return [int(i) for i in np.flatnonzero(~taken)]
 
     def updated(
         self,
@@ -209,10 +160,10 @@ class Appearance(Stage):
         expected = self.boxes_of([replace(person, track=there)])[0]
         now_, then = self.pixels[::STEP, ::STEP], median[::STEP, ::STEP]
         mask = without_others(foreground(now_, then, self.light), others, self.camera)
-        reach = (NEAR / 2 + FAR * seconds / 2) * (expected[3] - expected[1])
+        reach = (NEAR + FAR * seconds) / 2 * (expected[3] - expected[1])
         box = foreground_box(self.camera, mask, expected, person.stature.estimate[0], reach)
         seen = view(self.camera, self.shape, there.pose[None])
-        if box is None or self.strangeness(person, seen, box, picture) > FAMILIAR:
+        if box is None or self.assignment.strangeness(person, seen, box, picture) > FAMILIAR:
             return None
         detection = Detection(box, np.zeros(0), np.zeros(0))
         fitness = Fitness(picture, self.shape, self.weights, detection=detection)
@@ -256,46 +207,6 @@ class Appearance(Stage):
             trust=score,
             comparable=self.background.median is not None,
         )
-
-    def recognised(self, people: list[Acquaintance]) -> list[Acquaintance]:
-        """All persons; confirmed newcomers get the number of an absent person of the same appearance, or a
-        new one.
-        """
-        newcomers = [p for p in people if self.confirmed(p)]
-        others = [p for p in people if not self.confirmed(p)]
-        for newcomer in newcomers:
-            lost = [p for p in others if p.number and p.seen < newcomer.initiated]
-            likeness = [self.likeness(newcomer, p) for p in lost]
-            if likeness and max(likeness) >= self.params.minimum_likeness:
-                known = lost[int(np.argmax(likeness))]
-                others = [p for p in others if p is not known]
-                track = replace(known.track.resumed(newcomer.track.particles), pose=newcomer.track.pose)
-                others.append(
-                    replace(
-                        newcomer,
-                        number=known.number,
-                        colors=known.colors,
-                        stature=known.stature,
-                        track=track,
-                    )
-                )
-            else:
-                self.numbers += 1
-                others.append(replace(newcomer, number=self.numbers))
-        return others
-
-    def confirmed(self, person: Acquaintance) -> bool:
-        """Whether a tentative person is confirmed."""
-        unusual = 0.5 * ((person.stature.by_size - USUAL) / UNUSUAL) ** 2
-        return (
-            person.number == 0
-            and person.hits > 1
-            and person.trust >= self.params.confirmation_score + unusual
-        )
-
-    def likeness(self, a: Acquaintance, b: Acquaintance) -> float:
-        """Log of how much likelier two acquaintances are one person than two."""
-        return same_person(a.colors, b.colors, (a.stature.estimate[0], b.stature.estimate[0]), self.relations)
 
     def appearances(self, camera: str) -> Appearances:
         """The confirmed persons."""

@@ -1,0 +1,77 @@
+"""Which box of the detector is whose: near in the picture, and of the person's colours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from followspot import Array, Camera
+from followspot.people import Boxes
+from followspot_persons.acquaintance import Acquaintance
+from followspot_persons.association import box_distance, carried, matched, on_body
+from followspot_persons.body_view import BodyView, view
+from followspot_persons.color.difference import ColorRelations, completed
+from followspot_persons.color.likelihood import color_likelihood, feature_responses
+from followspot_persons.fitness import Detection, Picture, sampled
+from followspot_persons.panorama import full_turn
+from followspot_persons.shape import ShapeModel
+
+NANOSECOND = 1e-9
+NEAR, FAR = 0.5, 1.5
+"""Distance between the boxes of a person at which they may belong together, in heights: at once, and more for
+each second since the last one, for a body is 0.7 m high to the waist and people walk a metre a second."""
+COLOR_SHARE = 0.3
+"""Weight of minus log F^C against the distance, relative to this limit, when boxes are given to persons."""
+STRANGE = 2.0
+"""Minus log F^C of a person with other clothes."""
+
+
+@dataclass(frozen=True, eq=False)
+class BoxAssignment:
+    """Of one camera, with the shape model and the relations of colours."""
+
+    camera: Camera
+    shape: ShapeModel
+    relations: ColorRelations
+
+    @property
+    def around(self) -> int:
+        """Columns of a full turn, 0 for none."""
+        return self.camera.size[0] if full_turn(self.camera) else 0
+
+    def pairs(
+        self, people: list[Acquaintance], detections: list[Detection], picture: Picture, now: int
+    ) -> list[tuple[int, int]]:
+        """Pairs of person and box: near in the picture, and of the person's colours."""
+        if not people or not detections:
+            return []
+        boxes = np.array([d.box for d in detections])
+        cost = np.empty((len(people), len(boxes)))
+        for i, person in enumerate(people):
+            age = (now - person.seen) * NANOSECOND
+            seen = view(self.camera, self.shape, person.track.pose[None])
+            distance = box_distance(seen.box, boxes, self.around)[0]
+            cost[i] = distance / (NEAR + FAR * age)
+            for j in np.flatnonzero(cost[i] < 1):
+                cost[i, j] += COLOR_SHARE * self.strangeness(person, seen, boxes[j], picture)
+        return matched(cost, 1 + COLOR_SHARE * STRANGE)
+
+    def strangeness(self, person: Acquaintance, seen: BodyView, box: Array, picture: Picture) -> float:
+        """Minus log F^C of a person, standing in a box as in the last picture; 0 if no colour is known."""
+        if person.colors.evidence.sum() == 0:
+            return 0.0
+        placed = replace(seen, surface=carried(seen.surface[0], seen.box[0], box)[None])
+        colors, inside = sampled(picture, placed)
+        model = completed(person.colors, self.relations)
+        responses = feature_responses(
+            colors, model.mean.astype(np.float32), model.variance.astype(np.float32)
+        )
+        return -float(np.log(color_likelihood(responses * inside, seen.visibility)[0]))
+
+    def unclaimed(self, boxes: Boxes, pairs: list[tuple[int, int]], minimum_score: float) -> list[int]:
+        """Boxes that initiate a person: with a sufficient score, and not on a person that has a box."""
+        claimed = [box for _, box in pairs]
+        taken = on_body(boxes.box, boxes.box[claimed], self.around) | (boxes.score < minimum_score)
+        taken[claimed] = True
+        return [int(i) for i in np.flatnonzero(~taken)]

@@ -1,0 +1,63 @@
+"""Who of the confirmed newcomers is an absent person that has returned (sections 3.3 and 5)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from followspot_persons.acquaintance import Acquaintance
+from followspot_persons.color.difference import ColorRelations
+from followspot_persons.identity import same_person
+from followspot_persons.stature import USUAL
+
+UNUSUAL = 0.12
+"""Difference from the mean height that raises the confirmation score of a newcomer by half a point, m."""
+
+
+@dataclass(frozen=True, eq=False)
+class Recognition:
+    """confirmation_score, minimum_likeness: parameters of `persons.appearance`; relations: of colours."""
+
+    confirmation_score: float
+    minimum_likeness: float
+    relations: ColorRelations
+
+    def applied(self, people: list[Acquaintance], numbers: int) -> tuple[list[Acquaintance], int]:
+        """All persons, and how many numbers were given: confirmed newcomers get the number of an absent
+        person of the same appearance, or a new one.
+        """
+        newcomers = [p for p in people if self.confirmed(p)]
+        others = [p for p in people if not self.confirmed(p)]
+        for newcomer in newcomers:
+            known = self.returned(newcomer, others)
+            if known is None:
+                numbers += 1
+                others.append(replace(newcomer, number=numbers))
+            else:
+                others = [p for p in others if p is not known]
+                others.append(resumed(known, newcomer))
+        return others, numbers
+
+    def confirmed(self, person: Acquaintance) -> bool:
+        """Whether a tentative person is confirmed."""
+        unusual = 0.5 * ((person.stature.by_size - USUAL) / UNUSUAL) ** 2
+        return person.number == 0 and person.hits > 1 and person.trust >= self.confirmation_score + unusual
+
+    def returned(self, newcomer: Acquaintance, others: list[Acquaintance]) -> Acquaintance | None:
+        """The person, lost before the newcomer appeared, that it most likely is; None if it is unknown."""
+        lost = [p for p in others if p.number and p.seen < newcomer.initiated]
+        likeness = [self.likeness(newcomer, p) for p in lost]
+        if not likeness or max(likeness) < self.minimum_likeness:
+            return None
+        return lost[int(np.argmax(likeness))]
+
+    def likeness(self, a: Acquaintance, b: Acquaintance) -> float:
+        """Log of how much likelier two acquaintances are one person than two."""
+        return same_person(a.colors, b.colors, (a.stature.estimate[0], b.stature.estimate[0]), self.relations)
+
+
+def resumed(known: Acquaintance, newcomer: Acquaintance) -> Acquaintance:
+    """A known person at the place of a newcomer."""
+    track = replace(known.track.resumed(newcomer.track.particles), pose=newcomer.track.pose)
+    return replace(newcomer, number=known.number, colors=known.colors, stature=known.stature, track=track)
