@@ -24,6 +24,7 @@ ELSEWHERE = {
     r"python tools/bench_bounces.py": "tests/tools/test_bench_bounces.py",
     r"python tools/paper_tables.py": "tests/tools/test_paper_tables.py",
     r"python tools/bench_persons.py": "tests/tools/test_bench_persons.py",
+    r"python tools/bench_strangers.py": "tests/tools/test_bench_strangers.py",
     r"python tools/learn_weights.py": "tests/tools/test_learn_weights.py",
     r"python tools/convert_movenet.py": "tests/tools/test_convert_movenet.py",
     r"python3 -m venv": ".ci/run",

@@ -19,10 +19,10 @@ from followspot_persons.box_assignment import FAR, NANOSECOND, NEAR, BoxAssignme
 from followspot_persons.color.difference import completed, read_relations
 from followspot_persons.color.model import ColorModel, learnt
 from followspot_persons.condensation import Search
-from followspot_persons.existence import THERE, averaged, evidence_of
+from followspot_persons.existence import EVIDENCE, STILL, THERE, averaged, evidence_of
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights, sampled
 from followspot_persons.floor_contact import Presence, presence
-from followspot_persons.foreground_box import STEP, foreground_box, without_others
+from followspot_persons.foreground_box import STEP, foreground_box, shares, without_others
 from followspot_persons.girth import girths_of
 from followspot_persons.occlusion import covered
 from followspot_persons.recognition import Recognition
@@ -68,10 +68,15 @@ class Appearance(Stage):
         seconds = max(now - self.time, 0) * NANOSECOND if self.time >= 0 else 0.0
         self.time = now
         picture = pictured(self.camera, frame, gradients)
-        self.pixels, self.light = frame.pixels, self.background.light(frame.pixels)
+        self.pixels = picture.colors.reshape(*frame.pixels.shape[:2], 3)
+        self.light = self.background.light(self.pixels)
+        mask = self.foreground()
+        still = np.zeros(len(boxes.box), bool)
+        if mask is not None:
+            still = shares(self.camera, mask, boxes.box) < STILL
         detections = [Detection(*row) for row in zip(boxes.box, boxes.torso, boxes.head, strict=True)]
         present = [p for p in self.people if not p.absent]
-        pairs = self.assignment.pairs(present, detections, picture, now)
+        pairs = self.assignment.pairs(present, detections, still, picture, now)
         seen = picture
         for person, box in sorted(pairs, key=lambda pair: self.distance(present[pair[0]])):
             score = float(boxes.score[box])
@@ -80,17 +85,22 @@ class Appearance(Stage):
             present[person] = known
         missed = set(range(len(present))) - {person for person, _ in pairs}
         kept = [p for i, p in enumerate(present) if i not in missed]
-        others = self.boxes_of(kept)
+        others, unboxed = self.boxes_of(kept), list[Acquaintance]()
         for i in sorted(missed):
-            after = self.prolonged(present[i], others, seen, seconds, now)
+            after = None
+            if mask is not None:
+                free = without_others(mask, others, self.camera)
+                after = self.prolonged(present[i], free, seen, seconds, now)
+            unboxed += [after] if after else []
             after = after or self.missed(present[i], seconds, now)
             kept += [after] if after else []
-        new = self.assignment.unclaimed(boxes, pairs, self.params.minimum_score)
+        least = self.params.minimum_score + EVIDENCE * still
+        new = self.assignment.unclaimed(boxes, pairs, self.boxes_of(unboxed), least)
         kept += [self.initiated(detections[i], float(boxes.score[i]), now) for i in new]
         memory = self.params.memory_time
         kept += [p for p in self.people if p.absent and (now - p.seen) * NANOSECOND <= memory]
         self.people, self.numbers = self.recognition.applied(kept, self.numbers)
-        self.background = self.background.after(frame.pixels, now, self.people_here())
+        self.background = self.background.after(self.pixels, now, self.people_here())
         return self.appearances(frame.camera)
 
     def distance(self, person: Acquaintance) -> float:
@@ -135,6 +145,13 @@ class Appearance(Stage):
             trust=min(person.trust + score + evidence_of(share, comparable=comparable), TRUSTED),
         )
 
+    def foreground(self) -> Array | None:
+        """What differs from the background, (H / STEP, W / STEP) bool; None if the background is unknown."""
+        median = self.background.median
+        if median is None or self.light is None:
+            return None
+        return foreground(self.pixels[::STEP, ::STEP], median[::STEP, ::STEP], self.light)
+
     def presence(self, track: Track) -> Presence | None:
         """What the background tells of a person in this picture; None if it is not known."""
         median = self.background.median
@@ -144,22 +161,17 @@ class Appearance(Stage):
         return presence(self.camera, self.pixels, median, self.light, track.pose, box)
 
     def prolonged(
-        self, person: Acquaintance, others: Array, picture: Picture, seconds: float, now: int
+        self, person: Acquaintance, mask: Array, picture: Picture, seconds: float, now: int
     ) -> Acquaintance | None:
         """The person after a picture without a box, at the foreground that it must be; None if there is none.
 
-        others: (K, 4) px, upper bodies of people that have boxes. Colours are not learnt.
+        mask: of :func:`foreground_box`, without people that have boxes. Colours are not learnt.
         """
-        median = self.background.median
         unboxed = (now - person.boxed) * NANOSECOND
-        if median is None or self.light is None or not (person.number and person.comparable):
-            return None
-        if unboxed > self.params.maximum_unboxed_time:
+        if not (person.number and person.comparable) or unboxed > self.params.maximum_unboxed_time:
             return None
         there = coasted(person.track, seconds)
         expected = self.boxes_of([replace(person, track=there)])[0]
-        now_, then = self.pixels[::STEP, ::STEP], median[::STEP, ::STEP]
-        mask = without_others(foreground(now_, then, self.light), others, self.camera)
         reach = (NEAR + FAR * seconds) / 2 * (expected[3] - expected[1])
         box = foreground_box(self.camera, mask, expected, person.stature.estimate[0], reach)
         seen = view(self.camera, self.shape, there.pose[None])

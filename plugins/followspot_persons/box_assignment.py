@@ -41,9 +41,18 @@ class BoxAssignment:
         return self.camera.size[0] if full_turn(self.camera) else 0
 
     def pairs(
-        self, people: list[Acquaintance], detections: list[Detection], picture: Picture, now: int
+        self,
+        people: list[Acquaintance],
+        detections: list[Detection],
+        still: Array,
+        picture: Picture,
+        now: int,
     ) -> list[tuple[int, int]]:
-        """Pairs of person and box: near in the picture, and of the person's colours."""
+        """Pairs of person and box: near in the picture, and of the person's colours.
+
+        Tentative persons, whose colours nobody knows, get what known ones leave. still: (N,) bool, boxes that
+        show the background; they are nobody's who is no part of it.
+        """
         if not people or not detections:
             return []
         boxes = np.array([d.box for d in detections])
@@ -52,10 +61,14 @@ class BoxAssignment:
             age = (now - person.seen) * NANOSECOND
             seen = view(self.camera, self.shape, person.track.pose[None])
             distance = box_distance(seen.box, boxes, self.around)[0]
-            cost[i] = distance / (NEAR + FAR * age)
+            cost[i] = np.where(still & person.comparable, np.inf, distance / (NEAR + FAR * age))
             for j in np.flatnonzero(cost[i] < 1):
                 cost[i, j] += COLOR_SHARE * self.strangeness(person, seen, boxes[j], picture)
-        return matched(cost, 1 + COLOR_SHARE * STRANGE)
+        limit = 1 + COLOR_SHARE * STRANGE
+        tentative = np.array([p.number == 0 for p in people])
+        found = matched(np.where(tentative[:, None], np.inf, cost), limit)
+        cost[:, [box for _, box in found]] = np.inf
+        return found + matched(np.where(tentative[:, None], cost, np.inf), limit)
 
     def strangeness(self, person: Acquaintance, seen: BodyView, box: Array, picture: Picture) -> float:
         """Minus log F^C of a person, standing in a box as in the last picture; 0 if no colour is known."""
@@ -69,9 +82,13 @@ class BoxAssignment:
         )
         return -float(np.log(color_likelihood(responses * inside, seen.visibility)[0]))
 
-    def unclaimed(self, boxes: Boxes, pairs: list[tuple[int, int]], minimum_score: float) -> list[int]:
-        """Boxes that initiate a person: with a sufficient score, and not on a person that has a box."""
+    def unclaimed(self, boxes: Boxes, pairs: list[tuple[int, int]], bodies: Array, least: Array) -> list[int]:
+        """Boxes that initiate a person: of a sufficient score, and not on a person that is seen.
+
+        bodies: (K, 4) px, upper bodies of people seen without a box; least: (N,) smallest scores.
+        """
         claimed = [box for _, box in pairs]
-        taken = on_body(boxes.box, boxes.box[claimed], self.around) | (boxes.score < minimum_score)
+        taken = on_body(boxes.box, np.concatenate([boxes.box[claimed], bodies]), self.around)
+        taken |= boxes.score < least
         taken[claimed] = True
         return [int(i) for i in np.flatnonzero(~taken)]

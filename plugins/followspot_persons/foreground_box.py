@@ -29,6 +29,20 @@ LEVEL = 0.25
 """Height of the head's top over the camera from which its row tells the distance of a known height, m."""
 
 
+def shares(camera: Camera, mask: Array, boxes: Array) -> Array:
+    """Share of foreground in the middle of each box, (K, 4) px -> (K,).
+
+    mask: (H / STEP, W / STEP) bool, foreground.
+    """
+    found = np.empty(len(boxes))
+    for i, (x0, y0, x1, y1) in enumerate(boxes.tolist()):
+        rows = slice(max(0, int(y0 / STEP)), max(1, int(np.ceil(y1 / STEP))))
+        torso = np.abs(_aside(mask, (x0 + x1) / 2, camera)) <= max(TORSO * (y1 - y0), STEP)
+        part = mask[rows][:, torso]
+        found[i] = part.mean() if part.size else 0.0
+    return found
+
+
 def without_others(mask: Array, boxes: Array, camera: Camera) -> Array:
     """A mask (H / STEP, W / STEP) without the columns of other people's upper bodies, (K, 4) px."""
     out = mask.copy()

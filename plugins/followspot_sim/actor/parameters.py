@@ -36,9 +36,25 @@ class ActorParams(StageParams):
     noise_sigma: float = Field(
         2.0, ge=0, le=20, unit="grey levels", description="standard deviation of the sensor noise"
     )
+    dimmed: tuple[float, float, float] | None = Field(
+        None,
+        description="the lights are dimmed: from and to a time, s, and the share of light left; none: never",
+    )
     realtime: bool = Field(
         False, description="whether frames come at the pace of fps instead of as fast as possible"
     )
+
+    @pydantic.field_validator("dimmed")
+    @classmethod
+    def _check_light(cls, dimmed: tuple[float, float, float] | None) -> tuple[float, float, float] | None:
+        if dimmed is not None and not (dimmed[0] <= dimmed[1] and 0 <= dimmed[2] <= 1):
+            raise ValueError("dimmed must be two ascending times and a share of 0 to 1")
+        return dimmed
+
+    def light(self, time: float) -> float:
+        """Share of the usual light at a time, s."""
+        begin, end, share = self.dimmed or (0.0, 0.0, 1.0)
+        return share if begin <= time < end else 1.0
 
     @pydantic.field_validator("walking_area")
     @classmethod

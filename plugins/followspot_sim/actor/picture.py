@@ -38,6 +38,7 @@ class ActorPicture:
         """Prepare all that stays: the empty room and the noise."""
         self.camera = camera
         self.shape = (camera.size[1], camera.size[0], 3)
+        self._actors = params
         self._stage = stage_of(params)
         self._lamp = lamp_of(params)
         empty = backdrop(params, camera)
@@ -46,7 +47,9 @@ class ActorPicture:
 
     def render(self, frame: int, out: Array) -> None:
         """The picture of a frame into `out`, (H, W, 3) uint8, BGR."""
-        self._sensor.expose(self.light(frame), frame, out)
+        light = self._actors.light(frame / self._actors.fps)
+        picture = self.light(frame)
+        self._sensor.expose(picture if light == 1 else cv2.convertScaleAbs(picture, alpha=light), frame, out)
 
     def light(self, frame: int) -> Array:
         """What falls on the sensor, (H, W, 3) uint8, BGR."""

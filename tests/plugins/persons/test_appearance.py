@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.plugins.persons.drawn import (
     BACK,
+    SECOND,
     SHIRT,
     boxes_of,
+    detection_of,
     drawn,
     frame_of,
     gradients_of,
     perspective,
+    picture_of,
     ready,
     standing,
 )
@@ -34,10 +39,14 @@ class Show:
 
     def see(self, *poses, boxed=None, score=2.0, front=SHIRT, back=BACK):
         """What the stage says of a picture with bodies of these poses."""
-        frame = frame_of(self.camera, drawn(self.camera, *poses, front=front, back=back), self.number / 2)
-        frame = frame_of(self.camera, frame.pixels, self.number / 2, self.number)
+        pixels = drawn(self.camera, *poses, front=front, back=back)
+        return self.see_pixels(pixels, boxed=poses if boxed is None else boxed, score=score)
+
+    def see_pixels(self, pixels, *, boxed, score):
+        """What the stage says of a picture with these boxes."""
+        frame = frame_of(self.camera, pixels, self.number / 2, self.number)
         self.number += 1
-        boxes = boxes_of(self.camera, frame, *(poses if boxed is None else boxed), score=score)
+        boxes = boxes_of(self.camera, frame, *boxed, score=score)
         return self.stage.process(frame, gradients_of(self.camera, frame), boxes)
 
     def leave(self, pictures=8):
@@ -170,3 +179,29 @@ def test_two_people_have_two_numbers_that_stay():
         told = show.see(standing(3.0, -0.9 + 0.1 * step), standing(3.0, 0.9 - 0.1 * step), score=2.0)
     assert numbers(told) == [1, 2]
     assert sorted(np.sign(told.pose[:, 1])) == [-1, 1]
+
+
+def test_known_people_come_before_tentative_ones_whose_colours_nobody_knows():
+    """In other light the known person looks strange, and the box lies nearer to the tentative one."""
+    show = Show()
+    for _ in range(6):
+        show.see(standing(2.5))
+    (known,) = show.stage.people
+    tentative = show.stage.initiated(detection_of(show.camera, standing(2.5, 0.2)), 1.0, known.seen)
+    dim = picture_of(show.camera, (drawn(show.camera, standing(2.5, 0.15)) * 0.3).astype(np.uint8))
+    box = [detection_of(show.camera, standing(2.5, 0.15))]
+    now, moving = known.seen + SECOND // 2, np.zeros(1, bool)
+    assert show.stage.assignment.pairs([tentative, known], box, moving, dim, now) == [(1, 0)]
+    assert show.stage.assignment.pairs([tentative], box, moving, dim, now) == [(0, 0)]
+    assert show.stage.assignment.pairs([replace(known, comparable=True)], box, ~moving, dim, now) == []
+
+
+def test_boxes_of_the_background_and_of_people_seen_without_one_initiate_nobody():
+    show = Show()
+    frame = frame_of(show.camera, drawn(show.camera), 0.0)
+    boxes = boxes_of(show.camera, frame, standing(2.5, -0.7), standing(2.5, 0.7), score=1.0)
+    unclaimed, nobody = show.stage.assignment.unclaimed, np.empty((0, 4))
+    assert unclaimed(boxes, [], nobody, np.array([0.8, 0.8])) == [0, 1]
+    assert unclaimed(boxes, [], nobody, np.array([0.8, 2.3])) == [0]
+    assert unclaimed(boxes, [], boxes.box[:1], np.array([0.8, 0.8])) == [1]
+    assert unclaimed(boxes, [(0, 1)], nobody, np.array([0.8, 0.8])) == [0]

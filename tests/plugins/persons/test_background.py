@@ -152,3 +152,17 @@ def test_who_stood_there_from_the_start_stays():
     for _ in range(20):
         told = show.see(standing(2.5), score=1.0)
     assert told.person.tolist() == [1]
+
+
+def test_noise_in_dim_light_makes_no_foreground():
+    """A fifth of the light, and noise of two grey levels: boxes on furniture still confirm nobody."""
+    noise = np.random.default_rng(4)
+    show = Show()
+    wall = np.full((240, 320, 3), WALL, np.uint8)
+    for _ in range(FEWEST + 1):
+        show.see()
+    for _ in range(8):
+        dim = np.clip(0.2 * wall + noise.normal(0, 2, wall.shape), 0, 255).astype(np.uint8)
+        told = show.see_pixels(dim, boxed=[standing(2.5)], score=1.0)
+    assert told.person.tolist() == []
+    assert show.stage.light == pytest.approx(0.2, rel=0.1)

@@ -9,7 +9,7 @@ from tests.plugins.persons.test_appearance import Show
 from tests.plugins.persons.test_background import FEWEST
 
 from followspot_persons.body_view import view
-from followspot_persons.foreground_box import STEP, foreground_box, without_others
+from followspot_persons.foreground_box import STEP, foreground_box, shares, without_others
 from followspot_persons.shape import read_shape
 from followspot_persons.upper_body_box import RATIO
 
@@ -82,6 +82,25 @@ def test_who_is_known_stays_without_boxes_for_a_time_in_the_foreground(time, los
     np.testing.assert_array_equal(person.colors.mean, colors.mean)
     if not lost:
         assert person.track.pose[1] == pytest.approx(0.35, abs=0.12)
+
+
+def test_boxes_on_furniture_are_nobodys_who_came_later():
+    """The detector sees the person where it was, on the wall, but the person walks on."""
+    show = Show()
+    for _ in range(FEWEST + 1):
+        show.see()
+    for _ in range(5):
+        show.see(standing(2.6, -0.3))
+    for step in range(6):
+        show.see(standing(2.6, -0.3 + 0.15 * step), boxed=[standing(2.6, -0.7)])
+    assert show.stage.people[0].track.pose[1] == pytest.approx(0.45, abs=0.15)
+
+
+def test_shares_are_of_the_torso_in_each_box():
+    here, there = body(standing(3.0, 0.4)), body(standing(3.0, -0.4))
+    told = shares(CAMERA, mask_of(here), np.array([here, there]))
+    assert told[0] > 0.8
+    assert told[1] == 0.0
 
 
 def test_who_leaves_the_picture_is_not_prolonged():

@@ -263,3 +263,18 @@ def test_a_recording_of_people_holds_the_pictures_and_the_poses_that_the_stages_
     wanted = np.column_stack([now.xy, now.height, now.heading, now.pan, now.tilt])
     assert np.allclose(table.pose[1], wanted, atol=1e-4)
     assert np.allclose(table.visible[1], now.visible, atol=1e-4)
+
+
+def test_dimmed_lights_leave_their_share_for_their_time() -> None:
+    dim = QUIET.model_copy(update={"dimmed": (1.0, 2.0, 0.25)})
+    usual, dimmed = (ActorPicture(params, pinhole()) for params in (QUIET, dim))
+    for second, share in ((0.5, 1.0), (1.5, 0.25), (2.0, 1.0)):
+        frame = round(second * QUIET.fps)
+        mean = shot(dimmed, frame).mean() / shot(usual, frame).mean()
+        assert mean == pytest.approx(share, abs=0.02)
+
+
+@pytest.mark.parametrize("wrong", [(2.0, 1.0, 0.5), (0.0, 1.0, 1.5)])
+def test_dimmed_lights_need_ascending_times_and_a_share(wrong: tuple[float, float, float]) -> None:
+    with pytest.raises(ValueError, match="dimmed must be"):
+        ActorParams(dimmed=wrong)

@@ -1,0 +1,32 @@
+"""The benchmark of hard situations runs, and its rooms differ as they say."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import pytest
+
+import bench_strangers
+
+
+def test_each_situation_is_scored_for_each_seed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = "--kinds near --seeds 3 --frames 4 --json"
+    monkeypatch.setattr(sys, "argv", ["bench_strangers.py", *words.split()])
+    bench_strangers.main()
+    told = json.loads(capsys.readouterr().out)
+    assert list(told) == ["near"]
+    assert [list(figures) for figures in told["near"]] == [list(bench_strangers.COLUMNS)]
+
+
+@pytest.mark.parametrize("kind", bench_strangers.KINDS)
+def test_cameras_and_truth_of_a_situation_have_the_same_people(kind: str) -> None:
+    room = bench_strangers.room_of(kind, 7, 9)
+    (camera,) = room.cameras.values()
+    assert camera.source is not None
+    assert room.truth is not None
+    assert camera.source.params == room.truth.params
+    assert camera.source.params["seed"] == 7
+    assert camera.source.params["frames"] == 9
