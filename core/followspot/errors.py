@@ -182,7 +182,8 @@ def _shortened(text: str) -> str:
 
 def _window(line: str, column: int) -> tuple[str, int]:
     """The part of a line that is shown, and the column within it."""
-    line = "".join(c if c.isprintable() else " " for c in line)
+    if not line.isprintable():
+        line = "".join(c if c.isprintable() else " " for c in line)
     if len(line) <= _LONGEST_LINE:
         return line, column
     start = max(0, min(column - _LONGEST_LINE // 2, len(line) - _LONGEST_LINE))
