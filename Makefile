@@ -34,8 +34,10 @@ $(VENV)/page: $(VENV)/demo
 page: $(VENV)/page  ## track them live and without end, on a page in a browser
 	@$(BIN)/followspot run graphs/glowballs.yaml --set camera.realtime=true --set camera.frames=0 --dashboard
 
-# A file on each core; neither threads of BLAS, which would wait for each other, nor deadlines on a busy machine.
-PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder --hypothesis-profile ci
+# A file on each core, and one more, for many tests wait; neither threads of BLAS, which would wait for each other,
+# nor deadlines on a busy machine.
+WORKERS := $(shell expr $$(nproc 2>/dev/null || echo 3) + 1)
+PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses $(WORKERS) --maxprocesses 4 --dist loadfile --no-loadscope-reorder --hypothesis-profile ci
 
 test: $(VENV)/dev  ## the tests
 	@$(PYTEST) -m 'not thorough'

@@ -157,6 +157,7 @@ def test_a_replay_with_suspended_processes_is_complete_or_fails(hosts: Hosts, pa
         assert any("a.out -> b.number: " in line for line in finished.summary["errors"])
 
 
+@pytest.mark.thorough
 def test_a_router_between_hosts_may_be_restarted(hosts: Hosts) -> None:
     router = f"tcp/{hosts.address('middle')}:7447"
     words = ("router", "--listen", router, "--insecure")

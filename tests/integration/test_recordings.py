@@ -144,6 +144,7 @@ def test_smoothed_tracks_are_more_accurate_and_less_rough_and_else_the_same(
     assert means[1][1] < 2.9
 
 
+@pytest.mark.thorough
 def test_a_filter_of_another_package_takes_the_place_of_the_default(
     rooms: dict[str, Path], tmp_path: Path
 ) -> None:

@@ -130,8 +130,8 @@ CASES = {
         ':3:14: no stage "ball.kalmann"',
         'did you mean "balls.kalman"?',
     ),
-    "90,000 wrong edges": (
-        "graph: g\nstages:\n  a: {uses: sinks.csv, in: {tracks: [" + "stage," * 90_000 + "]}}\n"
+    "30,000 wrong edges": (
+        "graph: g\nstages:\n  a: {uses: sinks.csv, in: {tracks: [" + "stage," * 30_000 + "]}}\n"
         + lines("  stag{n}: {{uses: sinks.csv}}\n", 900),
         ':3:38: there is no stage "stage"',
         "more, which are shown",

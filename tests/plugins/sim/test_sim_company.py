@@ -12,8 +12,8 @@ import pytest
 
 ROOMS = sorted((Path(__file__).parents[3] / "graphs/rooms").glob("*.yaml"))
 FEW = {
-    "simulated": (100, 1),
-    "simulated6": (40, 1),
+    "simulated": (40, 1),
+    "simulated6": (12, 1),
     "simulated_panorama": (5, 4),
     "simulated_persons": (5, 4),
 }

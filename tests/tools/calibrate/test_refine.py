@@ -203,6 +203,7 @@ def test_the_derivatives_of_a_prior_are_those_of_its_errors():
     assert told == pytest.approx(np.array(rows).T / (2 * step), abs=5e-3)
 
 
+@pytest.mark.thorough
 @needs_shared
 def test_a_noisy_calibration_is_corrected_from_one_recording(tmp_path, capsys):
     """glowballs-dev, six balls in three seconds: 6 mm become less than 2.5 mm; planes follow the cameras."""

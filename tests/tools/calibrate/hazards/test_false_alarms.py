@@ -35,13 +35,14 @@ def test_reflections_are_all_that_is_told_of_a_room_full_of_them(cameras, missin
 
 
 @needs_shared
+@pytest.mark.thorough
 def test_the_recording_of_the_old_toolbox():
     told = quiet(solve(read_points(DATA / "selfcal-mcsc-2010"), None))
     assert all("focal length" in text for text in told)
 
 
 @needs_shared
-@pytest.mark.parametrize("intrinsics", ["auto", "free"])
+@pytest.mark.parametrize("intrinsics", ["auto", pytest.param("free", marks=pytest.mark.thorough)])
 def test_the_rendered_room(intrinsics):
     folder = DATA / "glowballs-dev"
     given = json.loads((folder / "calibration.json").read_text())["cameras"]
