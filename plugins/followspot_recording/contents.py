@@ -159,8 +159,7 @@ class _Scan:
 
     def _chunk(self, span: Span) -> None:
         """Add a chunk with its channels. Raises Damaged, also if the chunk is cut off."""
-        chunk = read_chunk(self.file, span)
-        self.definitions.channels.update(chunk.channels)
+        chunk = read_chunk(self.file, span, self.definitions)
         times = [message.time for found in chunk.messages.values() for message in found]
         begin, end = min(times, default=0), max(times, default=0)
         self.contents.chunks.append(

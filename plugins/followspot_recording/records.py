@@ -93,7 +93,6 @@ class Chunk:
 
     size: int
     messages: Mapping[int, list[Recorded]]
-    channels: Mapping[int, Channel]
 
 
 def parse(kind: Any, data: bytes | memoryview) -> Any:
@@ -124,8 +123,11 @@ def read_attachment(file: IO[bytes], span: Span) -> bytes:
     return attachment.data
 
 
-def read_chunk(file: IO[bytes], span: Span) -> Chunk:
-    """The chunk that lies there. Raises Damaged."""
+def read_chunk(file: IO[bytes], span: Span, definitions: Definitions | None = None) -> Chunk:
+    """The chunk that lies there. Raises Damaged.
+
+    definitions: of what lies before it, for its channels may have schemas from there; gets its own as well.
+    """
     data = read_span(file, span, Opcode.CHUNK, MAX_CHUNK)
     chunk: records.Chunk = parse(records.Chunk, data)
     if chunk.uncompressed_size > MAX_CHUNK:
@@ -136,14 +138,14 @@ def read_chunk(file: IO[bytes], span: Span) -> Chunk:
     ):
         raise Damaged("the checksum of a chunk is wrong")
     messages: dict[int, list[Recorded]] = {}
-    definitions = Definitions()
+    definitions = Definitions() if definitions is None else definitions
     for opcode, body in _walk(memoryview(plain)):
         if opcode == Opcode.MESSAGE and len(body) >= _MESSAGE.size:
             number, seq, time, _ = _MESSAGE.unpack_from(body)
             messages.setdefault(number, []).append(Recorded(time, seq, body[_MESSAGE.size :]))
         else:
             definitions.take(opcode, body)
-    return Chunk(len(plain), messages, definitions.channels)
+    return Chunk(len(plain), messages)
 
 
 class Definitions:

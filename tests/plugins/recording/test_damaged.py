@@ -47,6 +47,27 @@ def read(path: Path, data: bytes) -> tuple[list[int], str]:
         return [message.seq for message in recording.messages(PORT)], recording.problem
 
 
+def test_a_port_that_came_late_has_the_type_that_an_earlier_chunk_tells(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    early, late = (
+        RecordingSink(Context("a"), path=path, port=port, chunk_size=0.001) for port in (PORT, "late.out")
+    )
+    for sink in (early, late):
+        sink.setup()
+    fill(early, COUNT)
+    fill(late, COUNT)
+    late.close()
+    early.close()
+    path.write_bytes(path.read_bytes()[:-1000])
+    with Recording(path) as recording:
+        assert recording.problem
+        assert (
+            recording.ports["late.out"].schema
+            == recording.ports[PORT].schema
+            == "followspot.tracking.Positions"
+        )
+
+
 def test_a_whole_recording_has_no_problem(whole: bytes, tmp_path: Path) -> None:
     assert read(tmp_path / "a.mcap", whole) == (list(range(COUNT)), "")
 
