@@ -13,6 +13,7 @@ REAL = Path(__file__).resolve().parents[2].parent / "shared/data/ball-trajectori
 SETS = {"side+oblique+back", "side+oblique", "side+back", "oblique+back"}
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(not REAL.is_dir(), reason="needs shared/data/ball-trajectories-tt3d")
 def test_the_filter_is_never_worse_than_no_filter_at_bounces_whichever_views_there_are() -> None:
     result = bench_bounces.measure(REAL)

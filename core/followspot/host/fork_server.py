@@ -24,7 +24,7 @@ from pathlib import Path
 import cv2  # noqa: F401 - its threads are not those of stages
 import numpy as np
 
-from followspot.host.forking import EXIT_CODE, PID
+from followspot.host.forked_worker import EXIT_CODE, PID
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.worker.main import run_worker
 

@@ -79,7 +79,7 @@ class ForkedWorker:
             self._status.close()
 
 
-class Forking:
+class ForkServerProcess:
     """A fork server, started with its first worker; a new one is started if it has died."""
 
     def __init__(self, stages: Iterable[str]) -> None:

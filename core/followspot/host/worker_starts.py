@@ -7,7 +7,7 @@ import subprocess
 import sys
 from collections.abc import Collection, Iterable
 
-from followspot.host.forking import Forking
+from followspot.host.forked_worker import ForkServerProcess
 from followspot.host.worker_process import Process
 from followspot.plugins.registry import ours
 
@@ -22,7 +22,7 @@ class WorkerStarts:
         """
         self._threads = frozenset(threads)
         several = len(set(workers) - self._threads) > 1
-        self._forking = Forking(name for name in stages if ours(name)) if several else None
+        self._fork_server = ForkServerProcess(name for name in stages if ours(name)) if several else None
 
     def start(self, name: str, end: socket.socket) -> Process:
         """Start a worker; the socket is its end of the control channel. Raises OSError."""
@@ -30,8 +30,8 @@ class WorkerStarts:
             from followspot.host.worker_thread import WorkerThread
 
             return WorkerThread(name, end)
-        if self._forking is not None:
-            return self._forking.start(end)
+        if self._fork_server is not None:
+            return self._fork_server.start(end)
         return subprocess.Popen(
             [sys.executable, "-m", "followspot.worker.main", str(end.fileno())],
             pass_fds=[end.fileno()],
@@ -40,5 +40,5 @@ class WorkerStarts:
 
     def close(self) -> None:
         """End the fork server, if there is one; its workers go on."""
-        if self._forking is not None:
-            self._forking.close()
+        if self._fork_server is not None:
+            self._fork_server.close()

@@ -14,7 +14,7 @@ from tests.core.plugins.packages import install
 from tests.integration.running import alive, children, command_of, wait_until
 
 import followspot as fs
-from followspot.host.forking import EXIT_CODE_UNKNOWN, ForkedWorker, Forking
+from followspot.host.forked_worker import EXIT_CODE_UNKNOWN, ForkedWorker, ForkServerProcess
 from followspot.host.worker_starts import WorkerStarts
 from followspot.plugins.registry import GROUP
 
@@ -23,12 +23,12 @@ TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
 
 
 @contextmanager
-def forked(forking: Forking) -> Iterator[tuple[ForkedWorker, socket.socket]]:
+def forked(server: ForkServerProcess) -> Iterator[tuple[ForkedWorker, socket.socket]]:
     """A worker that waits for its plan, and the host's end of its control channel."""
     channel, end = socket.socketpair()
     with channel:
         with end:
-            worker = forking.start(end)
+            worker = server.start(end)
         yield worker, channel
 
 
@@ -37,7 +37,11 @@ def servers() -> list[int]:
 
 
 def test_the_exit_codes_of_workers_reach_the_host() -> None:
-    with closing(Forking([])) as forking, forked(forking) as (first, channel), forked(forking) as (second, _):
+    with (
+        closing(ForkServerProcess([])) as server,
+        forked(server) as (first, channel),
+        forked(server) as (second, _),
+    ):
         assert first.poll() is None
         channel.close()
         assert first.wait(PATIENCE) == first.poll() == 1
@@ -49,14 +53,14 @@ def test_the_exit_codes_of_workers_reach_the_host() -> None:
 
 
 def test_a_worker_outlives_its_server_and_the_next_gets_a_new_one() -> None:
-    with closing(Forking([])) as forking, forked(forking) as (first, _):
+    with closing(ForkServerProcess([])) as server, forked(server) as (first, _):
         assert alive(first.pid)
-        (server,) = servers()
-        os.kill(server, signal.SIGKILL)
-        assert wait_until(lambda: not alive(server))
+        (pid,) = servers()
+        os.kill(pid, signal.SIGKILL)
+        assert wait_until(lambda: not alive(pid))
         assert first.poll() is None
-        with forked(forking) as (second, _):
-            assert servers() != [server]
+        with forked(server) as (second, _):
+            assert servers() != [pid]
             second.kill()
             assert second.wait(PATIENCE) == -signal.SIGKILL
         first.kill()
@@ -74,14 +78,14 @@ def starts_a_thread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 def test_a_worker_imports_for_itself_if_imports_start_threads(starts_a_thread: str) -> None:
-    with closing(Forking([starts_a_thread])) as forking, forked(forking) as (worker, channel):
+    with closing(ForkServerProcess([starts_a_thread])) as server, forked(server) as (worker, channel):
         assert wait_until(lambda: "followspot.worker.main" in command_of(worker.pid))
         channel.close()
         assert worker.wait(PATIENCE) == 1
 
 
 def test_a_worker_that_its_server_could_not_fork_any_more_is_gone() -> None:
-    with closing(Forking([])) as forking, forked(forking) as (worker, _):
+    with closing(ForkServerProcess([])) as server, forked(server) as (worker, _):
         assert wait_until(servers)
         os.kill(servers()[0], signal.SIGKILL)
         assert worker.wait(PATIENCE) == EXIT_CODE_UNKNOWN
@@ -93,9 +97,9 @@ def test_only_stages_of_this_distribution_are_imported_before_a_fork(starts_a_th
     with closing(WorkerStarts(["left", "right"], (), [starts_a_thread, "sinks.csv"])) as starts:
         with channel, end:
             worker = starts.start("left", end)
-        (server,) = servers()
-        assert "sinks.csv" in command_of(server)
-        assert "busy.stage" not in command_of(server)
+        command = command_of(servers()[0])
+        assert "sinks.csv" in command
+        assert "busy.stage" not in command
         assert worker.wait(PATIENCE) == 1
 
 

@@ -23,9 +23,9 @@ SLOW = {
 }
 """Parameters that make short work of stages which take tens of milliseconds a message."""
 MESSAGES = {
-    "persons.pose_tracker": 200,
-    "persons.appearance": 200,
-    "persons.uniform_search": 200,
+    "persons.pose_tracker": 100,
+    "persons.appearance": 100,
+    "persons.uniform_search": 100,
     "balls.throws": 2000,
     "dashboard.meter": 10_000,
     "recording.sink": 3000,

@@ -76,6 +76,7 @@ def extent(image: np.ndarray) -> tuple[int, int, int, int]:
     return int(columns.min()), int(rows.min()), int(columns.max()), int(rows.max())
 
 
+@pytest.mark.thorough
 def test_stage_keeps_the_promises_of_stages() -> None:
     check_stage(Draw)
 
