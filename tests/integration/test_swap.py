@@ -205,21 +205,39 @@ def test_a_failed_swap_changes_nothing_and_a_replacement_keeps_its_state_after_a
     assert balanced(finished.summary)
 
 
+TALLY = """\
+params: {{{name}: t.step}}
+inputs: {{number: t.number}}
+outputs: {{number: t}}
+stages: {{t: {{uses: {uses}, with: {{step: {step}}}}}}}
+"""
+HALL = """
+hall: {graph: tally.yaml, in: {number: a}}
+far:  {uses: ticks.write, in: {number: hall}, with: {path: far.csv}}
+"""
+
+
 def test_a_run_under_an_agent_is_changed_without_its_operator(tmp_path: Path) -> None:
     agent = near_agent("pc-left", tmp_path)
     connect = ("--connect", agent.endpoint)
-    graph = write_graph(tmp_path, LIVE, "faraway")
+    (tmp_path / "tally.yaml").write_text(TALLY.format(name="step", uses="ticks.tally", step=1))
+    (tmp_path / "quick.yaml").write_text(TALLY.format(name="stride", uses="ticks.tally", step=100_000))
+    graph = write_graph(tmp_path, LIVE + HALL, "faraway")
     try:
         operator = start(graph, tmp_path, "--host", "pc-left", "--detach", *connect)
         stdout, stderr = operator.communicate(timeout=60)
         assert stdout, stderr
         (folder,) = (tmp_path / "runs").iterdir()
 
-        def last() -> int:
-            lines = (folder / "ticks.csv").read_text().splitlines()
+        def last(file: str = "ticks.csv") -> int:
+            lines = (folder / file).read_text().splitlines() if (folder / file).exists() else []
             return int(lines[-1].split(",")[2]) if lines else 0
 
-        assert wait_until(lambda: (folder / "ticks.csv").exists() and last() > 0)
+        def change(*words: str) -> str:
+            done = command(words[0], "faraway", words[1], *stages, *connect)
+            return done.stdout + done.stderr
+
+        assert wait_until(lambda: last() > 0)
         stages = ("--plugin", str(STAGES))
         done = command("set", "faraway", "b.step=1000000", "--json", *stages, *connect)
         assert done.returncode == 0, done.stderr
@@ -229,6 +247,13 @@ def test_a_run_under_an_agent_is_changed_without_its_operator(tmp_path: Path) ->
         refused = command("set", "faraway", "save.path=../elsewhere.csv", *stages, *connect)
         assert refused.returncode == 1
         assert "not below the output folder" in refused.stderr
+        for name in ("tally", "faraway"):
+            (tmp_path / f"{name}.yaml").unlink()
+        assert "hall/t: step = 10000" in change("set", "hall.step=10000")
+        assert wait_until(lambda: last("far.csv") > 10_000)
+        assert "run " in change("swap", f"hall={tmp_path / 'quick.yaml'}")
+        assert "hall/t: step = 20000" in change("set", "hall.stride=20000")
+        assert 'has no parameter "step"' in change("set", "hall.step=1")
         taps = [f"followspot/*/pc-left/{port}/out" for port in ("a", "b")]
         for numbers in heard_by_a_stranger(agent.endpoint, taps, more=20):
             assert numbers == sorted(set(numbers))

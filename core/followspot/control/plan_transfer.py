@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePath
 from typing import Any
@@ -29,9 +29,17 @@ def packed(plan: Plan, host: str, media: Path) -> dict[str, Any]:
 
     cameras = {name: replace(camera, source=None) for name, camera in plan.room.cameras.items()}
     sensors = {name: replace(sensor, source=None) for name, sensor in plan.room.sensors.items()}
-    room = replace(plan.room, cameras=cameras, sensors=sensors, truth=None, tune={})
+    tune = {key: value for key, value in plan.room.tune.items() if _is_numeric(value)}
+    room = replace(plan.room, cameras=cameras, sensors=sensors, truth=None, tune=tune)
     stages = tuple(stage_for(stage) for stage in plan.stages)
     return plan_to_data(replace(plan, room=room, stages=stages, plugin_files=()))
+
+
+def _is_numeric(value: object) -> bool:
+    """True for numbers and what is made of them: a text may be a path or an address of another host."""
+    if isinstance(value, Mapping):
+        return all(map(_is_numeric, value.values()))
+    return all(map(_is_numeric, value)) if isinstance(value, list | tuple) else not isinstance(value, str)
 
 
 def unpacked(data: Any, host: str, grants: Grants, plugin_files: tuple[str, ...]) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from typing import ClassVar, Literal
 
 from followspot.control.dispatch import Role, RunRequest
 from followspot.graph.plan import PlannedStage
+from followspot.graph.subgraph_use import SubgraphUse
 
 Step = Literal["build", "take_over", "discard"]
 ChangePhase = Literal["building", "built", "done", "failed"]
@@ -17,13 +18,14 @@ ChangePhase = Literal["building", "built", "done", "failed"]
 
 class ChangeOrder(RunRequest):
     """One step of a change. id: of the change; stages: the replacements; fresh: whether they start without
-    the state of the old stages.
+    the state of the old stages; subgraphs: of the plan after the change, for the hosts.
     """
 
     id: str
     step: Step
     stages: tuple[PlannedStage, ...]
     fresh: bool = False
+    subgraphs: tuple[SubgraphUse, ...] | None = None
     roles: ClassVar[tuple[Role, ...]] = ("host", "worker")
 
 

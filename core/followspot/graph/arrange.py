@@ -8,7 +8,7 @@ from typing import Literal
 from followspot.graph.check import Checked
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.cycles import cyclic, successors, topological
-from followspot.graph.given import origins
+from followspot.graph.given import kept, origins
 from followspot.graph.instances import CheckedStage
 from followspot.graph.placement import Placed
 from followspot.graph.plan import (
@@ -49,6 +49,7 @@ def plan(
         offered=checked.offered,
         warnings=checked.warnings,
         room_document=checked.room_document,
+        subgraphs=checked.subgraphs,
         origins=origins(checked),
     )
 
@@ -95,6 +96,7 @@ def _stage(checked: CheckedStage, placed: Placed, room: Room) -> PlannedStage:
         deadline=declared.deadline,
         depth=declared.depth or live_depth(_rate(checked, room)),
         concurrency=declared.concurrency,
+        kept=kept(instance),
     )
 
 

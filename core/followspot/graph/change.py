@@ -11,29 +11,33 @@ from followspot.document import Node, node_of
 from followspot.errors import InputError, Mistake, Place, did_you_mean
 from followspot.graph.given import origin_of
 from followspot.graph.names import enclosing
-from followspot.graph.override import Override, read_override
+from followspot.graph.override import SUBGRAPH, Override, read_override
 from followspot.graph.parameters import output_paths, plain_default, validated
-from followspot.graph.plan import Origin, Plan, PlannedStage, Recipe
+from followspot.graph.plan import Origin, Plan, PlannedStage
 from followspot.graph.replacement import misfits
-from followspot.graph.subgraph_change import BY_A_CHANGE, is_subgraph, subgraph_changes
+from followspot.graph.subgraph_change import BY_A_CHANGE, replaced, uses_of
+from followspot.graph.subgraph_plan import room_document
+from followspot.graph.subgraph_use import SubgraphUse, is_given_by_set
 from followspot.graph.told_once import told_once
 from followspot.graph.tune import tunes_of
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.stage import Stage
 
+_BY_SET = Origin("--set", kept=True)
+
 
 @dataclass(frozen=True)
 class Change:
-    """The stages that change, in their new form, the origins of their parameters, and the new recipe."""
+    """The stages that change, in their new form, the origins of their parameters, and the sub-graphs then."""
 
     stages: tuple[PlannedStage, ...]
     origins: Mapping[str, Mapping[str, Origin]]
-    recipe: Recipe | None
+    subgraphs: tuple[SubgraphUse, ...]
 
     def applied(self, plan: Plan) -> Plan:
         """The plan after the change."""
         origins = {**plan.origins, **self.origins}
-        return replace(with_stages(plan, self.stages), origins=origins, recipe=self.recipe)
+        return replace(with_stages(plan, self.stages, self.subgraphs), origins=origins)
 
 
 def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change:
@@ -46,13 +50,18 @@ def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change
     """
     mistakes: list[Mistake] = []
     wishes: dict[str, _Wish] = {}
-    recipe = plan.recipe
+    subgraphs = plan.subgraphs
     for word in sorted(words, key=_is_set):
         override = read_override(_spelled(word), mistakes)
-        if override is not None and is_subgraph(plan, override.stage):
-            recipe = _note_subgraph(override, word, replace(plan, recipe=recipe), folder, wishes, mistakes)
-        elif override is not None:
+        if override is None:
+            continue
+        present = replace(plan, subgraphs=subgraphs)
+        if not uses_of(present, override.stage):
             _note(override, plan, wishes, mistakes)
+        elif _is_set(word):
+            _note_parameter(override, present, wishes, mistakes)
+        else:
+            subgraphs = _note_file(override, present, folder, wishes, mistakes)
     found = [_replacement(wish, plan, folder, mistakes) for wish in wishes.values()]
     changed = [stage for stage in found if stage is not None]
     if not mistakes:
@@ -60,7 +69,7 @@ def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change
     if mistakes:
         raise InputError(told_once(mistakes))
     new = tuple(stage for stage in changed if stage != wishes[stage.name].old)
-    return Change(new, {stage.name: _present(wishes[stage.name].origins, stage) for stage in new}, recipe)
+    return Change(new, {stage.name: _present(wishes[stage.name].origins, stage) for stage in new}, subgraphs)
 
 
 def _present(origins: Mapping[str, Origin], stage: PlannedStage) -> Mapping[str, Origin]:
@@ -68,10 +77,13 @@ def _present(origins: Mapping[str, Origin], stage: PlannedStage) -> Mapping[str,
     return {name: origin for name, origin in origins.items() if name in stage.params}
 
 
-def with_stages(plan: Plan, stages: Iterable[PlannedStage]) -> Plan:
-    """The plan with these stages instead of those of the same names."""
+def with_stages(
+    plan: Plan, stages: Iterable[PlannedStage], subgraphs: tuple[SubgraphUse, ...] | None = None
+) -> Plan:
+    """The plan with these stages instead of those of the same names. subgraphs: None for the present ones."""
     by_name = {stage.name: stage for stage in stages}
-    return replace(plan, stages=tuple(by_name.get(stage.name, stage) for stage in plan.stages))
+    found = tuple(by_name.get(stage.name, stage) for stage in plan.stages)
+    return replace(plan, stages=found, subgraphs=plan.subgraphs if subgraphs is None else subgraphs)
 
 
 @dataclass
@@ -97,32 +109,56 @@ def _spelled(word: str) -> str:
     return f"{stage}.uses={uses}" if sign and not _is_set(word) else word
 
 
-def _note_subgraph(
-    override: Override,
-    word: str,
-    plan: Plan,
-    folder: Path,
-    wishes: dict[str, _Wish],
-    mistakes: list[Mistake],
-) -> Recipe | None:
-    """Add a word for a sub-graph to the wishes for its instances. Returns how the plan is made with it."""
-    place = override.stage_place
+def _note_file(
+    override: Override, plan: Plan, folder: Path, wishes: dict[str, _Wish], mistakes: list[Mistake]
+) -> tuple[SubgraphUse, ...]:
+    """Add a file for a sub-graph to the wishes for its instances. Returns the sub-graphs of the plan then."""
+    place, value = override.stage_place, override.value
+    if not isinstance(value.value, str) or not value.value:
+        mistakes.append(Mistake(value.place, "this is no graph file", f"write {override.stage}=FILE.yaml"))
+        return plan.subgraphs
+    file = Node(str((folder / value.value).absolute()), place, place)
     by_name = {stage.name: stage for stage in plan.stages}
-    try:
-        changes, recipe = subgraph_changes(plan, word, folder, place)
-    except InputError as error:
-        mistakes += error.mistakes
-        return plan.recipe
-    for found in changes:
-        wish = wishes.setdefault(found.name, _wish(by_name[found.name], place, plan))
-        wish.uses = found.uses or wish.uses
-        wish.params |= {key: node_of(value, place) for key, value in found.params.items()}
-        wish.origins |= found.origins
-    return recipe
+    for use in uses_of(plan, override.stage):
+        try:
+            changes, subgraphs = replaced(plan, use, file)
+        except InputError as error:
+            mistakes += error.mistakes
+            return plan.subgraphs
+        plan = replace(plan, subgraphs=subgraphs)
+        for found in changes:
+            wish = wishes.setdefault(found.name, _wish(by_name[found.name], place, plan))
+            wish.uses = found.uses
+            wish.params |= {key: node_of(value, place) for key, value in found.params.items()}
+            wish.origins |= found.origins
+    return plan.subgraphs
+
+
+def _note_parameter(
+    override: Override, plan: Plan, wishes: dict[str, _Wish], mistakes: list[Mistake]
+) -> None:
+    """Add a parameter of a sub-graph to the wishes for the instances that its interface names."""
+    name, place = override.stage, override.stage_place
+    keys = override.keys[1:] if override.keys[0] == "with" else override.keys
+    if not keys or override.keys[0] in set(SUBGRAPH) - {"with"}:
+        text = f'"{override.keys[0]}" of sub-graph "{name}" cannot be changed'
+        mistakes.append(Mistake(place, text, f"write {name}.PARAMETER=VALUE, or swap {name}=FILE"))
+        return
+    for use in uses_of(plan, name):
+        if keys[0] not in use.params:
+            text = f'sub-graph "{use.name}" has no parameter "{keys[0]}"'
+            at = override.places[len(override.keys) - len(keys)]
+            mistakes.append(Mistake(at, text, did_you_mean(keys[0], use.params.keys(), "parameters")))
+            return
+        for leaf in use.params[keys[0]]:
+            stage, _, parameter = leaf.rpartition(".")
+            _note(replace(override, stage=stage, keys=(parameter, *keys[1:])), plan, wishes, mistakes)
 
 
 def _wish(old: PlannedStage, place: Place, plan: Plan) -> _Wish:
-    return _Wish(old, place, origins=dict(plan.origins.get(old.name, {})))
+    by_set = [name for name in old.params if is_given_by_set(plan.subgraphs, f"{old.group}.{name}")]
+    kept = {**dict.fromkeys(by_set, _BY_SET), **dict.fromkeys(old.kept, BY_A_CHANGE)}
+    return _Wish(old, place, origins=kept | dict(plan.origins.get(old.name, {})))
 
 
 def _note(override: Override, plan: Plan, wishes: dict[str, _Wish], mistakes: list[Mistake]) -> None:
@@ -167,12 +203,15 @@ def _replacement(wish: _Wish, plan: Plan, folder: Path, mistakes: list[Mistake])
     params = validated(stage, noun, written, wish.place, mistakes, given=given, folder=folder)
     if params is None or len(mistakes) > before:
         return None
-    return replace(old, uses=uses, params=params)
+    if uses == old.uses and params == dict(old.params):
+        return old
+    kept = tuple(name for name in params if name in old.kept or wish.origins.get(name) == BY_A_CHANGE)
+    return replace(old, uses=uses, params=params, kept=kept)
 
 
 def _tunes(wish: _Wish, plan: Plan, mistakes: list[Mistake]) -> dict[str, Node]:
     """What the room tunes of the new stage, except what `--set` or a change gave; the wish says so."""
-    found = tunes_of(plan.room_document, replace(wish.old, uses=wish.uses), mistakes)
+    found = tunes_of(room_document(plan), replace(wish.old, uses=wish.uses), mistakes)
     kept = {name for name, origin in wish.origins.items() if origin.kept} | wish.params.keys()
     tunes = {name: node for name, node in found.items() if name not in kept}
     wish.origins |= {name: Origin(origin_of(node, tuned=True)) for name, node in tunes.items()}

@@ -17,6 +17,7 @@ from followspot.graph.picture_form import check_picture
 from followspot.graph.reproducibility import risks
 from followspot.graph.sampling import sampled_cycles
 from followspot.graph.subgraph_ports import subgraph_ports
+from followspot.graph.subgraph_use import SubgraphUse
 from followspot.graph.warnings import warnings
 from followspot.plugins.hooks import load_scorers
 from followspot.plugins.registry import PluginError, load_stage
@@ -43,6 +44,7 @@ class Checked:
     offered: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """The outputs of sub-graphs, SUBGRAPH.NAME, with the ports behind each."""
     room_document: Node | None = None
+    subgraphs: tuple[SubgraphUse, ...] = ()
 
 
 def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
@@ -50,7 +52,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
     classes = _classes(expanded, mistakes)
     for instance in expanded.instances.values():
         if instance.name in classes:
-            _check_inputs(instance, classes[instance.name], expanded.left_out, mistakes)
+            check_inputs(instance, classes[instance.name], expanded.left_out, mistakes)
             check_picture(instance, classes[instance.name], expanded.room, mistakes)
     _check_unserved(expanded.unserved, mistakes)
     stages = [
@@ -84,6 +86,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
         () if mistakes else tuple(warnings(stages, edges, expanded)),
         subgraph_ports(expanded.outputs, stages, expanded.room),
         expanded.room_node,
+        expanded.subgraphs,
     )
 
 
@@ -92,7 +95,7 @@ def _check_unserved(instances: Sequence[Instance], mistakes: list[Mistake]) -> N
     for instance in instances:
         stage = _class(instance.uses, instance.uses_place, mistakes) if instance.uses else None
         if stage is not None:
-            _check_inputs(instance, stage, {}, mistakes)
+            check_inputs(instance, stage, {}, mistakes)
             _params(instance, stage, mistakes)
 
 
@@ -119,7 +122,7 @@ def _params(instance: Instance, stage: type[Stage], mistakes: list[Mistake]) -> 
     return validated(stage, noun, instance.params, instance.uses_place, mistakes)
 
 
-def _check_inputs(
+def check_inputs(
     instance: Instance, stage: type[Stage], left_out: Mapping[str, Mistake], mistakes: list[Mistake]
 ) -> None:
     """Note each input that the stage lacks, and each required one that nothing feeds."""

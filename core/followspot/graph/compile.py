@@ -13,7 +13,7 @@ from followspot.graph.expand import expand
 from followspot.graph.interface_check import check_interface
 from followspot.graph.load import Loaded, load
 from followspot.graph.placement import Placed, place
-from followspot.graph.plan import Plan, Recipe
+from followspot.graph.plan import Plan
 from followspot.graph.told_once import told_once
 from followspot.graph.tune import tuned
 from followspot.plugins.registry import use_plugin_files
@@ -50,11 +50,7 @@ def compile_graph(
         strict=strict,
         subscribed=subscribed,
     )
-    made = plan(checked, placed, edges, seed=seed, plugin_files=files)
-    if change is not None:
-        return made
-    at = None if room is None else str(Path(room).absolute())
-    return replace(made, recipe=Recipe(str(Path(path).absolute()), at, tuple(overrides)))
+    return plan(checked, placed, edges, seed=seed, plugin_files=files)
 
 
 def checked_graph(

@@ -11,6 +11,7 @@ from followspot.graph.absent import absent, lack
 from followspot.graph.declaration import StageDeclaration
 from followspot.graph.instances import ANY, Groups, Instance, Wire
 from followspot.graph.load import Loaded
+from followspot.graph.subgraph_use import SubgraphUse
 from followspot.graph.wiring import Wiring
 from followspot.room import Member, Room
 
@@ -45,6 +46,7 @@ class Expanded:
     """Of the tunes of the room that set parameters of sub-graphs."""
     outputs: Mapping[str, tuple[Node, ...]] = field(default_factory=dict)
     """The outputs of sub-graphs, SUBGRAPH.NAME, each with what feeds a reader of it."""
+    subgraphs: tuple[SubgraphUse, ...] = ()
 
 
 def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
@@ -88,6 +90,7 @@ def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
         offered=loaded.offered,
         tuned=loaded.tuned,
         outputs=loaded.outputs,
+        subgraphs=loaded.subgraphs,
     )
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from followspot.document import Node
 from followspot.errors import shown
 from followspot.graph.check import Checked
-from followspot.graph.instances import CheckedStage
+from followspot.graph.instances import CheckedStage, Instance
 from followspot.graph.override import is_set, options
 from followspot.graph.parameters import plain_default
 from followspot.graph.plan import Origin
@@ -44,15 +44,21 @@ def origins(checked: Checked) -> dict[str, dict[str, Origin]]:
     """What gave each parameter that is written anywhere its value, by instance and parameter."""
     return {
         stage.instance.name: {
-            parameter: Origin(
-                origin_of(node, tuned=parameter in stage.instance.tuned),
-                is_set(node),
-                frozenset(options(node)),
-            )
+            parameter: Origin(origin_of(node, tuned=parameter in stage.instance.tuned), is_set(node))
             for parameter, node in stage.instance.params.items()
         }
         for stage in checked.stages
     }
+
+
+def kept(instance: Instance) -> tuple[str, ...]:
+    """The parameters that `--set` gives an instance by the name of its stage, not by that of a sub-graph."""
+    own = f"{instance.declared.name}."
+    return tuple(
+        parameter
+        for parameter, node in instance.params.items()
+        if any(option.startswith(own) for option in options(node))
+    )
 
 
 def _given(checked: CheckedStage) -> Iterator[_Row]:

@@ -15,6 +15,7 @@ from followspot.graph.compose.optional_use import OptionalUse
 from followspot.graph.compose.promises import Promise
 from followspot.graph.declaration import StageDeclaration, read_stage
 from followspot.graph.override import read_override
+from followspot.graph.subgraph_use import SubgraphUse
 from followspot.room import Room
 from followspot.room_form import room_of
 
@@ -47,6 +48,7 @@ class Loaded:
     """Of the tunes of the room that set parameters of sub-graphs."""
     outputs: Mapping[str, tuple[Node, ...]] = field(default_factory=dict)
     """The outputs of sub-graphs, SUBGRAPH.NAME, each with what feeds a reader of it."""
+    subgraphs: tuple[SubgraphUse, ...] = ()
 
 
 def load(
@@ -80,6 +82,7 @@ def load(
         composed.optional,
         composed.tuned,
         composed.outputs,
+        composed.subgraphs,
     )
 
 

@@ -12,6 +12,7 @@ from pydantic import Field
 
 from followspot.document import Node
 from followspot.errors import Mistake
+from followspot.graph.subgraph_use import SubgraphUse
 from followspot.ranges import Wait
 from followspot.room import Member, Room
 
@@ -64,6 +65,8 @@ class PlannedStage:
     """Messages of a live source that wait for the graph before the oldest is dropped."""
     concurrency: Annotated[int, Field(ge=1, le=MAX_CONCURRENCY)] = 1
     """Most answers of a stage with `Deferred` outputs that are under way at once."""
+    kept: tuple[str, ...] = ()
+    """The parameters that `--set` or a change gave, so that a tune or another graph file leaves them."""
 
     @property
     def camera(self) -> str | None:
@@ -137,22 +140,11 @@ def nearest_kind(start: PlannedWorker, end: PlannedWorker) -> EdgeKind:
 
 
 @dataclass(frozen=True)
-class Recipe:
-    """The files and options that a plan was made from, so that it can be made again with a change."""
-
-    graph: str
-    room: str | None
-    overrides: tuple[str, ...]
-
-
-@dataclass(frozen=True)
 class Origin:
     """What gave a parameter its value. kept: `--set` or a change did, so a tune of the room leaves it."""
 
     text: str
     kept: bool = False
-    options: frozenset[str] = frozenset()
-    """The options of the command line that gave the value or a part of it, as they are written."""
 
 
 @dataclass(frozen=True)
@@ -173,8 +165,8 @@ class Plan:
     """The outputs of sub-graphs, SUBGRAPH.NAME, with the ports behind each."""
     warnings: tuple[Mistake, ...] = ()
     """Parts of the graph that can never give a result, with their places; only the operator has them."""
-    recipe: Recipe | None = None
-    """Only the operator has it; None if the stages do not come from files alone."""
+    subgraphs: tuple[SubgraphUse, ...] = ()
+    """The graph files in the places of stages."""
     room_document: Node | None = field(default=None, repr=False, compare=False)
     """What the room's file says; only the operator has it."""
     origins: Mapping[str, Mapping[str, Origin]] = field(default_factory=dict, compare=False)

@@ -9,10 +9,14 @@ import pydantic
 
 from followspot.errors import FollowspotError
 from followspot.graph.plan import MAX_SEED, Plan, PlannedEdge, PlannedStage, PlannedWorker
+from followspot.graph.subgraph_use import SubgraphUse
 from followspot.room_file import from_data, to_data
 
 VERSION = 2
 """Of the form of the data."""
+
+
+_USES = pydantic.TypeAdapter(tuple[SubgraphUse, ...])
 
 
 class PlanDataError(FollowspotError):
@@ -34,6 +38,7 @@ class _Data(pydantic.BaseModel):
     plugin_files: tuple[str, ...]
     notes: tuple[str, ...]
     offered: dict[str, tuple[str, ...]] = {}
+    subgraphs: tuple[SubgraphUse, ...] = ()
 
 
 def plan_to_data(plan: Plan) -> dict[str, Any]:
@@ -41,16 +46,21 @@ def plan_to_data(plan: Plan) -> dict[str, Any]:
     offered = {name: list(ports) for name, ports in plan.offered.items()}
     return {
         **({"offered": offered} if offered else {}),
+        **({"subgraphs": _USES.dump_python(plan.subgraphs, mode="json")} if plan.subgraphs else {}),
         "version": VERSION,
         "graph": plan.graph,
         "room": to_data(plan.room),
-        "stages": [{**asdict(stage), "params": dict(stage.params)} for stage in plan.stages],
+        "stages": [_stage(stage) for stage in plan.stages],
         "edges": [asdict(edge) for edge in plan.edges],
         "workers": [asdict(worker) for worker in plan.workers],
         "seed": plan.seed,
         "plugin_files": list(plan.plugin_files),
         "notes": list(plan.notes),
     }
+
+
+def _stage(stage: PlannedStage) -> dict[str, Any]:
+    return {**asdict(stage), "params": dict(stage.params), "kept": list(stage.kept)}
 
 
 def plan_from_data(data: Any) -> Plan:
@@ -74,6 +84,7 @@ def plan_from_data(data: Any) -> Plan:
         found.plugin_files,
         found.notes,
         found.offered,
+        subgraphs=found.subgraphs,
     )
 
 

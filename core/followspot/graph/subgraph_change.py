@@ -1,21 +1,23 @@
-"""`hall=other.yaml`, `hall.similarity=0.7`: a sub-graph of a running plan changes as a whole.
+"""`hall=other.yaml`: a graph file takes the place of another while the graph runs.
 
-The graph is planned anew with the change. Stages and edges of a running graph stay, so the new file must have
-the stages and edges of the old one; what differs is which plugin stages they are, and their parameters.
+Stages and edges of a running graph stay, so the new file must have the stages and edges of the old one; what
+differs is which plugin stages they are, and their parameters. The new file is composed where the old one
+stood, with what the graph feeds it and gives it; no other file of the graph is read again.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
+from followspot.document import Node
 from followspot.errors import InputError, Mistake, Place
-from followspot.graph.compile import compile_graph
-from followspot.graph.names import enclosing
-from followspot.graph.override import SUBGRAPH
-from followspot.graph.plan import Origin, Plan, PlannedStage, Recipe
+from followspot.graph.given import origin_of
+from followspot.graph.override import is_set
+from followspot.graph.plan import Origin, Plan, PlannedStage
+from followspot.graph.subgraph_plan import GIVEN, Composed, composed_in
+from followspot.graph.subgraph_use import SubgraphUse
 
 _RESTART = "a running graph keeps its stages and edges: stop it, and run it with --set {name}.graph=FILE"
 BY_A_CHANGE = Origin("while it ran", kept=True)
@@ -24,7 +26,7 @@ _Edge = tuple[str, str, str, str, int]
 
 @dataclass(frozen=True)
 class StageChange:
-    """What an instance becomes: the plugin stage, "" for that which it is, and the parameters that differ."""
+    """What an instance becomes: the plugin stage and the parameters that differ."""
 
     name: str
     uses: str
@@ -32,114 +34,98 @@ class StageChange:
     origins: Mapping[str, Origin]
 
 
-def is_subgraph(plan: Plan, name: str) -> bool:
-    """True if stages of the plan are below this name."""
-    return any(name in enclosing(stage.group)[:-1] for stage in plan.stages)
+def uses_of(plan: Plan, name: str) -> list[SubgraphUse]:
+    """The uses of files that a name stands for: one, or those of all members; none if it is no sub-graph."""
+    return [use for use in plan.subgraphs if name in use.names]
 
 
-def subgraph_changes(plan: Plan, word: str, folder: Path, place: Place) -> tuple[list[StageChange], Recipe]:
-    """What the word changes, and how the plan is made with it. Raises InputError with every mistake.
+def replaced(plan: Plan, use: SubgraphUse, file: Node) -> tuple[list[StageChange], tuple[SubgraphUse, ...]]:
+    """The stages that change with another file in the place of a use, and the sub-graphs of the plan then.
 
-    word: SUBGRAPH=FILE or SUBGRAPH.PARAMETER=VALUE; folder: that the path is relative to; place: of the word.
+    file: its path. Raises InputError with every mistake.
     """
-    if plan.recipe is None:
-        text = "this run does not know the graph file that it was made from"
-        raise InputError([Mistake(place, text, "change its stages one by one")])
-    path, _, value = word.partition("=")
-    name, _, key = path.partition(".")
-    if key:
-        _check_key(key.partition(".")[0], name, place)
-        fresh = _planned(plan.recipe, plan, word)
-        _check_same(plan, fresh, name, place)
-        return _set(fresh, name, word), plan.recipe
-    made = (*plan.recipe.overrides, f"{path}.graph={(folder / value).absolute()}")
-    recipe = replace(plan.recipe, overrides=made)
-    fresh = _planned(recipe, plan)
-    _check_same(plan, fresh, name, place)
-    return _differing(plan, fresh, name), recipe
+    mistakes: list[Mistake] = []
+    found = composed_in(plan, use, file, mistakes)
+    if mistakes or found is None:
+        raise InputError(mistakes)
+    _check_same(plan, use, found, file.place)
+    kept = [other for other in plan.subgraphs if other != use and not use.holds(other.name)]
+    return _differing(plan, use, found), (*kept, *found.subgraphs)
 
 
-def _check_key(key: str, name: str, place: Place) -> None:
-    """Raises InputError for a key that parameters do not stand below."""
-    if key in SUBGRAPH and key != "with":
-        text = f'"{key}" of sub-graph "{name}" cannot be changed'
-        remedy = f"write {name}.PARAMETER=VALUE, or swap {name}=FILE"
-        raise InputError([Mistake(place, text, remedy)])
+def _inside(plan: Plan, use: SubgraphUse) -> dict[str, PlannedStage]:
+    return {stage.name: stage for stage in plan.stages if use.holds(stage.group)}
 
 
-def _planned(recipe: Recipe, plan: Plan, *words: str) -> Plan:
-    """The plan that the recipe makes, with more overrides; its plugins are loaded."""
-    return compile_graph(
-        recipe.graph, room=recipe.room, overrides=(*recipe.overrides, *words), seed=plan.seed
-    )
-
-
-def _stages(plan: Plan, name: str) -> dict[str, PlannedStage]:
-    return {stage.name: stage for stage in plan.stages if name in enclosing(stage.group)[:-1]}
-
-
-def _set(fresh: Plan, name: str, word: str) -> list[StageChange]:
-    """The parameters that the word gives; each stage stays the plugin stage that it has become in the run."""
-    found = []
-    for stage in _stages(fresh, name).values():
-        origins = fresh.origins.get(stage.name, {})
-        params = {key: stage.params[key] for key, origin in origins.items() if word in origin.options}
-        if params:
-            found.append(StageChange(stage.name, "", params, dict.fromkeys(params, BY_A_CHANGE)))
-    return found
-
-
-def _differing(before: Plan, after: Plan, name: str) -> list[StageChange]:
-    """The stages of a sub-graph that are another plugin stage or have other parameters.
-
-    What a change gave before stays if the stage still has the parameter.
-    """
-    old = _stages(before, name)
-    found = []
-    for stage in _stages(after, name).values():
-        was = old[stage.name]
-        same = stage.uses == was.uses
-        given = before.origins.get(stage.name, {})
-        kept = {k: was.params[k] for k in stage.params if given.get(k) == BY_A_CHANGE}
-        wanted = {**stage.params, **kept}
-        params = {k: v for k, v in wanted.items() if not (same and was.params.get(k) == v)}
+def _differing(plan: Plan, use: SubgraphUse, found: Composed) -> list[StageChange]:
+    """The stages that are another plugin stage or have other parameters."""
+    old = _inside(plan, use)
+    changes = []
+    for stage in found.stages:
+        name, was = stage.instance.name, old[stage.instance.name]
+        same = stage.instance.uses == was.uses
+        params = {k: v for k, v in stage.params.items() if not (same and was.params.get(k) == v)}
         if params or not same:
-            origins = {**after.origins.get(stage.name, {}), **dict.fromkeys(kept, BY_A_CHANGE)}
-            found.append(StageChange(stage.name, stage.uses, params, origins))
-    return found
+            before = plan.origins.get(name, {})
+            origins = {
+                parameter: _origin(node, use, tuned=parameter in stage.instance.tuned)
+                for parameter, node in stage.instance.params.items()
+            }
+            origins |= {k: before.get(k, BY_A_CHANGE) for k in was.kept if k in stage.params}
+            changes.append(StageChange(name, stage.instance.uses, params, origins))
+    return changes
 
 
-def _check_same(plan: Plan, fresh: Plan, name: str, place: Place) -> None:
-    """Raises InputError if the sub-graph has other stages, edges or policies in the fresh plan."""
-    old, new = _stages(plan, name), _stages(fresh, name)
+def _origin(node: Node, use: SubgraphUse, *, tuned: bool) -> Origin:
+    """What gives a parameter its value: the new file, the room, or the graph that uses the file."""
+    passed = node.place.file == GIVEN
+    return Origin(use.name if passed else origin_of(node, tuned=tuned), is_set(node))
+
+
+def _check_same(plan: Plan, use: SubgraphUse, found: Composed, place: Place) -> None:
+    """Raises InputError if the file has other stages, edges or policies in the place of the old one."""
+    old, new = _inside(plan, use), {stage.instance.name: stage.instance for stage in found.stages}
     gone, added = sorted(old.keys() - new.keys()), sorted(new.keys() - old.keys())
     if gone or added:
         said = [f"lacks {', '.join(gone[:4])}"] if gone else []
         said += [f"adds {', '.join(added[:4])}"] if added else []
-        _refuse(f'the file {" and ".join(said)} in sub-graph "{name}"', name, place)
-    edges = _edges(plan, old, fresh) ^ _edges(fresh, new, plan)
+        _refuse(f'the file {" and ".join(said)} in sub-graph "{use.name}"', use, place)
+    edges = _edges(plan, old) ^ found.edges
     if edges:
         start, port, end, to, _ = min(edges)
-        _refuse(f'the file connects "{start}.{port}" and "{end}.{to}" in another way', name, place)
-    for stage in new.values():
-        if _policy(stage) != _policy(old[stage.name]):
-            text = f'on_error, tolerance or deadline of "{stage.name}" differ in the file'
-            _refuse(text, name, place)
+        _refuse(f'the file connects "{start}.{port}" and "{end}.{to}" in another way', use, place)
+    _check_outputs(plan, use, found, place)
+    for instance in new.values():
+        declared, was = instance.declared, old[instance.name]
+        policy = (declared.on_error, declared.tolerance, declared.deadline)
+        if policy != (was.on_error, was.tolerance, was.deadline):
+            text = f'on_error, tolerance or deadline of "{instance.name}" differ in the file'
+            _refuse(text, use, place)
 
 
-def _edges(plan: Plan, inside: Mapping[str, PlannedStage], other: Plan) -> set[_Edge]:
-    """The edges of a sub-graph to stages that both plans have: a recorder may read it, too."""
-    known = {stage.name for stage in other.stages}
+def _check_outputs(plan: Plan, use: SubgraphUse, found: Composed, place: Place) -> None:
+    """Raises InputError if an output that is read is missing, or another port than before."""
+    leaving = {f"{edge.from_stage}.{edge.from_port}" for edge in plan.edges if not use.holds(edge.to_stage)}
+    for name, before in plan.offered.items():
+        subgraph, _, port = name.partition(".")
+        if not (subgraph == use.name or use.holds(subgraph)):
+            continue
+        after = found.outputs.get(name)
+        if after is None and leaving & set(before):
+            _refuse(f'sub-graph "{subgraph}" has no output "{port}" in the file', use, place)
+        if after is not None and after != before:
+            text = f'the output "{name}" is {", ".join(after)} in the file, and was {", ".join(before)}'
+            _refuse(text, use, place)
+
+
+def _edges(plan: Plan, inside: Mapping[str, PlannedStage]) -> set[_Edge]:
+    """The edges into the stages of a sub-graph."""
     return {
         (edge.from_stage, edge.from_port, edge.to_stage, edge.to_port, edge.delay)
         for edge in plan.edges
-        if {edge.from_stage, edge.to_stage} & inside.keys() and {edge.from_stage, edge.to_stage} <= known
+        if edge.to_stage in inside
     }
 
 
-def _policy(stage: PlannedStage) -> Sequence[object]:
-    return (stage.on_error, stage.tolerance, stage.deadline)
-
-
-def _refuse(text: str, name: str, place: Place) -> None:
-    raise InputError([Mistake(place, text, _RESTART.format(name=name))])
+def _refuse(text: str, use: SubgraphUse, place: Place) -> None:
+    raise InputError([Mistake(place, text, _RESTART.format(name=use.stage))])

@@ -218,9 +218,9 @@ class Agent:
         stages = unpacked_stages(order.stages, self.options.grants)
         agent_run.run.ask(order.model_copy(update={"stages": stages}))
         if order.step == "take_over":
-            plan = with_stages(plan_from_data(agent_run.order.plan), order.stages)
+            plan = with_stages(plan_from_data(agent_run.order.plan), order.stages, order.subgraphs)
             agent_run.order = replace(agent_run.order, plan=plan_to_data(plan))
-            names = ", ".join(stage.name for stage in order.stages)
+            names = ", ".join(stage.name for stage in order.stages) or "what its sub-graphs offer"
             self.tell(f"run {order.run[:8]} of {agent_run.graph}: changed {names}")
 
     def move(self, order: MoveOrder) -> None:

@@ -69,7 +69,7 @@ class HostChange:
         if order is not None and plan is not None:
             for worker in dict.fromkeys(plan.worker_of(stage.name) for stage in order.stages):
                 own = tuple(stage for stage in order.stages if plan.worker_of(stage.name) == worker)
-                self.orders[worker] = order.model_copy(update={"stages": own})
+                self.orders[worker] = order.model_copy(update={"stages": own, "subgraphs": None})
 
     def blocks(self, order: ChangeOrder) -> bool:
         """True if another change is under way, so that this order must wait."""

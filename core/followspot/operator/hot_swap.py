@@ -11,8 +11,9 @@ from uuid import uuid4
 from followspot.control.host import Host
 from followspot.control.swap import ChangeOrder, ChangePhase, Step
 from followspot.errors import FollowspotError
-from followspot.graph.change import change_of
+from followspot.graph.change import Change, change_of
 from followspot.graph.plan import Plan, PlannedStage
+from followspot.graph.subgraph_use import SubgraphUse
 from followspot.operator.changed import Changed, changed, with_change
 from followspot.operator.run_requests import ChangeStages
 
@@ -34,19 +35,19 @@ def change_stages(run: Coordinator, request: ChangeStages) -> Changed:
     with run.one_change():
         found = change_of(run.plan, request.words, request.folder)
         report = changed(run.name, run.plan, found)
-        if found.stages:
-            change_hosts(run.plan, run.hosts, found.stages, fresh=request.fresh)
+        if found.stages or found.subgraphs != run.plan.subgraphs:
+            change_hosts(run.plan, run.hosts, found, fresh=request.fresh)
         run.plan = with_change(run.plan, found)
         return report
 
 
-def change_hosts(plan: Plan, hosts: Sequence[Host], stages: Sequence[PlannedStage], *, fresh: bool) -> None:
-    """Replace the stages of these names. Safe beside the thread that attends the hosts.
+def change_hosts(plan: Plan, hosts: Sequence[Host], wanted: Change, *, fresh: bool) -> None:
+    """Replace the stages of the names in `wanted`. Safe beside the thread that attends the hosts.
 
     Raises FollowspotError with the reason if a replacement cannot be built, cannot restore the state of the
     old stage, or does not take over. The old stages then run again on every host.
     """
-    change = _Change(plan, hosts, stages, fresh)
+    change = _Change(plan, hosts, wanted.stages, wanted.subgraphs, fresh)
     try:
         change.do("build", "built")
     except FollowspotError:
@@ -55,7 +56,7 @@ def change_hosts(plan: Plan, hosts: Sequence[Host], stages: Sequence[PlannedStag
     try:
         change.do("take_over", "done")
     except FollowspotError:
-        _undo(plan, hosts, stages)
+        _undo(plan, hosts, wanted.stages)
         raise
 
 
@@ -64,7 +65,7 @@ def _undo(plan: Plan, hosts: Sequence[Host], stages: Sequence[PlannedStage]) -> 
     names = {stage.name for stage in stages}
     former = [stage for stage in plan.stages if stage.name in names]
     for host in hosts:
-        change = _Change(plan, [host], former, fresh=False)
+        change = _Change(plan, [host], former, plan.subgraphs, fresh=False)
         with suppress(FollowspotError):
             change.do("build", "built")
             change.do("take_over", "done")
@@ -72,7 +73,12 @@ def _undo(plan: Plan, hosts: Sequence[Host], stages: Sequence[PlannedStage]) -> 
 
 class _Change:
     def __init__(
-        self, plan: Plan, hosts: Sequence[Host], stages: Sequence[PlannedStage], fresh: bool
+        self,
+        plan: Plan,
+        hosts: Sequence[Host],
+        stages: Sequence[PlannedStage],
+        subgraphs: tuple[SubgraphUse, ...],
+        fresh: bool,
     ) -> None:
         self.id = uuid4().hex
         self.fresh = fresh
@@ -80,7 +86,9 @@ class _Change:
             host.name: tuple(stage for stage in stages if plan.host_of(stage.worker) == host.name)
             for host in hosts
         }
-        self.hosts = [host for host in hosts if self.replacements[host.name]]
+        self.subgraphs = subgraphs if subgraphs != plan.subgraphs else None
+        """Every host of a run knows all its sub-graphs."""
+        self.hosts = [host for host in hosts if self.subgraphs is not None or self.replacements[host.name]]
 
     def do(self, step: Step, phase: ChangePhase) -> None:
         """Do one step on all hosts and wait until it is done. Raises FollowspotError."""
@@ -111,4 +119,10 @@ class _Change:
         return done
 
     def _order(self, host: Host, step: Step) -> ChangeOrder:
-        return ChangeOrder(id=self.id, step=step, stages=self.replacements[host.name], fresh=self.fresh)
+        return ChangeOrder(
+            id=self.id,
+            step=step,
+            stages=self.replacements[host.name],
+            fresh=self.fresh,
+            subgraphs=self.subgraphs,
+        )

@@ -127,7 +127,7 @@ class RemoteOrders:
         stages = packed_stages(order.stages, self._media)
         self._send(order.model_copy(update={"stages": stages}))
         if order.step == "take_over":
-            plan = with_stages(plan_from_data(self.order.plan), stages)
+            plan = with_stages(plan_from_data(self.order.plan), stages, order.subgraphs)
             self.order = replace(self.order, plan=plan_to_data(plan))
 
     def _move(self, order: MoveOrder) -> None:

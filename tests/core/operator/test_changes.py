@@ -13,6 +13,7 @@ from followspot.control.move import MoveOrder
 from followspot.control.observation import GetStates
 from followspot.control.swap import ChangeOrder, ChangeStatus
 from followspot.errors import FollowspotError
+from followspot.graph.change import Change
 from followspot.graph.compile import compile_graph
 from followspot.graph.move import moved
 from followspot.graph.plan import Plan, PlannedStage
@@ -85,7 +86,7 @@ class Place:
 
 
 def changed(plan: Plan, places: Sequence[Place]) -> None:
-    change_hosts(plan, places, swapped(plan), fresh=False)  # type: ignore[arg-type]
+    change_hosts(plan, places, Change(swapped(plan), {}, plan.subgraphs), fresh=False)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

@@ -14,11 +14,13 @@ from followspot.graph.compose.graph_file import GraphFiles
 from followspot.graph.compose.narrowing import narrowed
 from followspot.graph.compose.optional_use import OptionalUse, left_out_below, optional_uses
 from followspot.graph.compose.promises import Promise, check_nested, promises_of
+from followspot.graph.compose.resolved import resolved_uses
 from followspot.graph.compose.senders import senders
 from followspot.graph.compose.tuning import subgraph_tunes
 from followspot.graph.compose.unit import Unit, Units, Wired
 from followspot.graph.names import below
 from followspot.graph.override import Override
+from followspot.graph.subgraph_use import SubgraphUse
 from followspot.room import Room
 
 
@@ -51,6 +53,7 @@ class Composed:
     """Of the tunes of the room that set parameters of sub-graphs."""
     outputs: Mapping[str, tuple[Node, ...]] = field(default_factory=dict)
     """The outputs of sub-graphs, SUBGRAPH.NAME, each with what feeds a reader of it."""
+    subgraphs: tuple[SubgraphUse, ...] = ()
 
 
 def compose(
@@ -71,7 +74,7 @@ def compose(
     units = Units(files, room, document is not None, wrong, mistakes)
     unit = units.root(root, [*(subgraph_tunes(document) if room is not None else ()), *overrides])
     stages: dict[str, Node] = {}
-    for name, node in _stages(unit, wrong):
+    for name, node in stages_of(unit, wrong):
         if name in stages:
             text = f'stage "{name}" is declared twice'
             place = node.key.beside(stages[name].key)
@@ -79,12 +82,12 @@ def compose(
         stages.setdefault(name, node)
     for override in (found for found in units.unknown if not found.tune):
         name = below(override.within, override.stage)
-        known = {*stages, *(found.name for found in _units(unit))}
+        known = {*stages, *(found.name for found in units_below(unit))}
         mistakes.append(_no_stage(name, override, stages, known))
     check_nested(unit, wrong)
     apart = dict(_apart(unit, wrong))
     mistakes += wrong
-    stages = seen_only(stages, _units(unit))
+    stages = seen_only(stages, units_below(unit))
     read = tuple(files.files)
     offered = _offered(unit) if not wrong else frozenset()
     seed = root.seed or 0
@@ -102,7 +105,8 @@ def compose(
         apart,
         tuple(optional_uses(unit)) if not wrong else (),
         frozenset(units.tuned),
-        _outputs(unit) if not wrong else {},
+        outputs_below(unit) if not wrong else {},
+        tuple(resolved_uses(unit)) if not wrong else (),
     )
 
 
@@ -119,7 +123,7 @@ def _no_stage(name: str, override: Override, stages: Mapping[str, Node], known: 
     )
 
 
-def _outputs(unit: Unit) -> dict[str, tuple[Node, ...]]:
+def outputs_below(unit: Unit) -> dict[str, tuple[Node, ...]]:
     """The outputs of the sub-graphs below a unit; of one that fans out those of all members, too."""
     found: dict[str, tuple[Node, ...]] = {}
     for stage, inners in unit.units.items():
@@ -128,7 +132,7 @@ def _outputs(unit: Unit) -> dict[str, tuple[Node, ...]]:
                 feeds = tuple(node for target in targets for node in senders(inner, target.node, []))
                 for full in dict.fromkeys((below(unit.name, stage), inner.name)):
                     found[f"{full}.{name}"] = (*found.get(f"{full}.{name}", ()), *feeds)
-            found |= _outputs(inner)
+            found |= outputs_below(inner)
     return found
 
 
@@ -136,7 +140,7 @@ def _offered(unit: Unit) -> frozenset[str]:
     """Full names of the stages that interfaces offer, that of the graph file included."""
     found = [
         str(origin(node).value)
-        for one in (unit, *_units(unit))
+        for one in (unit, *units_below(unit))
         for targets in one.interface.outputs.values()
         for target in targets
         for node in senders(one, target.node, [])
@@ -144,28 +148,28 @@ def _offered(unit: Unit) -> frozenset[str]:
     return frozenset(name.partition(".")[0] for name in found)
 
 
-def _units(unit: Unit) -> Iterator[Unit]:
+def units_below(unit: Unit) -> Iterator[Unit]:
     """All sub-graphs."""
     for inner in (inner for found in unit.units.values() for inner in found):
         yield inner
-        yield from _units(inner)
+        yield from units_below(inner)
 
 
-def _stages(unit: Unit, mistakes: list[Mistake]) -> Iterator[tuple[str, Node]]:
+def stages_of(unit: Unit, mistakes: list[Mistake]) -> Iterator[tuple[str, Node]]:
     """The stages of a unit and of those below it, in the order of the files, with full names."""
     for name, node in unit.stages.items():
         if name in unit.units:
             for inner in unit.units[name]:
-                yield from _stages(inner, mistakes)
+                yield from stages_of(inner, mistakes)
         elif name not in unit.replaced:
             yield below(unit.name, name), _flat(name, node, unit, mistakes)
 
 
 def _apart(unit: Unit, mistakes: list[Mistake]) -> Iterator[tuple[str, Node]]:
     """The stages of all sub-graphs that are left out, with full names."""
-    for one in (unit, *_units(unit)):
+    for one in (unit, *units_below(unit)):
         for left_out in one.apart.values():
-            yield from _stages(left_out, mistakes)
+            yield from stages_of(left_out, mistakes)
 
 
 def _flat(name: str, node: Node, unit: Unit, mistakes: list[Mistake]) -> Node:

@@ -53,6 +53,8 @@ class Unit:
     """Where the stage is that may be left out; None for any other."""
     inputs: Mapping[str, Wired] = field(default_factory=dict)
     """The inputs of the interface that the use connects."""
+    given: Mapping[str, Node] = field(default_factory=dict)
+    """The parameters of the interface that the use gives."""
 
 
 class Units:
@@ -107,7 +109,7 @@ class Units:
         if stage in found.left_out:
             self._set_apart(parent, stage, entry, overrides)
         if [use.name for use in found.uses] == [stage]:
-            yield from self._use(parent, stage, found.uses[0], entry, overrides if found.complete else ())
+            yield from self.used(parent, stage, found.uses[0], entry, overrides if found.complete else ())
             return
         names = [*(use.name for use in found.uses), *found.left_out]
         self.unknown += [o for o in overrides if not any(f"{o.stage}/".startswith(f"{n}/") for n in names)]
@@ -115,14 +117,14 @@ class Units:
             own = self._own(node, stage, use.name, overrides)
             entry = Form(own, f'sub-graph "{below(parent.name, use.name)}"', SUBGRAPH, [])  # noted above
             mine = [override for override in overrides if override.stage.startswith(f"{use.name}/")]
-            yield from self._use(parent, stage, use, entry, mine)
+            yield from self.used(parent, stage, use, entry, mine)
 
     def _set_apart(self, parent: Unit, stage: str, entry: Form, overrides: Sequence[Override]) -> None:
         """Make the unit of a sub-graph that is left out as if its room were not known, for its mistakes."""
         units = Units(self.files, None, self.named, self.mistakes, self.odd)
         use = Use(stage, parent.limits, optional=True)
         inside = overrides if entry.get("each") is None else ()
-        for unit in units._use(parent, stage, use, entry, inside):
+        for unit in units.used(parent, stage, use, entry, inside):
             parent.apart[stage] = unit
         self.unknown += units.unknown
         self.tuned |= units.tuned
@@ -139,7 +141,7 @@ class Units:
                 self.mistakes.append(Mistake(override.stage_place, text, remedy))
         return node
 
-    def _use(
+    def used(
         self, parent: Unit, stage: str, use: Use, entry: Form, overrides: Sequence[Override]
     ) -> Iterator[Unit]:
         """The unit of one use of a file; none if a mistake was noted."""
@@ -152,9 +154,10 @@ class Units:
             limits=use.limits,
             optional=entry.node.key if use.optional else None,
             inputs={**_own_inputs(entry, parent), **wired},
+            given=entry.mapping("with"),
         )
         self._connect(unit, unit.inputs)
-        self._give_params(unit, entry)
+        self._give_params(unit)
         self._complete(unit, [override.below(use.name) for override in overrides])
         yield unit
 
@@ -204,10 +207,10 @@ class Units:
             unit.wired[target.stage, target.name] = replace(wired, feeds=replace(wired.feeds, key=key))
         connected.append((target, name))
 
-    def _give_params(self, unit: Unit, entry: Form) -> None:
+    def _give_params(self, unit: Unit) -> None:
         """Put the values below `with` where the interface says."""
         by: dict[tuple[str, str | None], str] = {}
-        for name, value in entry.mapping("with").items():
+        for name, value in unit.given.items():
             targets = unit.interface.params.get(name)
             if targets is None:
                 self._unknown(unit, "parameter", name, value.key, unit.interface.params)

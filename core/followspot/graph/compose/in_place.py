@@ -1,0 +1,95 @@
+"""A graph file in the place of another that a running graph uses as a stage."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+from followspot.document import Node, node_of
+from followspot.errors import Mistake
+from followspot.form import Form
+from followspot.graph.compose.belonging import seen_only
+from followspot.graph.compose.compose import outputs_below, stages_of, units_below
+from followspot.graph.compose.fan_out import Use
+from followspot.graph.compose.graph_file import GraphFile, GraphFiles
+from followspot.graph.compose.interface import Interface
+from followspot.graph.compose.narrowing import Limit
+from followspot.graph.compose.optional_use import OptionalUse, left_out_below, optional_uses
+from followspot.graph.compose.promises import Promise, check_nested, promises_of
+from followspot.graph.compose.resolved import resolved, resolved_uses
+from followspot.graph.compose.tuning import subgraph_tunes
+from followspot.graph.compose.unit import Unit, Units
+from followspot.graph.override import SUBGRAPH, overridden
+from followspot.graph.selector import read_selector
+from followspot.graph.subgraph_use import SubgraphUse
+from followspot.room import Room
+
+
+@dataclass(frozen=True)
+class InPlace:
+    """What a file has in the place of another. stages: with full names; outputs: of it and of those below it,
+    SUBGRAPH.NAME, each with what feeds a reader of it; left_out, optional: see `Loaded`.
+    """
+
+    stages: Mapping[str, Node]
+    outputs: Mapping[str, tuple[Node, ...]]
+    left_out: Mapping[str, Mistake]
+    optional: tuple[OptionalUse, ...]
+    subgraphs: tuple[SubgraphUse, ...]
+    promises: tuple[Promise, ...]
+
+
+def in_place(
+    file: Node,
+    use: SubgraphUse,
+    given: Mapping[str, Node],
+    around: Mapping[str, Node],
+    room: Room,
+    document: Node | None,
+    mistakes: list[Mistake],
+) -> InPlace | None:
+    """The file in the place of a use; None if mistakes leave its stages unknown.
+
+    file: its path; given: parameters of the interface; around: entries of the other stages of the graph;
+    document: of the room, for its tunes.
+    """
+    before = len(mistakes)
+    parent = Unit("", GraphFile("", file.place, ()), Interface({}, {}, {}), {})
+    units = Units(GraphFiles(mistakes, mistakes), room, True, mistakes, mistakes)
+    tunes = list(subgraph_tunes(document))
+    entry = Node(
+        {
+            "graph": file,
+            "in": node_of(dict(use.inputs), file.place),
+            "with": Node(given, file.place, file.key),
+        },
+        file.place,
+        file.key,
+    )
+    for tune in (tune for name in reversed(use.names) for tune in tunes if tune.stage == name):
+        entry = overridden(entry, tune, mistakes)
+    form = Form(entry, f'sub-graph "{use.name}"', SUBGRAPH, mistakes)
+    inside = [tune for tune in tunes if use.holds(tune.stage)]
+    found = list(units.used(parent, use.stage, Use(use.name, _limits(use, file), False), form, inside))
+    if len(mistakes) > before or not found:
+        return None
+    (unit,) = found
+    stages = dict(stages_of(unit, mistakes))
+    check_nested(unit, mistakes)
+    uses = (replace(resolved(unit, use.stage), inputs=use.inputs), *resolved_uses(unit))
+    below = seen_only({**around, **stages}, [unit, *units_below(unit)])
+    inner = {name: below[name] for name in stages}
+    parent.units[use.name] = (unit,)
+    return InPlace(
+        inner,
+        outputs_below(parent),
+        left_out_below(unit),
+        tuple(optional_uses(unit)),
+        uses,
+        promises_of(unit),
+    )
+
+
+def _limits(use: SubgraphUse, file: Node) -> tuple[Limit, ...]:
+    texts: Iterable[Node] = (Node(text, file.place, file.key) for text in use.cameras)
+    return (*(read_selector(text, []) for text in texts), *use.members)
