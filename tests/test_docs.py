@@ -29,6 +29,7 @@ PAGES = {page.name: page.read_text() for page in (ROOT / "README.md", *sorted((R
 GRAPHS = ROOT / "graphs"
 TRIED_ELSEWHERE = (
     "README.md",
+    "cameras.md",
     "composing.md",
     "inertial.md",
     "other_programs.md",
@@ -88,7 +89,12 @@ def test_every_part_of_a_graph_shown_fits_a_ready_graph(page: str, tmp_path: Pat
         assert {stage.group for stage in plan.stages} > stages.keys()
 
 
-@pytest.mark.parametrize("block", [b for b in blocks("composing.md", "yaml") if b.startswith("# part of")])
+PARTS = [
+    b for page in ("composing.md", "cameras.md") for b in blocks(page, "yaml") if b.startswith("# part of")
+]
+
+
+@pytest.mark.parametrize("block", PARTS)
 def test_every_part_of_a_room_shown_fits_the_simulated_room(block: str, tmp_path: Path) -> None:
     room = yaml.safe_load((GRAPHS / "rooms" / "simulated.yaml").read_text())
     for section, shown in yaml.safe_load(block).items():

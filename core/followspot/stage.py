@@ -25,7 +25,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Protocol, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, Protocol, TypeVar
 
 import numpy as np
 
@@ -35,6 +35,8 @@ from followspot.room import SETS, Camera, Member, Room, Sensor, Target
 from followspot.stage_params import StageParams
 
 T = TypeVar("T")
+SourceLoss = Literal["packet_loss", "device_overrun", "gap"]
+"""How a frame of a device is lost before its source has it."""
 LOGGER = "followspot.stage"
 """Prefix of the names of the stages' loggers."""
 
@@ -93,6 +95,10 @@ def _no_warning(text: str) -> None:
     """Drop the warning: outside a run, none is shown."""
 
 
+def _no_loss(kind: SourceLoss, number: int) -> None:
+    """Count nothing: outside a run there is no ledger."""
+
+
 def _fresh(shape: tuple[int, ...], dtype: str) -> Array:
     return np.empty(shape, dtype)
 
@@ -140,6 +146,10 @@ class Context:
     should return then. Readers of recordings that need no pace do not wait."""
     resumed: bool = False
     """True if an earlier instance of the stage has worked in this run: a sink keeps what that one wrote."""
+    lost: Callable[[SourceLoss, int], None] = _no_loss
+    """Count frames that the device made and that did not come, for a live source: with packets missing
+    (`packet_loss`), given up because they were not taken in time (`device_overrun`), or left out in the
+    numbers of the frames (`gap`). The ledger shows them as lost at the source."""
     post: Post | None = None
     """Channel to the observers of a tap on another host than the operator's."""
 

@@ -11,7 +11,7 @@ from followspot.log.file import read_log
 from followspot.log.record import LEVELS, LogRecord
 from followspot.operator.run_handle import RunHandle, connected_run, run_here, runs_here
 from followspot.operator.run_status import OLD, RunStatus, is_old, is_unheard
-from followspot.worker.ledger import COUNTS, LOSSES, EdgeCount
+from followspot.worker.ledger import COUNTS, LOSSES, SOURCE_LOSSES, EdgeCount
 
 __all__ = [
     "COUNTS",
@@ -19,6 +19,7 @@ __all__ = [
     "LIMIT_MS",
     "LOSSES",
     "OLD",
+    "SOURCE_LOSSES",
     "ClockStatus",
     "EdgeAge",
     "EdgeCount",

@@ -13,7 +13,7 @@ from followspot.operator import summary
 from followspot.operator.report import RunReport
 from followspot.operator.silence import Silence
 from followspot.scoring import Score
-from followspot.worker.ledger import COUNTS
+from followspot.worker.ledger import COUNTS, SOURCE_LOSSES
 
 
 class Report:
@@ -70,11 +70,11 @@ class Report:
                 f"{edge.from_stage}.{edge.from_port}",
                 f"{edge.to_stage}.{edge.to_port}",
                 edge.kind,
-                *(getattr(count, name) for name in COUNTS),
+                *(getattr(count, name) for name in (*COUNTS, *SOURCE_LOSSES)),
             )
             for edge, count in self.run.edges
         ]
-        return Table(("from", "to", "kind", *COUNTS), rows)
+        return Table(("from", "to", "kind", *COUNTS, *SOURCE_LOSSES), rows)
 
     @cached_property
     def latency(self) -> Table:

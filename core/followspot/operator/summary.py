@@ -9,7 +9,7 @@ from typing import Any
 from followspot.operator.report import RunReport
 from followspot.plugins.hooks import load_scorers
 from followspot.tables import table
-from followspot.worker.ledger import COUNTS, EdgeCount
+from followspot.worker.ledger import COUNTS, SOURCE_LOSSES, EdgeCount
 
 
 def text(report: RunReport, accuracy: str) -> str:
@@ -28,6 +28,8 @@ def text(report: RunReport, accuracy: str) -> str:
     if report.clocks:
         parts.append("clocks, offset added to the times of each host\n" + _clocks(report))
     parts.append("ledger\n" + _ledger(report))
+    if lost := _lost_at_source(report):
+        parts.append("frames lost at the source\n" + lost)
     if report.silences:
         lines = [line for silence in report.silences for line in (f"  {silence}", f"      {silence.advice}")]
         parts.append("gave nothing\n" + "\n".join(lines))
@@ -69,7 +71,7 @@ def data(report: RunReport, scores: Mapping[str, Any]) -> dict[str, Any]:
                 "from": f"{edge.from_stage}.{edge.from_port}",
                 "to": f"{edge.to_stage}.{edge.to_port}",
                 "kind": edge.kind,
-                **{name: getattr(count, name) for name in COUNTS},
+                **{name: getattr(count, name) for name in (*COUNTS, *SOURCE_LOSSES)},
             }
             for edge, count in report.edges
         ],
@@ -113,6 +115,17 @@ def _latency(report: RunReport) -> str:
         for path in paths
     ]
     return table(("path", "messages", "p50 ms", "p95 ms", "worst ms", "worst frame"), rows)
+
+
+def _lost_at_source(report: RunReport) -> str:
+    """A row for each source whose device lost frames; "" if none did. Every edge of a port says the same."""
+    lost: dict[str, tuple[str, ...]] = {}
+    for edge, count in report.edges:
+        found = tuple(getattr(count, name) for name in SOURCE_LOSSES)
+        if any(found):
+            lost[edge.from_stage] = tuple(map(str, found))
+    rows = [(name, *found) for name, found in lost.items()]
+    return table(("source", *(name.replace("_", " ") for name in SOURCE_LOSSES)), rows) if rows else ""
 
 
 def _ledger(report: RunReport) -> str:

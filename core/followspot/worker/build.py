@@ -14,7 +14,7 @@ from followspot.belonging import misfit
 from followspot.graph.plan import AHEAD, EdgeKind, PlannedEdge, PlannedStage
 from followspot.messages import Array, Message, seal
 from followspot.ports import Giving, InputSpec
-from followspot.stage import Context
+from followspot.stage import Context, SourceLoss
 from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.token import ABSENT
 from followspot.worker.deferred_runner import DeferredRunner
@@ -161,6 +161,7 @@ class _Builder:
             loan=partial(_loan, tuple(outputs.values())),
             pause=self.pace.wait_aside if stage.live else self.pace.wait,
             resumed=self.options.resumed,
+            lost=partial(_lost_at_source, tuple(outputs.values())),
         )
         build = partial(self.wiring.classes[stage.name], context, **stage.params)
         if self.wiring.ports[stage.name].source:
@@ -255,6 +256,11 @@ def _shed(queue: InputQueue, wake: Callable[[], None]) -> None:
     """Drop what a sampled input no longer keeps when a message comes."""
     queue.shed()
     wake()
+
+
+def _lost_at_source(outputs: Sequence[OutputPort], kind: SourceLoss, number: int) -> None:
+    for output in outputs:
+        output.lost_at_source(kind, number)
 
 
 def _loan(outputs: Sequence[OutputPort], shape: tuple[int, ...], dtype: str) -> Array:

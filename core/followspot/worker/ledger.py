@@ -1,6 +1,7 @@
 """The ledger: for each edge, what became of every message that its sender produced.
 
 produced = sent + away, and sent = delivered + dropped + late + unmatched + invalid + lost + in flight.
+Beside that, the frames that a device made and its source never had.
 """
 
 from __future__ import annotations
@@ -15,13 +16,17 @@ SHED, OVERRUN, REFUSED, LOST, AWAY, PRODUCED, FILLED = range(8, 15)
 the way to readers that died, produced while the reader was away, and produced at all. FILLED is no count:
 it is above 0 if one of the messages had rows.
 
-Each word has one writer, so two processes may share a row. The thread of a live source stores PRODUCED and
-OVERRUN, the worker's thread the others. A message counts as produced before it counts as anything else, so a
-process that reads a row from its first word to its last never finds more messages accounted for than were
-produced, even while both ends count.
+Each word has one writer, so two processes may share a row. The thread of a live source stores PRODUCED,
+OVERRUN and what is lost at the source, the worker's thread the others. A message counts as produced before it
+counts as anything else, so a process that reads a row from its first word to its last never finds more
+messages accounted for than were produced, even while both ends count.
 """
+SOURCE_LOSSES = {"packet_loss": 15, "device_overrun": 7, "gap": 6}
+"""Words of frames lost at the source, which the sender stores, too: they came with packets missing; they were
+given up because nobody took them in time; their numbers were left out, and nothing says why. They count
+beside the messages of the edge."""
 COLUMNS = 16
-"""Words in a row: one cache line for each end of the edge; some are unused."""
+"""Words in a row: one cache line for each end of the edge; word 5 is unused."""
 LOSSES = ("dropped", "late", "unmatched", "invalid", "lost")
 """Columns of messages that were sent and will not be delivered."""
 COUNTS = ("produced", "away", "sent", "delivered", *LOSSES, "in_flight")
@@ -53,6 +58,12 @@ class EdgeCount:
     """
     filled: bool = False
     """True if a message with rows was produced."""
+    packet_loss: int = 0
+    """Frames of a device that came to its source with packets missing."""
+    device_overrun: int = 0
+    """Frames of a device that were given up before its source took them."""
+    gap: int = 0
+    """Frames of a device that never came, by their numbers."""
 
     @property
     def balanced(self) -> bool:
@@ -112,4 +123,5 @@ def tally(row: Sequence[int]) -> EdgeCount:
         lost=lost,
         surplus=sent - known,
         filled=row[FILLED] > 0,
+        **{name: row[word] for name, word in SOURCE_LOSSES.items()},
     )

@@ -7,11 +7,21 @@ from functools import partial
 from threading import Lock
 
 from followspot.messages import Array, Header, InvalidMessage, Message, seal, stamped
+from followspot.stage import SourceLoss
 from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.edge import PortWriter
 from followspot.transport.token import ABSENT, END, Watermark
 from followspot.worker.input_queue import InputQueue
-from followspot.worker.ledger import AWAY, FILLED, LOST, OVERRUN, PRODUCED, REFUSED, SHED
+from followspot.worker.ledger import (
+    AWAY,
+    FILLED,
+    LOST,
+    OVERRUN,
+    PRODUCED,
+    REFUSED,
+    SHED,
+    SOURCE_LOSSES,
+)
 
 _TAPPING = Lock()
 """Any thread adds taps; the worker's thread removes them."""
@@ -201,6 +211,11 @@ class OutputPort:
     def overrun(self) -> None:
         """Count a message that a live source has made and dropped; called in the source's thread."""
         self._count(self._all_rows, OVERRUN)
+
+    def lost_at_source(self, kind: SourceLoss, number: int) -> None:
+        """Count frames that a device made and its source never had; called in the source's thread."""
+        for row in self._all_rows:
+            self.words[row + SOURCE_LOSSES[kind]] += number
 
     def tap(self, by: Callable[[Message], None]) -> None:
         """Call `by` with every message from now on. Safe from any thread."""

@@ -12,9 +12,9 @@ import numpy as np
 
 from followspot import Array, Field, InputAddress, Source, Stage, at
 from followspot.batches import BatchParams
+from followspot.device_clock import DeviceClock
 from followspot.inertial import Inertial
 from followspot_imu.network.collection import Collection
-from followspot_imu.network.device_clock import DeviceClock
 from followspot_imu.network.listener import Datagram, datagrams, opened
 from followspot_imu.network.losses import Losses
 from followspot_imu.network.tally import Tally

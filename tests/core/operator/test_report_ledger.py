@@ -10,9 +10,10 @@ from followspot.control.host import HostStatus
 from followspot.control.worker_report import WorkerReport
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
+from followspot.operator import summary
 from followspot.operator.report import RunReport, merge, summed
 from followspot.operator.run_view import RunView
-from followspot.worker.ledger import COLUMNS, DELIVERED, PRODUCED
+from followspot.worker.ledger import COLUMNS, DELIVERED, PRODUCED, SOURCE_LOSSES
 
 TICKS = str(Path(__file__).parents[2] / "stages" / "ticks.py")
 
@@ -67,3 +68,17 @@ def test_a_ledger_that_does_not_fit_the_plan_is_left_out_and_named(plan: Plan) -
     assert found.counts == tuple(whole)
     (line,) = found.news
     assert line.startswith(f"the ledger of host left is left out of the sum: it has {2 * COLUMNS} counts")
+
+
+def test_frames_lost_at_the_source_stand_beside_the_messages(plan: Plan) -> None:
+    row = [0] * COLUMNS
+    row[PRODUCED] = row[DELIVERED] = 5
+    row[SOURCE_LOSSES["packet_loss"]], row[SOURCE_LOSSES["gap"]] = 3, 2
+    found = merge(plan, summed([row, row], 1), [WorkerReport("main", 5)], 1.0, stopped=False)
+    assert found.ok
+    (edge,) = summary.data(found, {})["edges"]
+    assert (edge["produced"], edge["packet_loss"], edge["device_overrun"], edge["gap"]) == (10, 6, 0, 4)
+    shown = summary.text(found, "").split("frames lost at the source\n")[1].splitlines()[:2]
+    assert shown[0].split() == ["source", "packet", "loss", "device", "overrun", "gap"]
+    assert shown[1].split() == ["a", "6", "0", "4"]
+    assert "lost at the source" not in summary.text(report(plan, 5, 5), "")

@@ -33,7 +33,7 @@ MESSAGES = {
 """For which the memory of a stage is watched, where 600 are too slow or too few to fill what it remembers."""
 
 
-NEEDS = {"sinks.rerun": "rerun", "filters.kalman_filterpy": "filterpy"}
+NEEDS = {"sinks.rerun": "rerun", "filters.kalman_filterpy": "filterpy", "cameras.genicam": "viva_genicam"}
 """Large packages that stages need and machines may lack."""
 
 

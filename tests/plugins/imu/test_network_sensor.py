@@ -11,9 +11,9 @@ from tests.plugins.imu.network import AtWork
 from tests.plugins.imu.test_ximu3 import binary
 
 from followspot import Context, InputError, Member
+from followspot.device_clock import LEAST, DeviceClock
 from followspot.testing import tiny_room
 from followspot_imu.network import sensor
-from followspot_imu.network.device_clock import LEAST, DeviceClock
 from followspot_imu.network.listener import Datagram
 from followspot_imu.network.losses import Losses
 from followspot_imu.network.ximu3 import Ximu3

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Literal
 
 from followspot.graph.plan import PlannedEdge
-from followspot.library.handle import LOSSES, is_old, is_unheard
+from followspot.library.handle import LOSSES, SOURCE_LOSSES, is_old, is_unheard
 from followspot.messages import Message
 from followspot.room import Room
 from followspot.tracking import STATES, Tracks
@@ -115,6 +115,8 @@ def _edges(run: RunMonitor) -> Iterator[Figure]:
     ]
     yield Figure("edge_produced_total", "counter", "Messages made for an edge.", produced)
     yield Figure("edge_sent_total", "counter", "Messages sent on an edge: all but those away.", sent)
+    lost = [({**ends, "how": how}, getattr(count, how)) for ends, count in edges for how in SOURCE_LOSSES]
+    yield Figure("edge_source_lost_total", "counter", "Frames that a device made and that never came.", lost)
     yield Figure("edge_messages", "gauge", "What became of them; the sum is what was produced.", became)
     ends_of = {edge.name: _ends(edge) for edge, _ in run.edges()}
     ages = [

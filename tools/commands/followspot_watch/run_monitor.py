@@ -13,6 +13,7 @@ from followspot.graph.plan import Plan, PlannedEdge
 from followspot.library.handle import (
     COUNTS,
     OLD,
+    SOURCE_LOSSES,
     ClockStatus,
     EdgeAge,
     EdgeCount,
@@ -208,7 +209,7 @@ def _edge(
         "p95_ms": age.p95_ms,
         "error": age.error[:_ERROR],
         "old": edge.from_stage in unknown or edge.to_stage in unknown,
-        **{name: getattr(count, name) for name in COUNTS},
+        **{name: getattr(count, name) for name in (*COUNTS, *SOURCE_LOSSES)},
     }
 
 

@@ -11,7 +11,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from followspot.cli.agent_options import network_of
-from followspot.library.handle import LIMIT_MS, LOSSES, RunHandle, connected_run
+from followspot.library.handle import LIMIT_MS, LOSSES, SOURCE_LOSSES, RunHandle, connected_run
 from followspot.tables import blocks, grid, is_screen, line, plain
 from followspot_watch.run_monitor import RunMonitor
 from followspot_watch.screen import live_screen
@@ -89,6 +89,7 @@ def report(data: dict[str, Any], most: int | None = None) -> RenderableType:
         [line(head), *(line(fault, bad=True) for fault in data["faults"])],
         [_stages(data["stages"][:most])],
         [_edges(data["edges"][:most])],
+        _lost_at_source(data["edges"]),
         [_paths(data["paths"][:most])],
         clocks if data["clocks"] else [],
         _listed("last errors", errors),
@@ -117,6 +118,14 @@ def _edges(edges: Sequence[dict[str, Any]]) -> RenderableType:
         counts = (str(e[name]) for name in ("produced", "away", "sent", "in_flight", *LOSSES))
         rows.append((f"{e['from']} -> {e['to']}", e["kind"], _rate(e), *counts))
     return grid(head, rows, [e["old"] for e in edges])
+
+
+def _lost_at_source(edges: Sequence[dict[str, Any]]) -> Sequence[RenderableType]:
+    """Sources whose devices lost frames; every edge of a port says the same."""
+    lost = {e["from"]: tuple(str(e[name]) for name in SOURCE_LOSSES) for e in edges}
+    rows = [(name, *counts) for name, counts in lost.items() if any(count != "0" for count in counts)]
+    head = ("frames lost at the source", *(name.replace("_", " ") for name in SOURCE_LOSSES))
+    return [grid(head, rows)] if rows else []
 
 
 def _state(stage: dict[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""The time of a sensor's own clock in that of this computer."""
+"""The time of a device's own clock in that of this computer, from when its messages arrive."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ LEAST = 1000
 
 
 class DeviceClock:
-    """Capture times of readings, which rise: device time plus the least offset of the last 10 to 20 s.
+    """Capture times, which rise: device time plus the least offset of the last 10 to 20 s.
 
     The offset is that of the clocks and the delay on the way, which varies; the least one is nearest to its
     constant part, which no receiver can tell from the offset of the clocks.
 
-    restarts: of the device; interval: device time between the last two readings, ns, 0 if it is not known.
+    restarts: of the device; interval: device time between the last two messages, ns, 0 if it is not known.
     """
 
     def __init__(self) -> None:
@@ -30,9 +30,9 @@ class DeviceClock:
         self._before: int | None = None
 
     def capture_time(self, device: int | None, arrival: int) -> int | None:
-        """Time of a reading by this computer's clock; None for one that is not later than the one before.
+        """Capture time of a message by this computer's clock; None if it is not later than the last one.
 
-        device: None for a sensor that does not say; arrival: both ns.
+        device: None for one that does not say; arrival: both ns.
         """
         self.interval = 0
         if device is not None:

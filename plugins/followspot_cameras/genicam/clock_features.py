@@ -1,0 +1,63 @@
+"""Reading a camera's clock through its features: latch it, then read what was latched (SFNC 2.7)."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+
+from followspot_cameras.genicam.camera_clock import Reading
+
+LATCHES = (
+    ("TimestampLatch", "TimestampLatchValue"),
+    ("GevTimestampControlLatch", "GevTimestampValue"),
+    ("TimestampLatch", "GevTimestampValue"),
+)
+"""Command that latches the clock and the feature that tells it: of SFNC 2, of GigE Vision 1, of both."""
+FREQUENCY = "GevTimestampTickFrequency"
+PTP = (("PtpEnable", "PtpStatus"), ("GevIEEE1588", "GevIEEE1588Status"))
+"""Whether the camera takes part in PTP, and its state: of SFNC 2, of GigE Vision 2."""
+FOLLOWS = ("Slave", "Master")
+"""States of PTP in which the clock is the network's."""
+
+
+@dataclass(frozen=True)
+class ClockFeatures:
+    """The features of a camera's clock; tick: duration of its unit, ns."""
+
+    latch: str
+    value: str
+    tick: float
+
+    def read(self, execute: Callable[[str], None], read: Callable[[str], str]) -> Reading:
+        """A timed reading: the clock is latched between `before` and `after`."""
+        before = time.monotonic_ns()
+        execute(self.latch)
+        after = time.monotonic_ns()
+        return Reading(round(int(read(self.value)) * self.tick), before, after)
+
+
+def clock_features(names: Collection[str], read: Callable[[str], str]) -> ClockFeatures | None:
+    """Those that the camera has; None if its clock cannot be read. read: gives the value of a feature."""
+    for latch, value in LATCHES:
+        if latch in names and value in names:
+            return ClockFeatures(latch, value, tick(names, read))
+    return None
+
+
+def tick(names: Collection[str], read: Callable[[str], str]) -> float:
+    """Duration of a unit of the camera's time, ns; 1 if it does not say, as SFNC 2 has it."""
+    if FREQUENCY not in names:
+        return 1.0
+    frequency = float(read(FREQUENCY))
+    return 1e9 / frequency if frequency > 0 else 1.0
+
+
+def ptp_state(names: Collection[str], read: Callable[[str], str]) -> str:
+    """The camera's state of PTP, for example "Slave"; "" if it has none, "off" if it is off."""
+    for switch, state in PTP:
+        if switch in names:
+            if read(switch).lower() not in ("true", "1", "on"):
+                return "off"
+            return read(state) if state in names else "on"
+    return ""

@@ -1,0 +1,84 @@
+"""Features of a camera, checked against the node map that the camera itself gives (GenApi, SFNC)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass
+
+from followspot.errors import Guess, Mistake
+
+Value = bool | int | float | str
+
+
+@dataclass(frozen=True)
+class Feature:
+    """One feature of a camera.
+
+    kind: of its node: Integer, Float, Enumeration, Boolean, String, Command, or another; entries: of an
+    enumeration; low, high: limits of a number, None if unknown; unit: as the camera writes it.
+    """
+
+    name: str
+    kind: str
+    writable: bool = True
+    entries: tuple[str, ...] = ()
+    low: float | None = None
+    high: float | None = None
+    unit: str = ""
+
+
+def mistakes(
+    wanted: Mapping[str, Value],
+    names: Collection[str],
+    feature: Callable[[str], Feature | None],
+    origin: str,
+) -> list[Mistake]:
+    """What is wrong with the features that a user wants, each with a remedy.
+
+    wanted: name -> value; names: of all features of the camera; feature: finds one by its name; origin: the
+    camera, for the texts.
+    """
+    found: list[Mistake] = []
+    for name, value in wanted.items():
+        known = feature(name) if name in names else None
+        if known is None:
+            found.append(
+                Mistake(None, f'{origin} has no feature "{name}"', Guess(name, "its features", names))
+            )
+        else:
+            found += _wrong(known, value, origin)
+    return found
+
+
+def as_text(value: Value) -> str:
+    """The value as node maps read it."""
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _wrong(known: Feature, value: Value, origin: str) -> Iterator[Mistake]:
+    """What is wrong with the value of a feature that the camera has."""
+    name = known.name
+    if not known.writable:
+        yield Mistake(None, f"{name} of {origin} cannot be set", "leave it out: the camera only tells it")
+    elif known.kind == "Command":
+        yield Mistake(None, f"{name} of {origin} is a command, and has no value", "leave it out")
+    elif known.kind == "Enumeration" and str(value) not in known.entries:
+        text = f'{name} of {origin} cannot be "{value}"'
+        yield Mistake(None, text, Guess(str(value), "its values", known.entries))
+    elif known.kind == "Boolean" and not isinstance(value, bool):
+        yield Mistake(None, f'{name} of {origin} cannot be "{value}"', "write true or false")
+    elif known.kind in ("Integer", "Float"):
+        yield from _wrong_number(known, value, origin)
+
+
+def _wrong_number(known: Feature, value: Value, origin: str) -> Iterator[Mistake]:
+    numeric = isinstance(value, int | float) and not isinstance(value, bool)
+    if not numeric or (known.kind == "Integer" and value != int(value)):
+        whole = "a whole number" if known.kind == "Integer" else "a number"
+        yield Mistake(None, f'{known.name} of {origin} cannot be "{value}"', f"write {whole}")
+        return
+    low, high = known.low, known.high
+    if (low is not None and float(value) < low) or (high is not None and float(value) > high):
+        text = f"{known.name} of {origin} cannot be {value:g}"
+        limits = f"{'any' if low is None else f'{low:g}'} to {'any' if high is None else f'{high:g}'}"
+        yield Mistake(None, text, f"write a number from {limits} {known.unit}".strip())

@@ -1,0 +1,143 @@
+"""Stage `cameras.genicam`: a GigE Vision or USB3 Vision camera by its own clock and its own numbers."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import closing
+from functools import cached_property
+from threading import Event
+from typing import ClassVar
+
+from followspot import Field, InputAddress, Source, Stage, StageParams, at
+from followspot.errors import InputError
+from followspot.tracking import Frame
+from followspot_cameras.genicam import features
+from followspot_cameras.genicam.backends import BackendName, connected
+from followspot_cameras.genicam.camera import CameraGone, Picture, VisionCamera
+from followspot_cameras.genicam.capture_times import CaptureTimes
+from followspot_cameras.genicam.frame_numbers import FrameNumbers
+from followspot_cameras.genicam.picture import as_frame
+
+FIRST_WAIT, LONGEST_WAIT = 0.2, 1.0
+"""Pause before connecting again, s; it doubles with every failure."""
+LONGEST_LOOK = 0.2
+"""Longest wait for a picture before the stage looks whether the run ends, s."""
+
+
+class Genicam(Stage):
+    """Pictures of a GigE Vision or USB3 Vision camera, each with the camera's own time and number.
+
+    Pictures that lost packets on the way, that were given up because nobody took them, or whose numbers
+    were left out stand in the ledger as lost at the source. A camera that is gone is connected again.
+    """
+
+    live: ClassVar[bool] = True
+    per_camera: ClassVar[bool] = True
+
+    class Params(StageParams):
+        camera: InputAddress = Field(
+            "", max_length=200, description="serial number, name or address; empty: the only one in sight"
+        )
+        backend: BackendName = Field(
+            "any", description="program that speaks to the camera; any: the first that is installed"
+        )
+        features: dict[str, bool | int | float | str] = Field(
+            {},
+            description="features of the camera and their values, in the order in which they are set, for "
+            "example {PixelFormat: BayerRG8, ExposureTime: 5000}",
+        )
+        packet_size: int = Field(
+            0, ge=0, le=16_384, unit="bytes", description="largest packet; 0: as the camera has it"
+        )
+        interface: str = Field(
+            "", max_length=100, description="own address that faces the camera; empty: as the system routes"
+        )
+        read_timeout: float = Field(
+            2.0, gt=0, le=3600, unit="s", description="a camera without a picture for longer is gone"
+        )
+
+    params: Params
+
+    @cached_property
+    def stopped(self) -> Event:
+        """Ends the waiting when it is set."""
+        return Event()
+
+    @property
+    def origin(self) -> str:
+        """The camera as the user named it."""
+        return f"camera {self.params.camera}" if self.params.camera else "the camera"
+
+    def process(self) -> Source[Frame]:
+        """Whole pictures as they come. Raises InputError for features that the camera has not."""
+        self._numbers = FrameNumbers()
+        wait, gone = FIRST_WAIT, False
+        while not self.stopped.is_set():
+            try:
+                with closing(self._connected()) as camera:
+                    for frame in self._frames(camera):
+                        if gone:
+                            self.context.warn(f"{self.origin} is back")
+                        wait, gone = FIRST_WAIT, False
+                        yield frame
+            except CameraGone as error:
+                if not gone and not self.stopped.is_set():
+                    self.context.warn(f"{self.origin}: {error}; connecting again until it answers")
+                gone = True
+            self.stopped.wait(wait)
+            wait = min(2 * wait, LONGEST_WAIT)
+
+    def _connected(self) -> VisionCamera:
+        """The camera with its features set. Raises CameraGone, InputError."""
+        p = self.params
+        camera = connected(p.camera, p.backend, p.interface, p.packet_size)
+        try:
+            wrong = features.mistakes(p.features, camera.names(), camera.feature, self.origin)
+            if wrong:
+                raise InputError(wrong)
+            for name, value in p.features.items():
+                camera.write(name, features.as_text(value))
+        except BaseException:
+            camera.close()
+            raise
+        return camera
+
+    def _frames(self, camera: VisionCamera) -> Iterator[Frame]:
+        """Frames until the camera is gone, or the run ends."""
+        times = CaptureTimes(camera.read_clock)
+        self._numbers.connected_again(camera.largest_identifier)
+        self._overruns = 0
+        times.update(time.monotonic_ns())
+        times.start(time.monotonic_ns())
+        camera.start()
+        heard = time.monotonic()
+        while not self.stopped.is_set():
+            times.update(time.monotonic_ns())
+            picture = camera.next(min(LONGEST_LOOK, self.params.read_timeout))
+            if picture is None:
+                if time.monotonic() - heard > self.params.read_timeout:
+                    raise CameraGone(f"no picture came for {self.params.read_timeout:g} s")
+                continue
+            heard = time.monotonic()
+            if self._is_whole(picture, camera):
+                captured = times.capture_time(picture.camera_time, picture.arrival)
+                frame = as_frame(picture, self.camera, self.context.loan, self.origin)
+                yield at(captured, frame, seq=self._numbers.number)
+
+    def _is_whole(self, picture: Picture, camera: VisionCamera) -> bool:
+        """Whether a picture is new and has all its packets; what is lost goes to the ledger."""
+        missing = self._numbers.next(picture.identifier)
+        if missing is None:
+            return False
+        lost, overruns = self.context.lost, camera.overruns()
+        given_up = min(missing, overruns - self._overruns)
+        self._overruns = overruns
+        lost("device_overrun", given_up)
+        lost("gap", missing - given_up)
+        lost("packet_loss", int(picture.missing_packets > 0))
+        return not picture.missing_packets
+
+    def close(self) -> None:
+        """End the waiting, also from another thread."""
+        self.stopped.set()
