@@ -97,6 +97,7 @@ def test_only_stages_of_this_distribution_are_imported_before_a_fork(starts_a_th
     with closing(WorkerStarts(["left", "right"], (), [starts_a_thread, "sinks.csv"])) as starts:
         with channel, end:
             worker = starts.start("left", end)
+        assert wait_until(servers)
         command = command_of(servers()[0])
         assert "sinks.csv" in command
         assert "busy.stage" not in command
