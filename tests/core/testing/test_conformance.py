@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from tests.core.testing import breaking
@@ -12,7 +14,7 @@ from tests.stages import rates
 from followspot import Field, Message, Source, Stage, StageParams
 from followspot.plugins.registry import catalogue, load_stage
 from followspot.testing import PROMISES, check_stage, findings
-from followspot.testing.promises.life import closes_within_a_second
+from followspot.testing.promises.life import closes_within_a_second, starts_in_a_fresh_process
 from followspot.testing.trial import Trial
 from followspot.tracking import Blobs, Frame, ImageTracks
 
@@ -166,6 +168,22 @@ def test_a_class_inside_a_function_cannot_be_started_in_a_worker() -> None:
             return blobs
 
     assert {finding.promise for finding in findings(Hidden, messages=0)} == {"is found by its name"}
+
+
+def test_a_stage_that_only_this_process_can_import_is_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(tmp_path)
+    for name in ("kept", "gone"):
+        (tmp_path / f"{name}.py").write_text(
+            f"from {breaking.__name__} import Loose\nclass Own(Loose):\n    pass\n"
+        )
+    kept, gone = (importlib.import_module(name).Own for name in ("kept", "gone"))
+    (tmp_path / "gone.py").write_text("raise OSError('not with me')\n")
+    assert not list(starts_in_a_fresh_process(Trial(kept)))
+    assert list(starts_in_a_fresh_process(Trial(gone))) == [
+        "a fresh process cannot import it: OSError: not with me"
+    ]
 
 
 def test_there_are_at_least_thirty_promises_each_with_a_name_and_a_reason() -> None:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import gc
+import importlib
 import mmap
-import subprocess
+import multiprocessing
 import sys
 import tempfile
 import threading
 import time
 from collections.abc import Iterator, Mapping
 from functools import cache
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
@@ -144,7 +146,7 @@ def _resident() -> int:
 
 
 def starts_in_a_fresh_process(trial: Trial) -> Iterator[str]:
-    """A worker imports the stage with nothing else imported before."""
+    """A worker imports the stage with nothing but the runtime imported before."""
     stage = trial.stage
     file = sys.modules[stage.__module__].__file__
     if stage.__module__ == "__main__" or "<locals>" in stage.__qualname__ or file is None:
@@ -155,16 +157,33 @@ def starts_in_a_fresh_process(trial: Trial) -> Iterator[str]:
 
 @cache
 def _import_error(module: str) -> str:
-    """The last line that a fresh process says when it cannot import a module; empty where it can."""
-    done = subprocess.run(
-        [sys.executable, "-c", f"import importlib; importlib.import_module({module!r})"],
-        env={"PYTHONPATH": ":".join(path for path in sys.path if path), "PATH": "/usr/bin:/bin"},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=TIMEOUT,
-    )
-    return "" if done.returncode == 0 else (done.stderr.strip().splitlines() or ["?"])[-1]
+    """What a new process says that cannot import a module; empty if it can.
+
+    The process has what every worker has imported before it looks for stages, and nothing else.
+    """
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(["followspot.worker.main"])
+    here, there = context.Pipe(duplex=False)
+    process = context.Process(target=_import, args=(module, there), daemon=True)
+    process.start()
+    there.close()
+    try:
+        return str(here.recv()) if here.poll(TIMEOUT) else f"not done after {TIMEOUT:g} s"
+    except EOFError:
+        return "the process ended"
+    finally:
+        process.kill()
+        process.join()
+
+
+def _import(module: str, answer: Connection) -> None:
+    """Tell what the import of a module raises."""
+    try:
+        importlib.import_module(module)
+    except BaseException as error:
+        answer.send(reason(error))
+    else:
+        answer.send("")
 
 
 def _closed(trial: Trial, *, setup: bool, times: int) -> Iterator[str]:
