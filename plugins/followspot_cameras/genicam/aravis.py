@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ipaddress
 import time
 from collections.abc import Callable, Collection
 from functools import cached_property
@@ -58,6 +59,15 @@ def _info(index: int) -> CameraInfo:
 def described(info: CameraInfo) -> CameraInfo:
     """The camera as it is: Aravis tells everything at once."""
     return info
+
+
+def addressed(address: str) -> CameraInfo | None:
+    """The camera at an address in the network, found or not."""
+    try:
+        ipaddress.ip_address(address)
+    except ValueError:
+        return None
+    return CameraInfo(NAME, address, "GigE Vision", address)
 
 
 def connect(info: CameraInfo, interface: str, packet_size: int) -> AravisCamera:
@@ -164,15 +174,16 @@ class AravisCamera:
         if buffer is None:
             return None
         arrival = time.monotonic_ns() - max(0, time.time_ns() - buffer.get_system_timestamp())
-        whole = buffer.get_status() == Aravis.BufferStatus.SUCCESS
+        identifier = buffer.get_frame_id()
+        if buffer.get_status() != Aravis.BufferStatus.SUCCESS:
+            return Picture(np.empty(0, "u1"), (0, 0), "", identifier, None, arrival, missing_packets=1)
         return Picture(
             np.frombuffer(buffer.get_data(), "u1"),
             (buffer.get_image_width(), buffer.get_image_height()),
             format_name(buffer.get_image_pixel_format()),
-            buffer.get_frame_id(),
+            identifier,
             buffer.get_timestamp(),
             arrival,
-            0 if whole else 1,
         )
 
     def overruns(self) -> int:

@@ -72,6 +72,10 @@ def connected(word: str, name: BackendName, interface: str, packet_size: int) ->
         if meant:
             return module.connect(meant[0], interface, packet_size)
         seen += cameras
+    for module in modules:
+        found = module.addressed(word)
+        if found is not None:
+            return module.connect(found, interface, packet_size)
     told = ", ".join(map(str, seen)) or "none"
     raise CameraGone(f"it is not in sight; cameras in sight: {told}")
 

@@ -107,5 +107,8 @@ class Backend(Protocol):
     def described(self, info: CameraInfo) -> CameraInfo:
         """What the camera says of itself, with its serial number."""
 
+    def addressed(self, address: str) -> CameraInfo | None:
+        """The camera at an address, which may be behind routers that pass no search; None if unasked."""
+
     def connect(self, info: CameraInfo, interface: str, packet_size: int) -> VisionCamera:
         """The camera. Raises CameraGone."""

@@ -14,6 +14,7 @@ LATCHES = (
     ("TimestampLatch", "GevTimestampValue"),
 )
 """Command that latches the clock and the feature that tells it: of SFNC 2, of GigE Vision 1, of both."""
+SECOND = 1_000_000_000
 FREQUENCY = "GevTimestampTickFrequency"
 PTP = (("PtpEnable", "PtpStatus"), ("GevIEEE1588", "GevIEEE1588Status"))
 """Whether the camera takes part in PTP, and its state: of SFNC 2, of GigE Vision 2."""
@@ -23,34 +24,37 @@ FOLLOWS = ("Slave", "Master")
 
 @dataclass(frozen=True)
 class ClockFeatures:
-    """The features of a camera's clock; tick: duration of its unit, ns."""
+    """The features of a camera's clock; frequency: units of its time in a second."""
 
     latch: str
     value: str
-    tick: float
+    frequency: int
 
     def read(self, execute: Callable[[str], None], read: Callable[[str], str]) -> Reading:
         """A timed reading: the clock is latched between `before` and `after`."""
         before = time.monotonic_ns()
         execute(self.latch)
         after = time.monotonic_ns()
-        return Reading(round(int(read(self.value)) * self.tick), before, after)
+        return Reading(nanoseconds(int(read(self.value)), self.frequency), before, after)
 
 
 def clock_features(names: Collection[str], read: Callable[[str], str]) -> ClockFeatures | None:
     """Those that the camera has; None if its clock cannot be read. read: gives the value of a feature."""
     for latch, value in LATCHES:
         if latch in names and value in names:
-            return ClockFeatures(latch, value, tick(names, read))
+            return ClockFeatures(latch, value, frequency(names, read))
     return None
 
 
-def tick(names: Collection[str], read: Callable[[str], str]) -> float:
-    """Duration of a unit of the camera's time, ns; 1 if it does not say, as SFNC 2 has it."""
-    if FREQUENCY not in names:
-        return 1.0
-    frequency = float(read(FREQUENCY))
-    return 1e9 / frequency if frequency > 0 else 1.0
+def frequency(names: Collection[str], read: Callable[[str], str]) -> int:
+    """Units of the camera's time in a second; 10^9 if it does not say, as SFNC 2 has it."""
+    told = int(float(read(FREQUENCY))) if FREQUENCY in names else 0
+    return told if told > 0 else SECOND
+
+
+def nanoseconds(ticks: int, frequency: int) -> int:
+    """A time of the camera, ns; exact, because a float holds no time since 1970 to the nanosecond."""
+    return ticks if frequency == SECOND else ticks * SECOND // frequency
 
 
 def ptp_state(names: Collection[str], read: Callable[[str], str]) -> str:

@@ -14,7 +14,7 @@ from viva_genicam import GenApiError, GenicamError, TransportError
 
 from followspot_cameras.genicam.camera import CameraGone, CameraInfo, Picture
 from followspot_cameras.genicam.camera_clock import Reading
-from followspot_cameras.genicam.clock_features import ClockFeatures, clock_features, tick
+from followspot_cameras.genicam.clock_features import ClockFeatures, clock_features, frequency, nanoseconds
 from followspot_cameras.genicam.features import Feature
 from followspot_cameras.genicam.frame_numbers import SHORT
 
@@ -61,6 +61,11 @@ def _told(camera: Any, feature: str) -> str:
         return str(camera.get(feature)).strip("\0 ")
     except GenicamError:
         return ""
+
+
+def addressed(address: str) -> CameraInfo | None:
+    """None: viva-genicam connects to cameras that it has found."""
+    return None
 
 
 def connect(info: CameraInfo, interface: str, packet_size: int) -> VivaCamera:
@@ -129,8 +134,8 @@ class VivaCamera:
         return clock_features(self._names, self.read)
 
     @cached_property
-    def _tick(self) -> float:
-        return tick(self._names, self.read)
+    def _frequency(self) -> int:
+        return frequency(self._names, self.read)
 
     def read_clock(self) -> Reading | None:
         """A timed reading of its clock; None if it cannot be read."""
@@ -156,7 +161,7 @@ class VivaCamera:
             raise CameraGone("its stream has ended")
         arrival = time.monotonic_ns()
         whole = frame.is_complete
-        stamp = None if frame.ts_dev is None else round(frame.ts_dev * self._tick)
+        stamp = None if frame.ts_dev is None else nanoseconds(frame.ts_dev, self._frequency)
         data = np.frombuffer(frame.payload(), "u1") if whole else np.empty(0, "u1")
         missing = 0 if whole else frame.missing_packets or 1
         size = frame.width, frame.height

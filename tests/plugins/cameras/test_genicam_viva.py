@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import fcntl
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
-from tempfile import gettempdir
 from typing import Any
 
 import numpy as np
 import pytest
+from tests.plugins.cameras.genicam_port import own_port
 from tests.plugins.cameras.recordings import context
 
 import followspot as fs
@@ -29,8 +28,7 @@ SIZE = (160, 120)
 @pytest.fixture
 def fake_camera() -> Iterator[Callable[..., Any]]:
     """Starts cameras on the one port that they have, which other test processes use, too."""
-    with (Path(gettempdir()) / "followspot-port-3956.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    with own_port():
         yield lambda **rest: testing.FakeGigeCamera(width=SIZE[0], height=SIZE[1], fps=60, **rest)
 
 
