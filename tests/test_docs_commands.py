@@ -45,6 +45,9 @@ ELSEWHERE = {
     r"followspot train": "tests/tools/train/test_train.py",
     r"followspot run .*--room (?!graphs/)": "tests/integration/test_recordings.py",
     r"followspot score": "tests/tools/test_persons_commands.py",
+    r"followspot cameras": "tests/plugins/cameras/test_genicam_listing.py",
+    r"followspot doctor --room studio": "tests/tools/test_doctor.py",
+    r"python -c .from viva_genicam": "tests/plugins/cameras/test_genicam_viva.py",
     r"cp": "tests/tools/test_compare.py",
 }
 """Beginnings of commands that need devices, other hosts, a browser, recordings, a run that goes on or many

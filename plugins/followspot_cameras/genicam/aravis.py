@@ -61,6 +61,11 @@ def described(info: CameraInfo) -> CameraInfo:
     return info
 
 
+def look(info: CameraInfo) -> AravisCamera:
+    """The camera; another program's cannot be looked at. Raises CameraGone."""
+    return connect(info, "", 0)
+
+
 def addressed(address: str) -> CameraInfo | None:
     """The camera at an address in the network, found or not."""
     try:

@@ -63,6 +63,13 @@ def _told(camera: Any, feature: str) -> str:
         return ""
 
 
+def look(info: CameraInfo) -> VivaCamera:
+    """The camera to be read only. Raises CameraGone."""
+    if info.transport != "GigE Vision":
+        return connect(info, "", 0)
+    return VivaCamera(_asked(lambda: viva_genicam.connect_gige(info.handle, monitor=True)), "", 0)
+
+
 def addressed(address: str) -> CameraInfo | None:
     """None: viva-genicam connects to cameras that it has found."""
     return None
