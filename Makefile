@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help demo page test thorough mutants docs lint clean
+.PHONY: help demo page bundle test thorough mutants docs lint clean
 .DEFAULT_GOAL := demo
 
 help:  ## list the targets
@@ -28,11 +28,14 @@ demo: $(VENV)/demo  ## track glowing balls in a simulated room
 	@$(BIN)/followspot run graphs/glowballs.yaml
 
 $(VENV)/page: $(VENV)/demo
-	@$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[dashboard,recording]'
+	@$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[dashboard,recording,web]'
 	@touch $@
 
-page: $(VENV)/page  ## track them live and without end, on a page in a browser
+page: bundle  ## track them live and without end, on a page in a browser
 	@$(BIN)/followspot run graphs/glowballs.yaml --set camera.realtime=true --set camera.frames=0 --dashboard
+
+bundle: $(VENV)/page  ## the page's own files, for --dashboard with any graph
+	@$(BIN)/python tools/bundle.py
 
 # A file on each core, and one more, for many tests wait; neither threads of BLAS, which would wait for each other,
 # nor deadlines on a busy machine.
@@ -57,10 +60,11 @@ docs: $(VENV)/dev  ## the documents as pages, runs/docs/index.html
 	@$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going docs runs/docs
 
 lint: $(VENV)/dev  ## style, types, layers
+	@$(BIN)/python tools/bundle.py style types
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
 
-clean:  ## remove the environment, the outputs of runs and all caches
-	@rm -rf $(VENV) runs .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+clean:  ## remove the environment, the bundle of the page, the outputs of runs and all caches
+	@rm -rf $(VENV) web/node_modules tools/commands/followspot_page/static runs .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

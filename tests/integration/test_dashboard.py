@@ -23,6 +23,7 @@ import pytest
 from tests.core.worker.solo import Solo
 from tests.integration.hosts import Agent, near_agent
 from tests.tools.page.browser import CHROMIUM, browser
+from tests.tools.page.bundled import bundle
 from websockets.sync.client import ClientConnection, connect
 
 from followspot.graph.compile import compile_graph
@@ -120,6 +121,7 @@ def cameras_seen(page: ClientConnection) -> set[str]:
 @contextmanager
 def watched(out: Path, *options: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """A run with a page, and the page's address."""
+    bundle()
     command = [sys.executable, "-m", "followspot.cli.main", "run", str(GRAPH), "--json", "--out", str(out)]
     command += ["--dashboard-at", "127.0.0.1:0", *options]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:

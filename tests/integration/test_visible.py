@@ -27,6 +27,7 @@ from tests.integration.running import (
     workers,
     write_graph,
 )
+from tests.tools.page.bundled import bundle
 
 from followspot.operator import remote_host
 from followspot.operator.attach import Attachment, attached
@@ -47,6 +48,7 @@ class Watched:
     """A live run in two workers, as its observers see it."""
 
     def __init__(self, folder: Path, placement: str, *options: str, stages: str = LIVE) -> None:
+        bundle()
         self.out = folder / "out"
         graph = write_graph(folder, stages)
         (folder / "two.yaml").write_text(placement)

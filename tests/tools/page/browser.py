@@ -13,6 +13,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from tests.tools.page.bundled import bundle
 from websockets.sync.client import ClientConnection, connect
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -96,6 +97,7 @@ class Browser:
 def browser(folder: Path) -> Iterator[Browser]:
     """A browser with a profile of its own in a folder."""
     assert CHROMIUM is not None
+    bundle()
     command = [CHROMIUM, *_OPTIONS, f"--user-data-dir={folder}", "about:blank"]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:

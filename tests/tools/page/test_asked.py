@@ -11,6 +11,7 @@ import pytest
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
+from followspot_page import asked
 from followspot_page.asked import order_of
 from followspot_page.hooks import checked, configure
 from followspot_page.showing import PageOrder, shown
@@ -23,6 +24,12 @@ def options(*given: str) -> argparse.Namespace:
     parser = argparse.ArgumentParser()
     configure(parser)
     return parser.parse_args(given)
+
+
+@pytest.fixture(autouse=True)
+def bundled(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Options are read alike whether the page's files are there or not."""
+    monkeypatch.setattr(asked, "check_bundle", lambda: None)
 
 
 @pytest.fixture(scope="module")

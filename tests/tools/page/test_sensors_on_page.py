@@ -97,20 +97,6 @@ def test_readings_are_lines_and_those_of_an_unknown_type_a_table(opened: Opened)
     assert 0.6 < chromium.ask(BLUE) < 0.8  # z is drawn last, through 3.6 of the last 5 s
 
 
-def test_a_line_is_broken_where_readings_are_missing(opened: Opened) -> None:
-    _, chromium = opened
-    times = [0, 10, 20, 30, 500, 510, 520, 800]
-    script = """import("/static/plot.js").then(({ unbroken }) => %s.map((times) =>
-        unbroken(times.map((time) => ({ time }))).map((part) => part.map(({ time }) => time))))"""
-    slow = [0, 300, 700, 1000]  # no gap of a sensor that is always slow
-    assert chromium.ask(script % [times, slow, [5], []]) == [
-        [[0, 10, 20, 30], [500, 510, 520], [800]],
-        [slow],
-        [[5]],
-        [[]],
-    ]
-
-
 def test_depth_has_a_picture_with_its_scale(opened: Opened) -> None:
     page, chromium = opened
     depth = np.full((240, 320), 4.0, "f4")
@@ -139,47 +125,4 @@ def test_a_target_with_an_orientation_shows_its_axes_and_one_without_none(opened
 
     until(lambda: min(axes(50, upright)) > 10)
     until(lambda: max(axes(60, [np.nan] * 4)) < 5)
-
-
-def test_axes_turn_as_the_quaternion_says_and_the_ellipsoid_is_that_of_95_percent(opened: Opened) -> None:
-    _, chromium = opened
-    modules = '[import("/static/target.js"), import("/static/light.js")]'
-    script = """Promise.all(%s).then(([{ Target }, light]) => {
-        const target = new Target({ name: "red", color: "#f00", radius: 0.1 }, light.glowTexture());
-        const place = { xyz: [0, 0, 1], state: "tracked", time: 0 };
-        target.move({ ...place, sigma: [0.01, 0.02, 0.05], quaternion: [Math.SQRT1_2, 0, 0, Math.SQRT1_2] });
-        const [x] = target.axes.group.children;
-        const along = x.position.clone().applyQuaternion(target.axes.group.quaternion).normalize().toArray();
-        const first = [along, target.cloud.scale.toArray(), target.cloud.visible, target.axes.group.visible];
-        target.move({ ...place, sigma: [0.01, null, 0.05], quaternion: undefined });
-        return [...first, target.cloud.visible, target.axes.group.visible];
-    })"""
-    along, scale, *shown = chromium.ask(script % modules)
-    np.testing.assert_allclose(along, [0, 1, 0], atol=1e-6)  # a quarter around z turns x to y
-    np.testing.assert_allclose(scale, [0.128, 0.156, 0.24])
-    assert shown == [True, True, False, False]
     assert chromium.errors == []
-
-
-def test_a_target_is_drawn_as_the_tracker_has_it_that_tracks_it(opened: Opened) -> None:
-    _, chromium = opened
-    script = """import("/static/together.js").then(({ Together }) => {
-        const together = new Together();
-        const view = (port, time, ...rows) => {
-            const [target, state, xyz] = [0, 1, 2].map((i) => rows.map((row) => row[i]));
-            return { port, time, target, state, xyz, sigma: target, quaternion: [] };
-        };
-        const told = ({ time, target, state, xyz }) => [time, target.map((t, i) => [t, state[i], xyz[i]])];
-        return [
-            view("stage.tracks", 1000, [0, "predicted", 1], [1, "tracked", 2]),
-            view("hall.tracks", 990, [0, "tracked", 3], [2, "missing", 4]),
-            view("stage.tracks", 1010, [0, "tracked", 5]),
-            view("stage.tracks", 2500),
-        ].map((one) => told(together.take(one)));
-    })"""
-    assert chromium.ask(script) == [
-        [1000, [[0, "predicted", 1], [1, "tracked", 2]][::-1]],
-        [1000, [[0, "tracked", 3], [1, "tracked", 2], [2, "missing", 4]]],
-        [1010, [[0, "tracked", 3], [2, "missing", 4]]],
-        [2500, []],
-    ]

@@ -8,6 +8,7 @@ import os
 
 from followspot.errors import InputError
 from followspot_page.address import HOST, PORT, is_loopback, read_address
+from followspot_page.bundle import check_bundle
 from followspot_page.showing import PageOrder
 
 NEEDED = ("starlette", "uvicorn", "websockets")
@@ -15,13 +16,14 @@ MAX_RATE = 60.0
 
 
 def order_of(args: argparse.Namespace, pid: int | None = None) -> PageOrder:
-    """The page that the options describe. Raises InputError if they contradict each other.
+    """The page that the options describe. Raises InputError if it cannot be shown.
 
     pid: of the operator's process whose run is shown; this one unless given.
     """
     missing = [name for name in NEEDED if importlib.util.find_spec(name) is None]
     if missing:
         raise InputError.of(f"the page needs {', '.join(missing)}", 'pip install "followspot[dashboard]"')
+    check_bundle()
     if not 0 < args.dashboard_rate <= MAX_RATE:
         text = f"--dashboard-rate: {args.dashboard_rate:g} pictures a second cannot be"
         raise InputError.of(text, f"more than 0, at most {MAX_RATE:g}")

@@ -15,7 +15,7 @@ from typing import Any
 import uvicorn
 from starlette.applications import Starlette
 from starlette.requests import Request
-from starlette.responses import FileResponse, JSONResponse, Response
+from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 
@@ -25,23 +25,27 @@ from followspot_dashboard.gate import SOCKET, make_gate
 from followspot_page import metrics
 from followspot_page.access import HEADERS, Doorkeeper
 from followspot_page.address import is_loopback
+from followspot_page.bundle import MISSING, STATIC, is_bundled
 from followspot_page.crowd import Rejections
 from followspot_page.feed import Arrivals
 from followspot_page.follow import Sight, follow, found, plan_of, remote_previews
 from followspot_page.page import Page
 
-STATIC = Path(__file__).parent / "static"
 MAX_HEARD = 1024
 """Longest message of a browser, bytes: a change."""
 _ACCEPTED = 64
 """Connections accepted before the first request of any: each is a file descriptor."""
 
 
+async def home(_: Request) -> Response:
+    """The page, or how to get it."""
+    if not is_bundled():
+        return PlainTextResponse(f"{MISSING}\n", 503, headers=HEADERS)
+    return FileResponse(STATIC / "index.html", headers=HEADERS)
+
+
 def application(page: Page) -> Starlette:
     """The routes of a page."""
-
-    async def home(_: Request) -> Response:
-        return FileResponse(STATIC / "index.html", headers=HEADERS)
 
     async def figures(_: Request) -> Response:
         text = metrics.text(page.run, page.targets, page.browsers, page.crowd.refused)
@@ -56,7 +60,7 @@ def application(page: Page) -> Starlette:
             Route("/metrics", figures),
             Route("/status", status),
             WebSocketRoute("/look", page.look),
-            Mount("/static", _Static(directory=STATIC)),
+            Mount("/static", _Static(directory=STATIC, check_dir=False)),
         ]
     )
 

@@ -1,0 +1,152 @@
+// The page: takes what the run tells over one WebSocket and hands each thing to the part that draws it.
+import { Faults } from "./faults.ts";
+import { Header } from "./header.ts";
+import { Legend } from "./legend.ts";
+import { make } from "./make.ts";
+import { part } from "./part.ts";
+import { Pipeline } from "./pipeline.ts";
+import { Player } from "./player.ts";
+import { Recorder } from "./recorder.ts";
+import { Room } from "./room.ts";
+import type { Drawn, View } from "./seen.ts";
+import { Sensors } from "./sensors.ts";
+import { Tiles } from "./tiles.ts";
+import { Together } from "./together.ts";
+import type { Answer, Run, Scene, Told, Wish } from "./told.ts";
+import { Views } from "./views.ts";
+
+const RETRY_MS = 3000;
+const LOOK_MS = 500; // between two looks at how old everything is
+const NEWS = 4; // lines
+const LOST =
+  "this page has lost its run, which may go on, or not: its operator's process, or that of the page, is gone";
+
+let socket: WebSocket;
+const ask = (wish: Wish) => socket.send(JSON.stringify(wish));
+const views = new Views<Drawn>();
+const tiles = new Tiles(part("tiles", HTMLElement), views);
+const sensors = new Sensors(part("tiles", HTMLElement));
+const header = new Header();
+const pipeline = new Pipeline(part("groups", HTMLElement), part("detail", HTMLElement), ask);
+const recorder = new Recorder(
+  {
+    element: part("recorder", HTMLElement),
+    record: part("record", HTMLButtonElement),
+    recorded: part("recorded", HTMLElement),
+    choice: part("choice", HTMLFormElement),
+  },
+  ask,
+);
+const player = new Player(
+  {
+    element: part("player", HTMLElement),
+    pause: part("pause", HTMLButtonElement),
+    step: part("step", HTMLButtonElement),
+    reached: part("reached", HTMLElement),
+  },
+  ask,
+);
+const legend = new Legend(part("legend", HTMLElement));
+const together = new Together();
+const faults = new Faults(part("faults", HTMLElement));
+const news = part("news", HTMLElement);
+const canvas = part("view", HTMLCanvasElement);
+const room = Room.on(canvas, part("stage", HTMLElement));
+part("flat", HTMLElement).hidden = room !== null;
+canvas.hidden = room === null;
+
+let ended = ""; // how, where this was told
+let shown = "";
+let fused = false;
+
+// How old everything is by the clock of this browser, whether anybody tells it anything or not.
+function look(): void {
+  const well = faults.show();
+  if (!faults.over) {
+    tiles.look();
+    sensors.look();
+    legend.look();
+  }
+  header.look(well);
+}
+
+function takeScene(scene: Scene): void {
+  header.show(scene);
+  pipeline.show(scene.stages, scene.forms);
+  tiles.from(scene.stages);
+  recorder.show(scene.ports);
+  player.show(scene.replay);
+  if (JSON.stringify(scene.room) !== shown) {
+    // else only stages or parameters are others
+    shown = JSON.stringify(scene.room);
+    tiles.show(scene.room);
+    legend.show(scene.room.targets);
+    room?.show(scene.room);
+  }
+  sensors.show(scene.sensors);
+}
+
+function takeRun(run: Run): void {
+  header.update(run, player.update(run.stages));
+  faults.take(run.faults);
+  news.replaceChildren(...[...clocks(run), ...run.news.slice(-NEWS)].map((line) => make("li", line)));
+  pipeline.update(run);
+  tiles.update(run.stages);
+  sensors.update(run.stages);
+  look();
+}
+
+// Hosts whose clocks are so far off that the run warns.
+function clocks(run: Run): string[] {
+  const off = run.clocks.filter(({ warning }) => warning);
+  return off.map(({ host, warning }) => `${host || "this host"}: ${warning}`);
+}
+
+function takeView(view: View): void {
+  if (sensors.take(view)) return;
+  views.take(view);
+  if (view.kind === "Tracks") {
+    const tracks = together.take(view);
+    legend.tracks(tracks);
+    room?.tracks(tracks);
+  } else if (view.kind === "Poses") {
+    fused ||= !view.camera;
+    if (!(fused && view.camera)) room?.poses(view); // what cameras see apart is shown until it is fused
+  }
+  tiles.changed(view);
+}
+
+function takeAnswer(answer: Answer): void {
+  const wish: Wish = JSON.parse(answer.to);
+  if ("on" in wish) recorder.answer(answer);
+  else if ("hold" in wish) player.answer(answer);
+  else pipeline.answer(answer);
+}
+
+function take(told: Told): void {
+  if (told.type === "scene") takeScene(told);
+  else if (told.type === "run") takeRun(told);
+  else if (told.type === "view") takeView(told);
+  else if (told.type === "recording") recorder.update(told);
+  else if (told.type === "answer") takeAnswer(told);
+  else {
+    ended = told.how;
+    socket.close(); // says that this was read: the page's process waits for it
+  }
+}
+
+function connect(again: boolean): void {
+  socket = new WebSocket(`ws://${location.host}/look`);
+  socket.binaryType = "arraybuffer";
+  socket.onopen = () => again && location.reload(); // it may be another run, of another room
+  socket.onmessage = ({ data }) => (typeof data === "string" ? take(JSON.parse(data)) : tiles.picture(data));
+  socket.onclose = () => {
+    faults.end(ended ? [] : [LOST]);
+    look();
+    header.live(ended ? "ended" : "gone", ended || "gone");
+    setTimeout(connect, RETRY_MS, true);
+  };
+}
+
+connect(false);
+setInterval(look, LOOK_MS);

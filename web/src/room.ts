@@ -1,0 +1,110 @@
+// The room in 3D: a dark stage, the cameras above it, and light where the targets are.
+import { Color, Fog, HemisphereLight, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+import { glowTexture } from "./light.ts";
+import { Orbit } from "./orbit.ts";
+import { Person } from "./person.ts";
+import { frustum, grid, patch } from "./scenery.ts";
+import type { PosesView } from "./seen.ts";
+import { Target } from "./target.ts";
+import type { Tracked } from "./together.ts";
+import type { RoomData } from "./told.ts";
+
+const NIGHT = 0x06080c;
+const GONE_MS = 1500; // after which who was not told of is not shown
+
+export class Room {
+  private readonly stage: HTMLElement;
+  private readonly renderer: WebGLRenderer;
+  private readonly camera = new PerspectiveCamera(38, 1, 0.05, 200);
+  private readonly orbit: Orbit;
+  private readonly texture = glowTexture();
+  private readonly scene = new Scene();
+  private targets: Target[] = [];
+  private readonly people = new Map<string, Person>();
+  private box: [Vector3, Vector3] | null = null;
+  private before = performance.now();
+
+  // Null where the browser has no WebGL. stage: what the canvas fills.
+  static on(canvas: HTMLCanvasElement, stage: HTMLElement): Room | null {
+    try {
+      return new Room(canvas, stage);
+    } catch {
+      return null;
+    }
+  }
+
+  private constructor(canvas: HTMLCanvasElement, stage: HTMLElement) {
+    this.stage = stage;
+    this.renderer = new WebGLRenderer({ canvas, antialias: true });
+    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
+    this.camera.up.set(0, 0, 1);
+    this.orbit = new Orbit(this.camera, canvas);
+    this.scene.background = new Color(NIGHT);
+    new ResizeObserver(() => this.resize()).observe(stage);
+    this.resize();
+    this.renderer.setAnimationLoop((now) => this.draw(now));
+  }
+
+  show(room: RoomData): void {
+    const low = new Vector3(...room.low);
+    const high = new Vector3(...room.high);
+    this.box = [low, high];
+    const size = high.clone().sub(low).length();
+    this.scene.clear();
+    this.scene.fog = new Fog(NIGHT, size * 1.1, size * 3.2);
+    this.scene.add(new HemisphereLight(0xffffff, 0x223044, 2.2), grid(low, high));
+    this.scene.add(...room.planes.flatMap(patch), ...room.cameras.map(frustum));
+    this.targets = room.targets.map((target) => new Target(target, this.texture));
+    for (const { group } of this.targets) this.scene.add(group);
+    this.people.clear();
+    this.orbit.show(low, high);
+  }
+
+  tracks({ target, state, xyz, sigma, quaternion, time }: Tracked): void {
+    const known = new Map(target.map((t, i) => [t, i]));
+    this.targets.forEach((mark, t) => {
+      const i = known.get(t);
+      if (i === undefined) mark.lose();
+      else mark.move({ xyz: xyz[i], sigma: sigma[i], state: state[i], quaternion: quaternion[i], time });
+    });
+  }
+
+  poses({ camera, person, xy, height, heading, pan, tilt, sigma, time }: PosesView): void {
+    person.forEach((number, i) => {
+      const columns = { height: height[i], heading: heading[i], pan: pan[i], tilt: tilt[i] };
+      this.person(`${camera} ${number}`, number).move({ xy: xy[i], ...columns, sigma: sigma[i], time });
+    });
+  }
+
+  private person(name: string, number: number): Person {
+    const known = this.people.get(name);
+    if (known) return known;
+    const mark = new Person(number, this.texture);
+    this.people.set(name, mark);
+    this.scene.add(mark.group);
+    return mark;
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.stage;
+    if (!width || !height) return;
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    if (this.box) this.orbit.show(...this.box);
+  }
+
+  private draw(now: number): void {
+    const seconds = Math.min(0.1, (now - this.before) / 1000);
+    this.before = now;
+    for (const target of this.targets) target.step(seconds);
+    for (const [name, mark] of this.people) {
+      mark.step(seconds);
+      if (performance.now() - mark.heard > GONE_MS) {
+        this.scene.remove(mark.group);
+        this.people.delete(name);
+      }
+    }
+    this.renderer.render(this.scene, this.camera);
+  }
+}
