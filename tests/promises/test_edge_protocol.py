@@ -367,7 +367,7 @@ class RingEdge(RingEnds):
 
 class TestRing(RingEdge.TestCase):
     settings = settings(
-        max_examples=80,
+        max_examples=50,
         stateful_step_count=50,
         deadline=None,
         suppress_health_check=list(HealthCheck),

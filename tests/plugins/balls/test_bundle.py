@@ -110,7 +110,7 @@ def test_exact_views_give_the_exact_place(place: tuple[float, float, float], vie
     assert position.support[0] == len(views) * (len(views) - 1) // 2
 
 
-@pytest.mark.parametrize("noise", [0.1, 0.2])
+@pytest.mark.parametrize("noise", [0.1, pytest.param(0.2, marks=pytest.mark.thorough)])
 def test_the_covariance_is_the_spread_of_estimates(noise: float) -> None:
     rng = np.random.default_rng(5)
     stage, exact, expected = bundle(blob_sigma=noise), undistorted(np.array(HIGH)), near()

@@ -127,7 +127,7 @@ def test_people_stand_on_the_floor_and_are_as_tall_as_people(seed):
 
 def test_people_walk_without_jumps_turn_at_a_human_rate_and_keep_apart():
     truth = truth_of(ActorParams(seed=4, people=3, fps=20, walking_area=(-2, -2, 2, 2)))
-    poses = [truth.truth(frame) for frame in range(1200)]
+    poses = [truth.truth(frame) for frame in range(600)]
     xy = np.array([pose.xy for pose in poses])
     speed = np.linalg.norm(np.diff(xy, axis=0), axis=2) * 20
     assert speed.max() < 2.0

@@ -25,7 +25,10 @@ def test_a_clean_room(make, cameras, missing):
     assert solved.intrinsics == "known"
 
 
-@pytest.mark.parametrize(("cameras", "missing", "outliers"), [(3, 0.3, 0.1), (6, 0.6, 0.3), (10, 0.1, 0.3)])
+@pytest.mark.parametrize(
+    ("cameras", "missing", "outliers"),
+    [(3, 0.3, 0.1), (6, 0.6, 0.3), pytest.param(10, 0.1, 0.3, marks=pytest.mark.thorough)],
+)
 def test_reflections_are_all_that_is_told_of_a_room_full_of_them(cameras, missing, outliers):
     room = waved_room(cameras, 600, missing=missing, outliers=outliers)
     solved = solve(room.sightings, room.cameras)

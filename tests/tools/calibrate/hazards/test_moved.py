@@ -19,7 +19,9 @@ from followspot_calibrate.wand.solving import solve
 ROWS = 400
 
 
-@pytest.mark.parametrize(("degrees", "at"), [(0.3, 200), (5.0, 120), (30.0, 300)])
+@pytest.mark.parametrize(
+    ("degrees", "at"), [(0.3, 200), pytest.param(5.0, 120, marks=pytest.mark.thorough), (30.0, 300)]
+)
 def test_the_camera_and_the_frame_are_named(degrees, at):
     room, _ = with_move(waved_room(5, ROWS, missing=0.2), 1, degrees, at)
     told = warnings_of(solve(room.sightings, room.cameras, "known"))

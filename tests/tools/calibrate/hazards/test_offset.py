@@ -27,7 +27,7 @@ WITHIN = 0.05
 PLACE_MM = 8.0
 
 
-@pytest.mark.parametrize("late", [0.4, -1.5, 37.3])
+@pytest.mark.parametrize("late", [0.4, -1.5, pytest.param(37.3, marks=pytest.mark.thorough)])
 def test_a_late_camera_is_told_and_corrected(late):
     room = waved_room(5, 300, late={4: late}, missing=0.1)
     solved = solve(room.sightings, room.cameras, "known")
@@ -90,7 +90,7 @@ def test_two_cameras_tell_their_difference():
     assert found[1] - found[0] == pytest.approx(6, abs=0.1)
 
 
-@pytest.mark.parametrize("seed", [1, 3])
+@pytest.mark.parametrize("seed", [1, pytest.param(3, marks=pytest.mark.thorough)])
 def test_a_camera_that_lost_frames_is_told_to_have(seed):
     room, shifted = waved_room(4, 300, seed=seed), waved_room(4, 300, late={3: 2.0}, seed=seed)
     room.sightings.pixel[150:, 3] = shifted.sightings.pixel[150:, 3]

@@ -24,7 +24,7 @@ def test_unknown_lenses_are_not_guessed_from_a_plane(height):
         solve(room.sightings, None)
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.thorough)])
 def test_known_lenses_in_a_plane_are_right_or_refused(seed):
     room = waved_room(4, 150, height=TABLE, seed=seed)
     try:

@@ -16,7 +16,10 @@ from followspot_calibrate.wand.alignment import onto_centers
 from followspot_calibrate.wand.solving import solve
 
 
-@pytest.mark.parametrize(("intrinsics", "zoom"), [("known", 1.15), ("auto", 1.3), ("known", 2.5)])
+@pytest.mark.parametrize(
+    ("intrinsics", "zoom"),
+    [pytest.param("known", 1.15, marks=pytest.mark.thorough), ("auto", 1.3), ("known", 2.5)],
+)
 def test_lenses_that_belong_to_each_other_name_the_two(intrinsics, zoom):
     room = waved_room(5, 200, missing=0.1, zooms={1: zoom})
     lenses = list(room.cameras)
