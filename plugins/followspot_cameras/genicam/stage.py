@@ -18,9 +18,8 @@ from followspot_cameras.genicam.camera import CameraGone, Picture, VisionCamera
 from followspot_cameras.genicam.capture_times import CaptureTimes
 from followspot_cameras.genicam.frame_numbers import FrameNumbers
 from followspot_cameras.genicam.picture import as_frame
+from followspot_cameras.reconnection import sessions
 
-FIRST_WAIT, LONGEST_WAIT = 0.2, 1.0
-"""Pause before connecting again, s; it doubles with every failure."""
 LONGEST_LOOK = 0.2
 """Longest wait for a picture before the stage looks whether the run ends, s."""
 
@@ -72,21 +71,15 @@ class Genicam(Stage):
     def process(self) -> Source[Frame]:
         """Whole pictures as they come. Raises InputError for features that the camera has not."""
         self._numbers = FrameNumbers()
-        wait, gone = FIRST_WAIT, False
-        while not self.stopped.is_set():
-            try:
-                with closing(self._connected()) as camera:
-                    for frame in self._frames(camera):
-                        if gone:
-                            self.context.warn(f"{self.origin} is back")
-                        wait, gone = FIRST_WAIT, False
-                        yield frame
-            except CameraGone as error:
-                if not gone and not self.stopped.is_set():
-                    self.context.warn(f"{self.origin}: {error}; connecting again until it answers")
-                gone = True
-            self.stopped.wait(wait)
-            wait = min(2 * wait, LONGEST_WAIT)
+        yield from sessions(self._session, CameraGone, self.stopped, self.say)
+
+    def say(self, text: str) -> None:
+        """Tell the user about the camera."""
+        self.context.warn(f"{self.origin}: {text}")
+
+    def _session(self) -> Iterator[Frame]:
+        with closing(self._connected()) as camera:
+            yield from self._frames(camera)
 
     def _connected(self) -> VisionCamera:
         """The camera with its features set. Raises CameraGone, InputError."""

@@ -35,7 +35,12 @@ MESSAGES = {
 """For which the memory of a stage is watched, where 600 are too slow or too few to fill what it remembers."""
 
 
-NEEDS = {"sinks.rerun": "rerun", "filters.kalman_filterpy": "filterpy", "cameras.genicam": "viva_genicam"}
+NEEDS = {
+    "sinks.rerun": "rerun",
+    "filters.kalman_filterpy": "filterpy",
+    "cameras.genicam": "viva_genicam",
+    "cameras.rtsp": "av",
+}
 """Large packages that stages need and machines may lack."""
 
 

@@ -116,7 +116,7 @@ def test_a_camera_that_vanishes_takes_part_again(fake_camera: Callable[..., Any]
     assert again.header.seq > first[-1].header.seq
     assert len(warnings) == 2
     assert "connecting again until it answers" in warnings[0]
-    assert warnings[1] == "camera 127.0.0.1 is back"
+    assert warnings[1] == "camera 127.0.0.1: is back"
 
 
 def test_a_serial_number_names_the_camera_and_another_is_not_in_sight(

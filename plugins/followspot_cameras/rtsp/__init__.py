@@ -1,0 +1,1 @@
+"""Network cameras over RTSP, with the capture times that their RTCP sender reports tell."""
