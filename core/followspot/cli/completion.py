@@ -89,7 +89,7 @@ def _ports(prefix: str, args: argparse.Namespace) -> Words:
     begun = prefix[: prefix.rfind(",") + 1]
     for plan in _plans(args):
         for port, kind in output_ports(plan).items():
-            yield from ((begun + name, kind.__name__) for name in port_names(port))
+            yield from ((begun + name, kind.__name__) for name in port_names(port, plan.offered))
         yield from ((begun + name, ", ".join(ports)) for name, ports in plan.offered.items())
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from followspot.document import Node, child
 from followspot.errors import Mistake, Place, did_you_mean
-from followspot.graph.connections import CheckedEdge, check_cycles, check_lagged_cycles, connect
+from followspot.graph.connections import CheckedEdge, check_cycles, check_lagged_cycles, check_types, connect
 from followspot.graph.expand import Expanded
 from followspot.graph.file_check import check_files
 from followspot.graph.instances import CheckedStage, Instance
@@ -18,6 +18,7 @@ from followspot.graph.reproducibility import risks
 from followspot.graph.sampling import sampled_cycles
 from followspot.graph.subgraph_ports import subgraph_ports
 from followspot.graph.subgraph_use import SubgraphUse
+from followspot.graph.unserved import unserved_wires
 from followspot.graph.warnings import warnings
 from followspot.plugins.hooks import load_scorers
 from followspot.plugins.registry import PluginError, load_stage
@@ -54,7 +55,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
         if instance.name in classes:
             check_inputs(instance, classes[instance.name], expanded.left_out, mistakes)
             check_picture(instance, classes[instance.name], expanded.room, mistakes)
-    _check_unserved(expanded.unserved, mistakes)
+    _check_unserved(expanded, classes, mistakes)
     stages = [
         CheckedStage(instance, stage, params)
         for name, stage in classes.items()
@@ -90,13 +91,16 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
     )
 
 
-def _check_unserved(instances: Sequence[Instance], mistakes: list[Mistake]) -> None:
+def _check_unserved(expanded: Expanded, classes: Mapping[str, type[Stage]], mistakes: list[Mistake]) -> None:
     """Note what is wrong with stages that are left out, whatever the room has."""
-    for instance in instances:
+    absent: dict[str, type[Stage]] = {}
+    for instance in expanded.unserved:
         stage = _class(instance.uses, instance.uses_place, mistakes) if instance.uses else None
         if stage is not None:
+            absent[instance.name] = stage
             check_inputs(instance, stage, {}, mistakes)
             _params(instance, stage, mistakes)
+    check_types(unserved_wires(expanded), {**classes, **absent}, mistakes)
 
 
 def _classes(expanded: Expanded, mistakes: list[Mistake]) -> dict[str, type[Stage]]:

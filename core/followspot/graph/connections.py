@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from followspot.errors import Mistake, did_you_mean
@@ -50,13 +50,12 @@ def connect(
     into: dict[tuple[str, str], list[Wire]] = defaultdict(list)
     given: dict[tuple[str, str], OutputSpec] = {}
     for wire in wires:
-        target = classes.get(wire.target.name)
-        port = None if target is None else ports(target).input(wire.port)
-        source = classes.get(wire.source.name)
-        if port is None or source is None:
+        ends = _ends(wire, classes)
+        if ends is None:
             continue
+        source, port = ends
         into[wire.target.name, port.name].append(wire)
-        output = _output(wire, ports(source), port, mistakes)
+        output = _output(wire, source, port, mistakes)
         _check_settings(wire, port, mistakes)
         if output is not None:
             first = given.setdefault((wire.target.name, port.name), output)
@@ -65,10 +64,26 @@ def connect(
             edges.append(CheckedEdge(wire, output.name, port.kind))
     _check_twice(edges, mistakes)
     for (name, port_name), members in into.items():
-        port = ports(classes[name]).input(port_name)
-        if port is not None:
-            _check_multiplicity(members, port, mistakes)
+        read = ports(classes[name]).input(port_name)
+        if read is not None:
+            _check_multiplicity(members, read, mistakes)
     return edges
+
+
+def check_types(wires: Iterable[Wire], classes: Mapping[str, type[Stage]], mistakes: list[Mistake]) -> None:
+    """Note each wire whose ends do not fit, whatever else leads to its input."""
+    for wire in wires:
+        found = _ends(wire, classes)
+        if found is not None:
+            _output(wire, *found, mistakes)
+            _check_settings(wire, found[1], mistakes)
+
+
+def _ends(wire: Wire, classes: Mapping[str, type[Stage]]) -> tuple[Ports, InputSpec] | None:
+    """The ports of the source and the input that a wire leads to; None if one is not known."""
+    source, target = classes.get(wire.source.name), classes.get(wire.target.name)
+    port = None if target is None else ports(target).input(wire.port)
+    return None if source is None or port is None else (ports(source), port)
 
 
 def _check_twice(edges: Sequence[CheckedEdge], mistakes: list[Mistake]) -> None:

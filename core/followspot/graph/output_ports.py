@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from types import MappingProxyType
 
 from followspot.errors import InputError, Mistake, did_you_mean
@@ -40,7 +40,8 @@ def chosen_ports(
         named = ports_named(word, known, offered)
         found.update(named)
         if not named:
-            remedy = did_you_mean(word, {*offered, *(n for port in known for n in port_names(port))}, "ports")
+            names = {*offered, *(name for port in known for name in port_names(port, offered))}
+            remedy = did_you_mean(word, names, "ports")
             mistakes.append(Mistake(None, f'{option}: there is no port "{word}"', remedy))
     if mistakes:
         raise InputError(mistakes)
@@ -51,10 +52,15 @@ def ports_named(word: str, ports: Sequence[str], offered: Mapping[str, Sequence[
     """The ports that a word names; see `chosen_ports`."""
     if word in offered:
         return [port for port in ports if port in offered[word]]
-    return [port for port in ports if word in port_names(port)]
+    return [port for port in ports if word in port_names(port, offered)]
 
 
-def port_names(port: str) -> list[str]:
-    """Names of a port: `hall/camera/cam0.out` is also hall, hall.out, hall/camera, hall/camera.out, ..."""
+def port_names(port: str, offered: Collection[str] = ()) -> list[str]:
+    """Names of a port: `hall/camera/cam0.out` is also hall, hall/camera, hall/camera.out, hall/camera/cam0.
+
+    offered: the outputs of sub-graphs, SUBGRAPH.NAME: a sub-graph has the ports of its interface alone.
+    """
     stage, _, name = port.rpartition(".")
-    return [text for found in enclosing(stage) for text in (found, f"{found}.{name}")]
+    subgraphs = {known.partition(".")[0] for known in offered}
+    stages = [found for found in enclosing(stage) if found not in subgraphs]
+    return [*enclosing(stage), *(f"{found}.{name}" for found in stages)]

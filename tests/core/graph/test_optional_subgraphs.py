@@ -156,6 +156,7 @@ def test_a_word_that_is_no_switch_is_one_mistake(tmp_path: Path) -> None:
     assert mistake.text == 'optional cannot be "maybe"'
 
 
+NOTHING = ("", "")
 TYPOS = composed.TRACKER.replace("toy.pair", "toy.piar").replace("{model: ", "{modle: 1, model: ")
 
 
@@ -183,6 +184,33 @@ def test_mistakes_in_it_are_told_although_it_is_left_out(
     with pytest.raises(InputError) as caught:
         planned(tmp_path, main, far=far)
     assert [mistake.text for mistake in caught.value.mistakes] == texts
+
+
+@pytest.mark.parametrize(
+    ("tracker", "main", "text"),
+    [
+        (("{blobs: detect}", "{blobs: track.forecast}"), NOTHING,
+         '"far/track.forecast" gives Forecast, but input "blobs" of stage "far/pair" takes Blobs'),
+        (NOTHING, ("far.blobs", "far.tracks"),
+         '"far/track.tracks" gives Tracks, but input "blobs" of stage "both" takes Blobs'),
+        (("hint: extra.hint", "hint: detect.forecast"),
+         ("{frames: eyes}, each", "{frames: eyes, hint: near.tracks}, each"),
+         '"near/track.tracks" gives Tracks, but input "forecast" of stage "far/detect" takes Forecast'),
+        (("blobs: pair}", "blobs: {from: pair, tolerance: 1, delay: 1}}"), NOTHING,
+         'input "blobs" of stage "far/extra" has a delay and matches no times'),
+    ],
+)  # fmt: skip
+def test_types_in_it_are_checked_although_it_is_left_out(
+    tmp_path: Path, tracker: tuple[str, str], main: tuple[str, str], text: str
+) -> None:
+    graph = MAIN.replace("WHICH", "each: zones, optional: true").replace(*main)
+    graph = graph.replace("far:  {graph: tracker", "far:  {graph: far")
+    assert tracker[0] in composed.TRACKER
+    with pytest.raises(InputError) as caught:
+        planned(tmp_path, graph, far=composed.TRACKER.replace(*tracker))
+    (mistake,) = caught.value.mistakes
+    assert text in mistake.text
+    assert mistake.place is not None
 
 
 def test_its_outputs_must_be_there_although_it_is_left_out(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from tests.core.graph.composed import TRACKER, planned
 from tests.core.graph.test_subgraphs import MIDDLE, NESTED, SHARED
 
 from followspot.errors import InputError
-from followspot.graph.output_ports import chosen_ports, output_ports
+from followspot.graph.output_ports import chosen_ports, output_ports, port_names
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data, plan_to_data
 from followspot.library.subscribed import Subscribed
@@ -45,6 +45,18 @@ def test_an_output_of_a_sub_graph_names_the_ports_behind_it(
     assert chosen(again, word) == ports
 
 
+def test_a_sub_graph_has_the_ports_of_its_interface_and_no_other(tmp_path: Path) -> None:
+    tracker = OTHER.replace("OUTPUTS", "outputs: {positions: track.tracks}")
+    plan = planned(tmp_path, "graph: g\n" + _main(), tracker=tracker)
+    for word in ("hall.out", "hall.tracks"):
+        with pytest.raises(InputError, match=f'there is no port "{word}"'):
+            chosen(plan, word)
+    assert len(chosen(plan, "hall")) > 1, "all that is in it"
+    assert chosen(plan, "hall/detect.out") == ["hall/detect/cam0.out", "hall/detect/cam1.out"]
+    names = {name for port in output_ports(plan) for name in port_names(port, plan.offered)}
+    assert not names & {"hall.out", "hall.tracks"}
+
+
 def _main() -> str:
     """Without a reader of the outputs."""
     return "".join(line for line in SHARED.splitlines(True)[1:] if "save" not in line)
@@ -67,9 +79,9 @@ def test_outputs_of_inner_and_of_fanned_out_sub_graphs_have_names(tmp_path: Path
     assert plan.offered["hall.tracks"] == ("hall/cam0/track.tracks", "hall/cam1/track.tracks")
 
 
-def test_all_other_names_of_ports_stay_and_a_wrong_one_is_answered_with_a_guess(tmp_path: Path) -> None:
+def test_the_full_name_of_a_port_stays_and_a_wrong_one_is_answered_with_a_guess(tmp_path: Path) -> None:
     plan = planned(tmp_path, _main(), tracker=OTHER.replace("OUTPUTS", "outputs: {positions: track.tracks}"))
-    assert chosen(plan, "hall/track.tracks") == chosen(plan, "hall.tracks") == ["hall/track.tracks"]
+    assert chosen(plan, "hall/track.tracks") == ["hall/track.tracks"]
     with pytest.raises(InputError, match=r'did you mean "hall\.positions"'):
         chosen(plan, "hall.position")
 

@@ -37,7 +37,7 @@ def tapped_ports(word: str | None, run: RunHandle) -> dict[str, type[Message]]:
     known = output_ports(plan)
     found = [*known] if word is None else ports_named(word, [*known], plan.offered)
     if not found:
-        names = {*plan.offered, *(text for name in known for text in port_names(name))}
+        names = {*plan.offered, *(text for name in known for text in port_names(name, plan.offered))}
         raise FollowspotError(f'there is no port "{word}"; {did_you_mean(str(word), names, "ports")}')
     reachable = {n: known[n] for n in found if near or plan.host_of_stage(n.rpartition(".")[0])}
     if not reachable:

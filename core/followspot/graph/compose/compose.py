@@ -124,16 +124,27 @@ def _no_stage(name: str, override: Override, stages: Mapping[str, Node], known: 
 
 
 def outputs_below(unit: Unit) -> dict[str, tuple[Node, ...]]:
-    """The outputs of the sub-graphs below a unit; of one that fans out those of all members, too."""
+    """The outputs of the sub-graphs below a unit; of one that fans out those of all members, too.
+
+    Those of sub-graphs that are left out are among them.
+    """
     found: dict[str, tuple[Node, ...]] = {}
     for stage, inners in unit.units.items():
         for inner in inners:
-            for name, targets in inner.interface.outputs.items():
-                feeds = tuple(node for target in targets for node in senders(inner, target.node, []))
+            for name, feeds in _outputs(inner):
                 for full in dict.fromkeys((below(unit.name, stage), inner.name)):
                     found[f"{full}.{name}"] = (*found.get(f"{full}.{name}", ()), *feeds)
             found |= outputs_below(inner)
+    for stage, left_out in unit.apart.items():
+        found |= {f"{below(unit.name, stage)}.{name}": feeds for name, feeds in _outputs(left_out)}
+        found |= outputs_below(left_out)
     return found
+
+
+def _outputs(unit: Unit) -> Iterator[tuple[str, tuple[Node, ...]]]:
+    """The outputs of a sub-graph, each with what feeds a reader of it."""
+    for name, targets in unit.interface.outputs.items():
+        yield name, tuple(node for target in targets for node in senders(unit, target.node, []))
 
 
 def _offered(unit: Unit) -> frozenset[str]:
