@@ -12,6 +12,7 @@ from followspot.tracking import Candidates, Forecast
 from followspot_balls.associate_params import AssociateParams
 from followspot_balls.evidence import appearing
 from followspot_balls.existence import Existence, Rules, Seen, followed, restored, sought
+from followspot_balls.finite import finite_candidates, finite_forecast
 from followspot_balls.hypotheses import Hypotheses, MotionPrior, hypotheses
 from followspot_balls.likelihood import Model, ball_ratio, coincidences, information, precision
 from followspot_balls.search import lost_targets, tracked_targets
@@ -97,6 +98,7 @@ class Associate(Stage):
         count = len(self.existence)
         if forecast is not None and not len(forecast.state):
             forecast = None
+        candidates, forecast = finite_candidates(candidates), finite_forecast(forecast)
         lost, tracked = lost_targets(forecast, count), tracked_targets(forecast, count)
         clear = tracked & self.unambiguous(candidates)
         sure = candidates.targets & candidates.confirmed[:, None]

@@ -35,19 +35,28 @@ def of_room(tracks: Tracks, count: int) -> Array:
 
 
 def gathered(tracks: Sequence[Tracks], count: int) -> Estimates:
-    """The rows of several messages; count: number of targets. Rows of other targets are left out."""
+    """The rows of several messages; count: number of targets.
+
+    Rows of other targets are left out, and so are those with unknown numbers, which would spoil the others.
+    """
     shape = len(tracks), count
     there, measured = np.zeros(shape, bool), np.zeros(shape, bool)
     xyz, velocity = np.zeros((*shape, 3)), np.zeros((*shape, 3))
     variance = np.ones((*shape, 3))
     for row, message in enumerate(tracks):
-        known = of_room(message, count)
+        known = of_room(message, count) & _finite(message)
         target = message.target[known]
         there[row, target] = True
         measured[row, target] = message.state[known] == TRACKED
         xyz[row, target], velocity[row, target] = message.xyz[known], message.velocity[known]
         variance[row, target] = np.maximum(message.sigma[known], SMALLEST_SIGMA) ** 2
     return Estimates(there, measured, xyz, velocity, variance)
+
+
+def _finite(tracks: Tracks) -> Array:
+    """Rows of which all numbers are known, (N,) bool."""
+    numbers = np.concatenate([tracks.xyz, tracks.velocity, tracks.sigma], axis=1)
+    return np.asarray(np.isfinite(numbers).all(axis=1))
 
 
 def confidence(estimates: Estimates) -> Array:

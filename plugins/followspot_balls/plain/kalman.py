@@ -73,7 +73,8 @@ class PlainKalman(Stage):
         if 0 <= self.time < positions.header.time:
             self.period = (positions.header.time - self.time) * NANOSECOND
         self.time = positions.header.time
-        positions = positions.where(positions.confirmed | (self.status[positions.target] != LOST))
+        known = np.isfinite(positions.xyz).all(axis=1)
+        positions = positions.where(known & (positions.confirmed | (self.status[positions.target] != LOST)))
         target, xyz = positions.target.astype(np.intp), positions.xyz
         new = self.status[target] == LOST
         noise = np.tile(np.eye(3) * p.measurement_sigma**2, (len(target), 1, 1))

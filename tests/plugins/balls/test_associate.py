@@ -212,6 +212,26 @@ def test_a_vague_forecast_of_another_ball_claims_its_blobs_less() -> None:
     assert (vague > 0).all()
 
 
+def test_unknown_numbers_spoil_nothing() -> None:
+    """A frame of NaN counts as one without candidates of them; what is known beside it is used."""
+    there = forecast_at([BALL, (-1, 0, 0.5)])
+    nowhere = seal(replace(there, xyz=np.where([[True], [False]], np.nan, there.xyz)))
+    found = candidates_of(views({BALL: EVERYWHERE}), there)
+    mixed = seal(replace(found, xyz=np.where(np.arange(len(found.xyz))[:, None] == 0, np.nan, found.xyz)))
+    unknown = seal(replace(found, xyz=np.full_like(found.xyz, np.nan)))
+    associate, empty = stage(), stage()
+    for to, frame in ((associate, unknown), (empty, found.where(np.zeros(0, int)))):
+        to.process(found, there)
+        to.process(frame, there)
+    assert [one.odds for one in associate.existence] == [one.odds for one in empty.existence]
+    for candidates, forecast in ((mixed, there), (found, nowhere), (found, there)):
+        left = red(associate.process(candidates, forecast))
+        assert len(left)
+        assert np.isfinite(left).all()
+        assert np.isfinite([one.odds for one in associate.existence]).all()
+        assert np.isfinite(associate.shown).all()
+
+
 def test_nothing_seen_is_nothing_found_and_the_state_comes_back() -> None:
     associate, again = stage(), stage()
     for _ in range(3):

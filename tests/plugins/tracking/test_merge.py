@@ -190,3 +190,18 @@ def test_a_new_target_is_between_its_estimates_and_no_surer_than_the_surest(
     places, sigmas = zip(*found, strict=True)
     assert min(places) - 1e-9 <= out.xyz[0, 0] <= max(places) + 1e-9
     assert out.sigma.min() >= min(sigmas) * (1 - 1e-9)
+
+
+def test_unknown_numbers_of_a_tracker_spoil_nothing() -> None:
+    stage, nowhere = merge(), (np.nan, np.nan, np.nan)
+    sigmas = [0.005, 0.005, 0.005, 0.005, np.nan, 0.005]
+    for frame in range(6):
+        first = tracks(frame, {0: crossing(frame)})
+        second = tracks(frame, {0: nowhere if frame == 3 else crossing(frame)}, sigmas[frame])
+        out = stage.process((first, second))  # type: ignore[arg-type]
+        assert out.target.tolist() == [0]
+        assert np.abs(out.xyz[0] - crossing(frame)).max() < 1e-9
+        assert np.isfinite(out.sigma).all()
+    only = merge()
+    assert not len(only.process((tracks(0, {0: nowhere}),)).target)  # type: ignore[arg-type]
+    assert only.process((tracks(1, {0: crossing(1)}),)).target.tolist() == [0]  # type: ignore[arg-type]

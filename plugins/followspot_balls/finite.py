@@ -1,0 +1,33 @@
+"""Messages without the rows of unknown numbers: a NaN would spoil all that it is added to."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from followspot.tracking import LOST, Candidates, Forecast
+
+
+def finite_candidates(candidates: Candidates) -> Candidates:
+    """The candidates of which place and blobs are known; the same message if all are."""
+    known = np.isfinite(candidates.xyz).all(axis=1) & np.isfinite(candidates.area).all(axis=1)
+    known &= np.isfinite(candidates.xy).all(axis=(1, 2))
+    return candidates if known.all() else candidates.where(np.flatnonzero(known))
+
+
+def finite_forecast(forecast: Forecast | None) -> Forecast | None:
+    """The forecast, in which a target without a known place is lost; the same message if all are known."""
+    if forecast is None:
+        return None
+    known = np.asarray(
+        np.isfinite(forecast.xyz).all(axis=1) & np.isfinite(forecast.covariance).all(axis=(1, 2))
+    )
+    if known.all():
+        return forecast
+    return replace(
+        forecast,
+        state=np.where(known, forecast.state, LOST).astype(np.uint8),
+        xyz=np.where(known[:, None], forecast.xyz, 0.0),
+        covariance=np.where(known[:, None, None], forecast.covariance, 0.0),
+    )
