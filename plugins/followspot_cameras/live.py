@@ -30,6 +30,9 @@ class Capture(Protocol):
     def retrieve(self, image: Array | None = None, /) -> tuple[bool, Any]:
         """Decode the grabbed picture, into `image` if it fits."""
 
+    def get(self, property: int, /) -> float:  # noqa: A002  # as OpenCV has it
+        """A property of the camera, or of the grabbed picture."""
+
     def release(self) -> None:
         """Release the camera."""
 
@@ -52,13 +55,17 @@ class LiveCamera(Stage, ABC):
         return Event()
 
     def process(self) -> Source[Frame]:
-        """Frames as they come, each with the time right after its exposure was grabbed, ns since 1970."""
+        """Frames as they come, each with its capture time, ns since 1970."""
         camera, loan = self.camera, self.context.loan
         for capture in grabs(self.connect, self.stopped, self.report):
-            captured = time.time_ns()
+            captured = self.captured(capture)
             ok, image = capture.retrieve(color_buffer(camera, loan))
             if ok:
                 yield at(captured, as_frame(image, camera, loan, self.origin))
+
+    def captured(self, capture: Capture) -> int:
+        """Capture time of the grabbed picture, ns since 1970: the present if nothing better is known."""
+        return time.time_ns()
 
     def report(self, text: str) -> None:
         """Warn with the camera's address."""
