@@ -28,6 +28,7 @@ def bundle() -> None:
     """Make the page's files, unless they are newer than all they are made from. Raises SystemExit."""
     with _alone():
         if not _newer(LICENSE, [LOCK, WEB / "package.json", *(WEB / "src").rglob("*")]):
+            _install()
             shutil.rmtree(STATIC, ignore_errors=True)
             _script("bundle", "--", f"--outdir={STATIC}")
             shutil.copy(WEB / "node_modules" / "three" / "LICENSE", LICENSE)
@@ -36,18 +37,22 @@ def bundle() -> None:
 def check(scripts: Iterable[str]) -> None:
     """Run scripts of `web/package.json`. Raises SystemExit if one fails."""
     with _alone():
+        _install()
         for script in scripts:
             _script(script)
 
 
 @contextmanager
 def _alone() -> Iterator[None]:
-    """While no other process of this checkout installs or bundles; with all packages installed."""
+    """While no other process of this checkout installs or bundles."""
     with LOCK.open() as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        if not _newer(WEB / "node_modules" / ".package-lock.json", [LOCK]):
-            _npm("ci", "--loglevel=error")
         yield
+
+
+def _install() -> None:
+    if not _newer(WEB / "node_modules" / ".package-lock.json", [LOCK]):
+        _npm("ci", "--loglevel=error")
 
 
 def _newer(made: Path, sources: Sequence[Path]) -> bool:

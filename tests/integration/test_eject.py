@@ -11,6 +11,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from tests.tools.page.bundled import bundle
 
 from followspot_new.package import new_plugin
 
@@ -22,8 +23,8 @@ STAGES = {
     "console": "console:Console",
     "jsonl": "json_lines:JsonLines",
 }
-COMPILED = shutil.ignore_patterns("__pycache__")
-"""Folders whose files change when a process imports a module for the first time."""
+COMPILED = shutil.ignore_patterns("__pycache__", "node_modules")
+"""Folders whose files change when a process imports a module for the first time, or that no test needs."""
 TESTS = """
 import pytest
 from followspot.plugins.registry import load_stage
@@ -45,9 +46,10 @@ def installed(project: Path, site: Path) -> None:
 
 
 def without_the_plugin(where: Path) -> Path:
-    """A copy of the project without the plugin."""
+    """A copy of the project without the plugin, and with the page bundled already."""
+    bundle()
     where.mkdir()
-    for name in ("README.md", "LICENSE", "core", "plugins", "tools"):
+    for name in ("README.md", "LICENSE", "core", "plugins", "tools", "web"):
         source = ROOT / name
         if source.is_dir():
             shutil.copytree(source, where / name, ignore=COMPILED)

@@ -72,6 +72,9 @@ def test_a_message_that_breaks_its_contract_is_invalid_and_goes_no_further(
             "unmatched": 0,
             "invalid": 1,
             "lost": 0,
+            "gap": 0,
+            "packet_loss": 0,
+            "device_overrun": 0,
             "in_flight": 0,
         }
         assert any("load has dtype float64, declared uint8" in w for w in finished.summary["warnings"])
