@@ -30,7 +30,7 @@ from typing import Any
 
 import cv2
 
-import plain_tracker
+from benching import plain_tracker
 from benching.memory import Cost, Shots, measure, shots
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
