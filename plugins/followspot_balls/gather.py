@@ -20,6 +20,11 @@ class Gather(Stage):
     name it may be a lost target only if all others of that radius are tracked.
     """
 
+    advice = (
+        "what depth cameras alone see has no name: say where each target is at the beginning "
+        "(`track.marks`), and check places that were told"
+    )
+
     class Params(StageParams):
         label_radius: float = Field(
             1.0,

@@ -10,6 +10,7 @@ import numpy as np
 
 from followspot.errors import InputError, Mistake, did_you_mean
 from followspot.messages import Array
+from followspot.room import Camera, Room
 from followspot.tracking import Forecast
 
 SIGMA = 0.1
@@ -46,3 +47,16 @@ def marked(marks: Mapping[str, Sequence[float]], targets: Sequence[str]) -> Mark
             raise InputError([Mistake(None, text, did_you_mean(name, targets, "targets"))])
     places = [marks.get(name, (0.0, 0.0, 0.0)) for name in targets]
     return Marks(np.array([name in marks for name in targets], bool), np.array(places).reshape(-1, 3))
+
+
+def untold(marks: Mapping[str, Sequence[float]], room: Room, cameras: Sequence[Camera]) -> list[str]:
+    """The targets that neither marks nor cameras tell apart, in the order of the room.
+
+    Colour tells any apart, depth those of different radii. One alone is found when all others are tracked.
+    """
+    kinds = {camera.kind for camera in cameras}
+    if not kinds or not kinds <= {"infrared", "depth"}:
+        return []
+    unmarked = [name for name in room.targets if name not in marks]
+    looks = [room.targets[name].radius if "depth" in kinds else 0.0 for name in unmarked]
+    return [name for name, look in zip(unmarked, looks, strict=True) if looks.count(look) > 1]

@@ -16,7 +16,7 @@ from followspot.stage import Stage
 from followspot.stage_params import Field, StageParams
 from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Forecast, Positions, Tracks
 from followspot_target_filter.life_cycle import Evidence, LifeCycle, coasted, confirmed, sought
-from followspot_target_filter.marks import marked
+from followspot_target_filter.marks import marked, untold
 from followspot_target_filter.motion_model import MotionModel
 
 NANOSECOND = 1e-9
@@ -108,9 +108,8 @@ class TargetFilter(Stage, ABC):
     @classmethod
     def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
         """Warn if nothing tells several targets apart."""
-        untold = [name for name in room.targets if name not in params.marks]
-        if len(room.targets) > 1 and untold and cameras and all(c.kind == "infrared" for c in cameras):
-            text = f"infrared cameras alone cannot tell {', '.join(untold)} from the other targets"
+        if alike := untold(params.marks, room, cameras):
+            text = f"no camera sees colours, so nothing tells {', '.join(alike)} apart, and none is found"
             yield Mistake(None, text, "with: {marks: {TARGET: [x, y, z]}}, where each is at the beginning")
 
     @classmethod

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from tests.integration.running import balanced
 
 from followspot.control.host import HostStatus
 from followspot.control.worker_report import WorkerReport
@@ -76,7 +77,9 @@ def test_frames_lost_at_the_source_stand_beside_the_messages(plan: Plan) -> None
     row[SOURCE_LOSSES["packet_loss"]], row[SOURCE_LOSSES["gap"]] = 3, 2
     found = merge(plan, summed([row, row], 1), [WorkerReport("main", 5)], 1.0, stopped=False)
     assert found.ok
-    (edge,) = summary.data(found, {})["edges"]
+    data = summary.data(found, {})
+    assert balanced(data), "the equation is about messages"
+    (edge,) = data["edges"]
     assert (edge["produced"], edge["packet_loss"], edge["device_overrun"], edge["gap"]) == (10, 6, 0, 4)
     shown = summary.text(found, "").split("frames lost at the source\n")[1].splitlines()[:2]
     assert shown[0].split() == ["source", "packet", "loss", "device", "overrun", "gap"]

@@ -154,7 +154,7 @@ def test_rooms_in_which_nothing_can_be_found_are_warned_about(tmp_path: Path) ->
     (alone,) = warned(tmp_path, Mix(1, 0))
     assert alone == "a pair needs blobs of two cameras, and only camera cam0 sends any"
     (untold,) = warned(tmp_path, Mix(0, 2))
-    assert untold == "infrared cameras alone cannot tell green, red, blue from the other targets"
+    assert untold == "no camera sees colours, so nothing tells green, red, blue apart, and none is found"
     assert (
         warned(tmp_path, Mix(0, 2), **{"track.marks": dict.fromkeys(("green", "red", "blue"), GREEN)}) == []
     )
