@@ -29,10 +29,9 @@ from followspot import Array, Room
 from followspot.people import Appearances
 from followspot.room_file import load
 from followspot_accuracy.scorings import PosesScoring
-from followspot_persons.appearance import pictured
 from followspot_persons.body_view import view
 from followspot_persons.combination import gamma_operation
-from followspot_persons.fitness import Fitness
+from followspot_persons.fitness import Fitness, pictured
 from followspot_persons.pose_tracker import PoseTracker
 from scripting import options_of
 

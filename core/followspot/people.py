@@ -60,6 +60,10 @@ class Appearances(Message):
     """Height of the person and its sigma, m, from all updates."""
     seen: Array = column("P", dtype="i8", unit="ns")
     """Capture time of the last update."""
+    left: Array = column("P", dtype="u1")
+    """1 if the picture shows the background where the person would be."""
+    light: float = 1.0
+    """How many times brighter the picture is than the light in which `mean` is given."""
 
 
 class Poses(Message):

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from followspot_persons.color.model import ColorModel
 from followspot_persons.stature import Stature
-from followspot_persons.track import Track
+from followspot_persons.track import Track, coasted
+
+MISS = 1.5
+"""Loss of a person's trust per picture without a box."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,7 +20,8 @@ class Acquaintance:
     scores minus the cost of missing boxes; absent: whether the person has left; boxed: ns, of the
     detector's last box, while the foreground may prolong `seen`; foreground: mean share of the
     upper body that differs from the background, None while there is no background; comparable: whether the
-    person came after the background, or once differed from it, and so is no part of it.
+    person came after the background, or once differed from it, and so is no part of it; left: whether the
+    last picture shows the background where the person would be.
     """
 
     number: int
@@ -32,3 +36,19 @@ class Acquaintance:
     foreground: float | None = None
     comparable: bool = False
     stature: Stature = field(default_factory=Stature)
+    left: bool = False
+
+
+def missed(
+    person: Acquaintance, seconds: float, now: int, longest: float, *, left: bool
+) -> Acquaintance | None:
+    """The person after a picture without a box; None deletes a tentative person.
+
+    seconds: since the last picture; now: ns; longest: time without a box until a person is absent, s.
+    """
+    trust = person.trust - MISS
+    if person.number == 0 and trust <= 0:
+        return None
+    absent = trust <= 0 or (now - person.seen) * 1e-9 > longest
+    track = coasted(person.track, seconds)
+    return replace(person, track=track, trust=trust, absent=absent, left=left)

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
-import cv2
 import numpy as np
 
 from followspot import Array, Stage
 from followspot.people import Appearances, Boxes, Gradients
 from followspot.tracking import Frame
-from followspot_persons.acquaintance import Acquaintance
+from followspot_persons.acquaintance import Acquaintance, missed
 from followspot_persons.appearance_params import AppearanceParams
 from followspot_persons.background import Background, foreground
 from followspot_persons.body_view import view
@@ -20,10 +18,11 @@ from followspot_persons.color.difference import completed, read_relations
 from followspot_persons.color.model import ColorModel, learnt
 from followspot_persons.condensation import Search
 from followspot_persons.existence import EVIDENCE, STILL, THERE, averaged, evidence_of
-from followspot_persons.fitness import Detection, Fitness, Picture, Weights, sampled
+from followspot_persons.fitness import Detection, Fitness, Picture, Weights, pictured, sampled
 from followspot_persons.floor_contact import Presence, presence
 from followspot_persons.foreground_box import STEP, foreground_box, shares, without_others
 from followspot_persons.girth import girths_of
+from followspot_persons.illumination import Illumination
 from followspot_persons.occlusion import covered
 from followspot_persons.recognition import Recognition
 from followspot_persons.shape import read_shape, with_girth
@@ -32,12 +31,10 @@ from followspot_persons.track import Track, coasted, followed
 
 SHARP_VISIBILITY = 0.3
 """Cosine of the steepest view of a feature whose colour is learnt."""
-MISS = 1.5
-"""Loss of a person's trust per picture without a box."""
+JOINING = 0.3
+"""Share of the particles that a box places anew, for people walk on between two pictures."""
 TRUSTED = 12.0
 """Largest trust in a person."""
-FAMILIAR = 1.3
-"""Largest minus log F^C of a known person in the foreground that has no box."""
 
 
 class Appearance(Stage):
@@ -59,6 +56,7 @@ class Appearance(Stage):
         self.recognition = Recognition(p.confirmation_score, p.minimum_likeness, self.relations)
         self.assignment = BoxAssignment(self.camera, self.shape, self.relations)
         self.background = Background()
+        self.illumination = Illumination()
         self.people: list[Acquaintance] = []
         self.numbers = 0
         self.time = -1
@@ -67,7 +65,8 @@ class Appearance(Stage):
         now = frame.header.time
         seconds = max(now - self.time, 0) * NANOSECOND if self.time >= 0 else 0.0
         self.time = now
-        picture = pictured(self.camera, frame, gradients)
+        self.illumination = self.illumination.after(frame.pixels, now)
+        picture = pictured(self.camera, frame, gradients, self.illumination.light)
         self.pixels = picture.colors.reshape(*frame.pixels.shape[:2], 3)
         self.light = self.background.light(self.pixels)
         mask = self.foreground()
@@ -83,16 +82,17 @@ class Appearance(Stage):
             known = self.updated(present[person], detections[box], score, seen, seconds, now)
             seen = covered(seen, with_girth(self.shape, known.track.girth.mean), known.track.pose)
             present[person] = known
-        missed = set(range(len(present))) - {person for person, _ in pairs}
-        kept = [p for i, p in enumerate(present) if i not in missed]
+        boxless = set(range(len(present))) - {person for person, _ in pairs}
+        kept = [p for i, p in enumerate(present) if i not in boxless]
         others, unboxed = self.boxes_of(kept), list[Acquaintance]()
-        for i in sorted(missed):
-            after = None
+        for i in sorted(boxless):
+            after, left = None, False
             if mask is not None:
                 free = without_others(mask, others, self.camera)
                 after = self.prolonged(present[i], free, seen, seconds, now)
+                left = after is None and self.left(present[i], mask, free, seconds)
             unboxed += [after] if after else []
-            after = after or self.missed(present[i], seconds, now)
+            after = after or missed(present[i], seconds, now, self.params.maximum_missed_time, left=left)
             kept += [after] if after else []
         least = self.params.minimum_score + EVIDENCE * still
         new = self.assignment.unclaimed(boxes, pairs, self.boxes_of(unboxed), least)
@@ -119,7 +119,9 @@ class Appearance(Stage):
         """The person after a box: pose by edges and box, colours by the pose."""
         fitness = Fitness(picture, self.shape, self.weights, detection=detection)
         search = Search(self.params.particles)
-        track = followed(person.track, seconds, fitness, self.bodies, search, self.rng)
+        told = spawned(self.camera, self.shape, detection, int(JOINING * search.particles), self.rng)
+        before = person.track.joined_by(told)
+        track = followed(before, seconds, fitness, self.bodies, search, self.rng)
         body = with_girth(self.shape, track.girth.mean)
         seen = view(self.camera, body, track.pose[None])
         colors, inside = sampled(picture, seen)
@@ -141,6 +143,7 @@ class Appearance(Stage):
             colors=model,
             seen=now,
             boxed=now,
+            left=False,
             hits=person.hits + 1,
             trust=min(person.trust + score + evidence_of(share, comparable=comparable), TRUSTED),
         )
@@ -170,12 +173,9 @@ class Appearance(Stage):
         unboxed = (now - person.boxed) * NANOSECOND
         if not (person.number and person.comparable) or unboxed > self.params.maximum_unboxed_time:
             return None
-        there = coasted(person.track, seconds)
-        expected = self.boxes_of([replace(person, track=there)])[0]
-        reach = (NEAR + FAR * seconds) / 2 * (expected[3] - expected[1])
-        box = foreground_box(self.camera, mask, expected, person.stature.estimate[0], reach)
+        there, box = self.unboxed(person, mask, seconds)
         seen = view(self.camera, self.shape, there.pose[None])
-        if box is None or self.assignment.strangeness(person, seen, box, picture) > FAMILIAR:
+        if box is None or self.assignment.stranger(person, seen, box, picture):
             return None
         detection = Detection(box, np.zeros(0), np.zeros(0))
         fitness = Fitness(picture, self.shape, self.weights, detection=detection)
@@ -185,7 +185,24 @@ class Appearance(Stage):
         stature = person.stature
         if shown is not None and shown.height is not None:
             stature = stature.stood(shown.height)
-        return replace(person, track=replace(track, stature=stature.estimate), stature=stature, seen=now)
+        track = replace(track, stature=stature.estimate)
+        return replace(person, track=track, stature=stature, seen=now, left=False)
+
+    def unboxed(self, person: Acquaintance, mask: Array, seconds: float) -> tuple[Track, Array | None]:
+        """Where a person is expected, and the upper body (4,) px in the foreground near there, if any."""
+        there = coasted(person.track, seconds)
+        expected = self.boxes_of([replace(person, track=there)])[0]
+        reach = (NEAR + FAR * seconds) / 2 * (expected[3] - expected[1])
+        return there, foreground_box(self.camera, mask, expected, person.stature.estimate[0], reach)
+
+    def left(self, person: Acquaintance, mask: Array, free: Array, seconds: float) -> bool:
+        """Whether the background is seen where a person would be, and nobody near there.
+
+        mask, free: of :func:`foreground_box`, with and without the people that have boxes.
+        """
+        there, box = self.unboxed(person, free, seconds)
+        expected = self.boxes_of([replace(person, track=there)])
+        return person.comparable and box is None and bool(shares(self.camera, mask, expected)[0] < STILL)
 
     def people_here(self) -> Array:
         """Boxes of the upper bodies of people who surely are no part of the room, (K, 4) px."""
@@ -197,14 +214,6 @@ class Appearance(Stage):
         """Upper bodies of people, (K, 4) px."""
         poses = np.array([p.track.pose for p in people]).reshape(-1, 6)
         return view(self.camera, self.shape, poses).box
-
-    def missed(self, person: Acquaintance, seconds: float, now: int) -> Acquaintance | None:
-        """The person after a picture without a box; None deletes a tentative person."""
-        trust = person.trust - MISS
-        if person.number == 0 and trust <= 0:
-            return None
-        absent = trust <= 0 or (now - person.seen) * NANOSECOND > self.params.maximum_missed_time
-        return replace(person, track=coasted(person.track, seconds), trust=trust, absent=absent)
 
     def initiated(self, detection: Detection, score: float, now: int) -> Acquaintance:
         """A tentative person from one box."""
@@ -236,11 +245,6 @@ class Appearance(Stage):
             pose=np.array([p.track.pose for p in known]).reshape(-1, 6),
             stature=np.array([p.track.stature for p in known]).reshape(-1, 2),
             seen=np.array([p.seen for p in known], np.int64),
+            left=np.array([p.left for p in known], np.uint8),
+            light=self.illumination.light,
         )
-
-
-def pictured(camera: Any, frame: Frame, gradients: Gradients) -> Picture:
-    """A frame and its gradients, flat, with slightly smoothed colours."""
-    pixels = frame.pixels if frame.pixels.shape[2] == 3 else np.repeat(frame.pixels, 3, axis=2)
-    colors: Array = cv2.blur(pixels, (3, 3)).reshape(-1, 3)
-    return Picture(camera, gradients.magnitude.ravel(), gradients.orientation.ravel(), colors)

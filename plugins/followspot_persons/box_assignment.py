@@ -11,8 +11,9 @@ from followspot.people import Boxes
 from followspot_persons.acquaintance import Acquaintance
 from followspot_persons.association import box_distance, carried, matched, on_body
 from followspot_persons.body_view import BodyView, view
-from followspot_persons.color.difference import ColorRelations, completed
+from followspot_persons.color.difference import ColorRelations, at_large, completed
 from followspot_persons.color.likelihood import color_likelihood, feature_responses
+from followspot_persons.color.model import ColorModel
 from followspot_persons.fitness import Detection, Picture, sampled
 from followspot_persons.panorama import full_turn
 from followspot_persons.shape import ShapeModel
@@ -74,9 +75,17 @@ class BoxAssignment:
         """Minus log F^C of a person, standing in a box as in the last picture; 0 if no colour is known."""
         if person.colors.evidence.sum() == 0:
             return 0.0
+        return self._strangeness(completed(person.colors, self.relations), seen, box, picture)
+
+    def stranger(self, person: Acquaintance, seen: BodyView, box: Array, picture: Picture) -> bool:
+        """Whether a box shows people at large rather than this person: specific colours beat generic ones."""
+        generic = self._strangeness(at_large(self.relations), seen, box, picture)
+        return self.strangeness(person, seen, box, picture) > generic
+
+    def _strangeness(self, model: ColorModel, seen: BodyView, box: Array, picture: Picture) -> float:
+        """Minus log F^C of a model, standing in a box as in the last picture."""
         placed = replace(seen, surface=carried(seen.surface[0], seen.box[0], box)[None])
         colors, inside = sampled(picture, placed)
-        model = completed(person.colors, self.relations)
         responses = feature_responses(
             colors, model.mean.astype(np.float32), model.variance.astype(np.float32)
         )

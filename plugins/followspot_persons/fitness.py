@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from followspot import Array, Camera
+from followspot.people import Gradients
+from followspot.tracking import Frame
 from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT, BodyView, pixel_index, view
 from followspot_persons.color.likelihood import color_likelihood, feature_responses
 from followspot_persons.color.pairs import difference_likelihood, pair_responses
@@ -14,6 +17,7 @@ from followspot_persons.combination import gamma_operation
 from followspot_persons.edge_likelihood import edge_likelihood
 from followspot_persons.hog.likelihood import box_likelihood, heading_log_likelihood
 from followspot_persons.hsi import hsi
+from followspot_persons.illumination import in_usual_light
 from followspot_persons.panorama import full_turn
 from followspot_persons.shape import ShapeModel
 
@@ -50,6 +54,13 @@ class Picture:
     orientation: Array
     colors: Array
     hidden: Array | None = None
+
+
+def pictured(camera: Camera, frame: Frame, gradients: Gradients, light: float = 1.0) -> Picture:
+    """A frame and its gradients, flat, with slightly smoothed colours; light: of the frame over the usual."""
+    pixels = frame.pixels if frame.pixels.shape[2] == 3 else np.repeat(frame.pixels, 3, axis=2)
+    colors = in_usual_light(cv2.blur(pixels, (3, 3)), light).reshape(-1, 3)
+    return Picture(camera, gradients.magnitude.ravel(), gradients.orientation.ravel(), colors)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,15 +10,15 @@ import numpy as np
 from followspot import Array, Latest, Stage
 from followspot.people import Appearances, Boxes, Gradients, Poses
 from followspot.tracking import PREDICTED, TRACKED, Frame
-from followspot_persons.appearance import pictured
 from followspot_persons.association import box_distance, matched
 from followspot_persons.body_view import HEADING, view
 from followspot_persons.box_assignment import NANOSECOND
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.pairs import telling_pairs
 from followspot_persons.condensation import Search, scattered
-from followspot_persons.fitness import Detection, Fitness, Picture, Weights
+from followspot_persons.fitness import Detection, Fitness, Picture, Weights, pictured
 from followspot_persons.girth import girths_of
+from followspot_persons.illumination import Illumination
 from followspot_persons.occlusion import covered
 from followspot_persons.panorama import full_turn
 from followspot_persons.pose_tracker_params import PoseTrackerParams
@@ -77,6 +77,7 @@ class PoseTracker(Stage):
         self.people: dict[int, Followed] = {}
         self.known: dict[int, Track] = {}
         self.slow_poses: dict[int, SlowPose] = {}
+        self.illumination = Illumination()
         self.boxed = -1
         self.time = -1
 
@@ -86,12 +87,14 @@ class PoseTracker(Stage):
         now = frame.header.time
         seconds = max(now - self.time, 0) * NANOSECOND if self.time >= 0 else 0.0
         self.time = now
+        self.illumination = self.illumination.after(frame.pixels, now)
         if people is None:
             return self.poses(frame.camera)
         self.take_slow_poses(people, now)
         if seconds > self.params.maximum_missed_time:
             self.delete_missed(people, now)
-        picture = pictured(self.camera, frame, gradients)
+        light = people.light * self.illumination.light / self.illumination.at(people.header.time)
+        picture = pictured(self.camera, frame, gradients, light)
         told = self.detections(boxes, now, seconds)
         row = {number: i for i, number in enumerate(people.person.tolist())}
         for number in self.nearest_first(row):
@@ -126,9 +129,8 @@ class PoseTracker(Stage):
             then = known.trail.at(seen)
             told = pose if then is None else carried_pose(pose, then, track.pose)
             joining = max(1, int(JOINING * len(track.particles)))
-            particles = np.concatenate([track.particles[joining:], self.scattered_about(told, joining)])
-            boxed = max(known.boxed, seen)
-            self.people[number] = replace(known, track=replace(track, particles=particles), boxed=boxed)
+            track = track.joined_by(self.scattered_about(told, joining))
+            self.people[number] = replace(known, track=track, boxed=max(known.boxed, seen))
 
     def initiated(self, number: int, before: SlowPose | None, now: int) -> Track:
         """The track of a person that the slow instance has just reported, with its past if it returns."""
@@ -161,7 +163,9 @@ class PoseTracker(Stage):
         if self.boxed < now:
             past = [self.people[n].trail.at(self.boxed) for n in numbers]
             then = np.array([pose[i] if p is None else p for i, p in enumerate(past)])
-        distance = box_distance(view(self.camera, self.shape, then).box, boxes.box, self.around)
+        slow = [self.slow_poses[n] for n in numbers]
+        expected = np.array([s.pose if s.time == self.boxed else then[i] for i, s in enumerate(slow)])
+        distance = box_distance(view(self.camera, self.shape, expected).box, boxes.box, self.around)
         told = {}
         for i, box in matched(distance, NEAR):
             self.people[numbers[i]] = replace(self.people[numbers[i]], boxed=self.boxed)
@@ -203,13 +207,14 @@ class PoseTracker(Stage):
 
     def delete_missed(self, people: Appearances, now: int) -> None:
         """Delete persons that were missed too long."""
-        known = set(people.person.tolist())
+        known, left = set(people.person.tolist()), set(people.person[people.left > 0].tolist())
         for number, person in list(self.people.items()):
             silent = (
                 people.header.time - self.slow_poses[number].time
             ) * NANOSECOND > self.params.maximum_unseen_time
             if (
                 silent
+                or number in left
                 or number not in known
                 or (now - person.good) * NANOSECOND > self.params.maximum_missed_time
             ):

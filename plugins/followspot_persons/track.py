@@ -71,6 +71,10 @@ class Track:
             typical=self.typical,
         )
 
+    def joined_by(self, particles: Array) -> Track:
+        """The track with these particles in place of as many of its own."""
+        return replace(self, particles=np.concatenate([self.particles[len(particles) :], particles]))
+
     @property
     def habits(self) -> Habits:
         """The prior of the next pose from the person's past."""

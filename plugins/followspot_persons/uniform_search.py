@@ -8,13 +8,12 @@ from followspot import Array, Camera, Field, InputPath, Stage, StageParams
 from followspot.geometry import ray
 from followspot.people import Boxes, Gradients
 from followspot.tracking import Frame
-from followspot_persons.appearance import pictured
 from followspot_persons.ascent import ascend
 from followspot_persons.association import BESIDE
 from followspot_persons.body_view import HEADING, HEIGHT, view
 from followspot_persons.box_assignment import NANOSECOND
 from followspot_persons.condensation import systematic
-from followspot_persons.fitness import Fitness, Habits, Weights
+from followspot_persons.fitness import Fitness, Habits, Weights, pictured
 from followspot_persons.gradients import FindGradients
 from followspot_persons.motion import limited, predicted
 from followspot_persons.panorama import full_turn

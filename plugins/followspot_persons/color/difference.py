@@ -79,6 +79,13 @@ def completed(model: ColorModel, relations: ColorRelations) -> ColorModel:
     return ColorModel(colors, pixel + _hsi_variance(colors, variance), model.evidence)
 
 
+def at_large(relations: ColorRelations) -> ColorModel:
+    """The unspecific model: colours of people whom nobody knows."""
+    colors = from_plane(relations.mean)
+    spread = np.column_stack([np.diag(relations.chroma), np.diag(relations.intensity)])
+    return ColorModel(colors, FIRST_VARIANCE + _hsi_variance(colors, spread), np.zeros(len(colors)))
+
+
 def _hsi_variance(colors: Array, variance: Array) -> Array:
     """Variances in the plane as those of hue, saturation and intensity, to first order. (F, 3)."""
     chroma, intensity = np.maximum(variance, 0).T

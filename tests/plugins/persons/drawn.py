@@ -12,9 +12,8 @@ from followspot.messages import Header, stamped
 from followspot.people import Boxes, Gradients
 from followspot.stage import Context
 from followspot.tracking import Frame
-from followspot_persons.appearance import pictured
 from followspot_persons.body_view import view
-from followspot_persons.fitness import Detection, Picture
+from followspot_persons.fitness import Detection, Picture, pictured
 from followspot_persons.gradients import FindGradients
 from followspot_persons.occlusion import silhouette
 from followspot_persons.shape import ShapeModel, read_shape, with_girth

@@ -92,6 +92,16 @@ def test_a_tentative_person_is_forgotten_without_boxes():
     assert show.stage.people == []
 
 
+def test_a_box_takes_particles_with_it_when_a_person_turns_round_between_two_pictures():
+    """A metre a second to the left, then to the right: particles that go on to the left never come back."""
+    show = Show()
+    for across in (-0.6, -0.1, 0.4, 0.9):
+        show.see(standing(2.5, across))
+    told = show.see(standing(2.5, 0.2))
+    assert numbers(told) == [1]
+    assert told.pose[0, 1] == pytest.approx(0.2, abs=0.15)
+
+
 def test_only_features_that_are_seen_well_are_learnt():
     show = Show()
     show.see(standing(2.5, heading=2.7), score=9.0)

@@ -165,4 +165,4 @@ def test_noise_in_dim_light_makes_no_foreground():
         dim = np.clip(0.2 * wall + noise.normal(0, 2, wall.shape), 0, 255).astype(np.uint8)
         told = show.see_pixels(dim, boxed=[standing(2.5)], score=1.0)
     assert told.person.tolist() == []
-    assert show.stage.light == pytest.approx(0.2, rel=0.1)
+    assert show.stage.illumination.light == pytest.approx(0.2, rel=0.1)

@@ -40,7 +40,7 @@ class Room:
         self.number = 0
         self.told = None
 
-    def tell(self, *poses, front=SHIRT, back=BACK):
+    def tell(self, *poses, front=SHIRT, back=BACK, left=()):
         """The slow instance reports people for the next picture."""
         colors = hsi(clothes(read_shape(), front, back).astype(np.uint8))
         count, time = len(poses), int(self.number * PERIOD * SECOND)
@@ -53,6 +53,7 @@ class Room:
             pose=np.array(poses).reshape(-1, 6),
             stature=np.tile([1.7, 0.03], (count, 1)),
             seen=np.full(count, time, np.int64),
+            left=np.isin(np.arange(1, count + 1), left).astype(np.uint8),
         )
         self.told = stamped(message, Header("c", self.number, time))
 
@@ -147,6 +148,26 @@ def test_whom_the_slow_instance_sees_no_more_is_deleted_however_well_it_fits():
         states += followed_for(room, 1, standing(2.5), boxed=[standing(2.5)])
         room.told = stamped(room.told, Header("c", room.number, int(room.number * PERIOD * SECOND)))
     assert states == [[TRACKED]] * 5 + [[]] * 3
+
+
+def test_before_whose_place_the_slow_instance_sees_the_background_is_deleted_at_once():
+    room = Room()
+    room.tell(standing(2.5, -0.5), standing(2.5, 0.5))
+    room.see(standing(2.5, -0.5), standing(2.5, 0.5))
+    room.tell(standing(2.5, -0.5), standing(2.5, 0.5), left=[2])
+    assert room.see(standing(2.5, -0.5), standing(2.5, 0.5)).person.tolist() == [1]
+
+
+def test_a_box_belongs_to_whom_the_slow_instance_gave_it():
+    """The fast instance has strayed from a person by a metre, at whom the slow one sees a box."""
+    room = Room()
+    room.tell(standing(2.5, -0.7))
+    room.see(standing(2.5, -0.7))
+    room.tell(standing(2.5, 0.7))
+    frame = frame_of(room.camera, drawn(room.camera), room.number * PERIOD, room.number)
+    room.stage.take_slow_poses(room.told, frame.header.time)
+    boxes = boxes_of(room.camera, frame, standing(2.5, 0.7))
+    assert list(room.stage.detections(boxes, frame.header.time, 0.1)) == [1]
 
 
 def test_poses_of_the_slow_instance_move_a_lost_person():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.plugins.persons.drawn import perspective, standing
+from tests.plugins.persons.drawn import SHIRT, perspective, standing
 from tests.plugins.persons.test_appearance import Show
 from tests.plugins.persons.test_background import FEWEST
 
@@ -120,3 +120,28 @@ def test_a_part_of_the_background_is_not_prolonged():
     for _ in range(5):
         show.see(standing(2.6), boxed=[])
     assert show.stage.people[0].absent
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_who_is_missed_has_left_if_the_background_is_seen_there(there):
+    show = Show()
+    for _ in range(FEWEST + 1):
+        show.see()
+    for _ in range(4):
+        show.see(standing(2.6))
+    assert show.stage.people[0].left is False
+    told = show.see(*([standing(2.6)] if there else []), boxed=[])
+    assert told.left.tolist() == [not there]
+
+
+@pytest.mark.parametrize(("front", "known"), [(SHIRT, True), ((30, 30, 30), False)])
+def test_specific_colours_must_beat_generic_ones_where_the_detector_is_silent(front, known):
+    """Another person, in other clothes, stands where the detector misses a known one."""
+    show = Show()
+    for _ in range(FEWEST + 1):
+        show.see()
+    for _ in range(5):
+        show.see(standing(2.6))
+    seen = show.stage.people[0].seen
+    show.see(standing(2.6), boxed=[], front=front, back=front)
+    assert (show.stage.people[0].seen > seen) is known

@@ -218,6 +218,7 @@ def watched(tracker, number, pose):
         pose=pose[None],
         stature=np.array([[1.7, 0.03]]),
         seen=np.zeros(1, np.int64),
+        left=np.zeros(1, np.uint8),
     )
     return tracker.process(
         stamped(Frame(camera="c", pixels=np.zeros((480, 640, 3), np.uint8)), header),
