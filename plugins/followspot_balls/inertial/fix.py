@@ -38,6 +38,10 @@ class Fix(NamedTuple):
         """(3,) m, along each axis."""
         return np.asarray(np.sqrt(self.covariance.diagonal()))
 
+    def surer_than(self, other: Fix) -> bool:
+        """Whether the largest sigma of the position is below that of the other fix."""
+        return bool(self.sigma.max() < other.sigma.max())
+
     def rejects(self, xyz: Array, noise: Array) -> bool:
         """Whether a position contradicts the sensor, and is not one of many. xyz: (3,) m; noise: (3, 3)."""
         offset = xyz - self.xyz

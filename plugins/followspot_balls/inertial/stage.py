@@ -14,7 +14,7 @@ from followspot.messages import stamped
 from followspot.tracking import PREDICTED, TRACKED, Forecast, Positions, Tracks
 from followspot_balls.bridge import with_predicted
 from followspot_balls.inertial.checkpoint import Frame
-from followspot_balls.inertial.fix import fix_at
+from followspot_balls.inertial.fix import Fix, fix_at
 from followspot_balls.inertial.history import orientations_of, readings_of
 from followspot_balls.inertial.messages import Fixes, foreseen, posed, unplaced
 from followspot_balls.inertial.navigator import Navigator
@@ -39,7 +39,8 @@ class InertialFilter(Kalman):
 
     The heading between sensor and room, the sensor's biases, its place on the target and its delay are learnt
     from the motion. A target without a sensor, or whose heading is not yet learnt, is filtered as by
-    `balls.kalman`. Readings that come late are used.
+    `balls.kalman`. Of several sensors on one target the surest tells where it is, so another takes over from
+    one that falls silent. Readings that come late are used.
     """
 
     class Params(Kalman.Params):
@@ -99,26 +100,20 @@ class InertialFilter(Kalman):
 
     @classmethod
     def check_room(cls, params: Any, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
-        """Warn if no target carries a sensor, or one carries several."""
+        """Warn if no target carries a sensor."""
         yield from super().check_room(params, room, cameras)
-        carried = [s.mount.name for s in room.sensors.values() if s.mount and s.mount.set == "targets"]
-        if room.targets and not carried:
+        if room.targets and not carriers(room):
             yield Mistake(None, "no sensor of the room is mounted on a target", "mount: {target: NAME}")
-        for name in {name for name in carried if carried.count(name) > 1}:
-            first = next(s.name for s in room.sensors.values() if s.mount and s.mount.name == name)
-            yield Mistake(None, f"target {name} carries several sensors", f"only {first} is used")
 
     def setup(self) -> None:
         """Begin with every target lost and every heading unknown."""
         super().setup()
-        numbers = {name: number for number, name in enumerate(self.room.targets)}
-        self.sensors: dict[int, str] = {}
-        for sensor in self.room.sensors.values():
-            if sensor.mount is not None and sensor.mount.set == "targets":
-                self.sensors.setdefault(numbers[sensor.mount.name], sensor.name)
+        self.carriers = carriers(self.room)
         p = self.params
         errors = SensorErrors(**{f.name: getattr(p, f.name) for f in fields(SensorErrors)})
-        self.navigators = {n: Navigator(errors, p.history, p.maximum_reading_gap) for n in self.sensors}
+        self.navigators = {
+            sensor: Navigator(errors, p.history, p.maximum_reading_gap) for sensor in self.carriers
+        }
         self.told = self.wide = False
 
     def process(
@@ -128,8 +123,7 @@ class InertialFilter(Kalman):
         orientations: Window[Orientation] = (),
     ) -> Outputs:
         time = positions.header.time
-        for number, sensor in self.sensors.items():
-            navigator = self.navigators[number]
+        for sensor, navigator in self.navigators.items():
             navigator.receive(readings_of(readings, sensor), orientations_of(orientations, sensor))
             self.tell_late(sensor, navigator.late)
         bridges = self.fixes(time)
@@ -157,9 +151,13 @@ class InertialFilter(Kalman):
         return unplaced(forecast, vague)
 
     def fixes(self, time: int, ahead: float = 0.0) -> Fixes:
-        """What the sensors whose headings are known say. time: ns; ahead: s."""
-        found = {n: fix_at(navigator.now(time), time, ahead) for n, navigator in self.navigators.items()}
-        return {number: fix for number, fix in found.items() if fix is not None}
+        """What the surest sensor of each target says, if its heading is known. time: ns; ahead: s."""
+        found: dict[int, Fix] = {}
+        for sensor, number in self.carriers.items():
+            fix = fix_at(self.navigators[sensor].now(time), time, ahead)
+            if fix is not None and (number not in found or fix.surer_than(found[number])):
+                found[number] = fix
+        return found
 
     def trusted(self, positions: Positions, fixes: Fixes) -> Positions:
         """The positions without those that contradict the sensor of their target."""
@@ -191,10 +189,11 @@ class InertialFilter(Kalman):
         tracked |= set(positions.target.tolist()) - set(trusted.target.tolist())
         noise = self.noise(positions.covariance)
         rows = {int(n): row for row, n in enumerate(positions.target) if not positions.predicted[row]}
-        for number, navigator in self.navigators.items():
+        for sensor, number in self.carriers.items():
             row = rows.get(number)
             counted = row is not None and number in tracked and np.isfinite(positions.xyz[row]).all()
-            navigator.add(Frame(time, (positions.xyz[row], noise[row]) if counted else None))
+            seen = (positions.xyz[row], noise[row]) if counted else None
+            self.navigators[sensor].add(Frame(time, seen))
 
     def tell_late(self, sensor: str, late: int) -> None:
         """Warn once about readings that came too late."""
@@ -208,14 +207,25 @@ class InertialFilter(Kalman):
     def state(self) -> Any:
         return super().state() | {
             "wide": self.wide,
-            "sensors": {self.sensors[n]: navigator.state() for n, navigator in self.navigators.items()},
+            "sensors": {sensor: navigator.state() for sensor, navigator in self.navigators.items()},
         }
 
     def restore(self, state: Any) -> None:
         """Carry on from a checkpoint of this filter; from one of another filter with unknown headings."""
         super().restore(state)
         self.wide = bool(state.get("wide", False))
-        for number, navigator in self.navigators.items():
-            known = state.get("sensors", {}).get(self.sensors[number])
+        for sensor, navigator in self.navigators.items():
+            known = state.get("sensors", {}).get(sensor)
             if known is not None:
                 navigator.restore(known)
+
+
+def carriers(room: Room) -> dict[str, int]:
+    """The number of the target that carries each sensor, by its name; others are left out."""
+    numbers = {name: number for number, name in enumerate(room.targets)}
+    mounts = {sensor.name: sensor.mount for sensor in room.sensors.values()}
+    return {
+        name: numbers[mount.name]
+        for name, mount in mounts.items()
+        if mount is not None and mount.set == "targets"
+    }
