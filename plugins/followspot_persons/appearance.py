@@ -54,7 +54,7 @@ class Appearance(Stage):
         self.weights = Weights()
         p = self.params
         self.recognition = Recognition(p.confirmation_score, p.minimum_likeness, self.relations)
-        self.assignment = BoxAssignment(self.camera, self.shape, self.relations)
+        self.assignment = BoxAssignment(self.camera, self.shape, self.relations, p.specific_beats_generic)
         self.background = Background()
         self.illumination = Illumination()
         self.people: list[Acquaintance] = []

@@ -43,6 +43,11 @@ class AppearanceParams(StageParams):
     memory_time: float = Field(
         120.0, gt=0, unit="s", description="time for which an absent person is remembered"
     )
+    specific_beats_generic: bool = Field(
+        False,
+        description="whether a box with colours that are likelier of people at large than of a known person "
+        "is another person's",
+    )
     predict_colors: bool = Field(True, description="whether to predict the colours of unseen sides")
     color_averaging_frames: float = Field(
         30.0,

@@ -30,11 +30,15 @@ STRANGE = 2.0
 
 @dataclass(frozen=True, eq=False)
 class BoxAssignment:
-    """Of one camera, with the shape model and the relations of colours."""
+    """Of one camera, with the shape model and the relations of colours.
+
+    specific: whether a box is only a known person's whose colours are likelier than those of people at large.
+    """
 
     camera: Camera
     shape: ShapeModel
     relations: ColorRelations
+    specific: bool = False
 
     @property
     def around(self) -> int:
@@ -65,6 +69,8 @@ class BoxAssignment:
             cost[i] = np.where(still & person.comparable, np.inf, distance / (NEAR + FAR * age))
             for j in np.flatnonzero(cost[i] < 1):
                 cost[i, j] += COLOR_SHARE * self.strangeness(person, seen, boxes[j], picture)
+                if self.specific and self.stranger(person, seen, boxes[j], picture):
+                    cost[i, j] = np.inf
         limit = 1 + COLOR_SHARE * STRANGE
         tentative = np.array([p.number == 0 for p in people])
         found = matched(np.where(tentative[:, None], np.inf, cost), limit)
@@ -79,6 +85,8 @@ class BoxAssignment:
 
     def stranger(self, person: Acquaintance, seen: BodyView, box: Array, picture: Picture) -> bool:
         """Whether a box shows people at large rather than this person: specific colours beat generic ones."""
+        if person.colors.evidence.sum() == 0:
+            return False
         generic = self._strangeness(at_large(self.relations), seen, box, picture)
         return self.strangeness(person, seen, box, picture) > generic
 

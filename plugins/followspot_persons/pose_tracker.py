@@ -18,6 +18,7 @@ from followspot_persons.color.pairs import telling_pairs
 from followspot_persons.condensation import Search, scattered
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights, pictured
 from followspot_persons.girth import girths_of
+from followspot_persons.identity_change import changed
 from followspot_persons.illumination import Illumination
 from followspot_persons.occlusion import covered
 from followspot_persons.panorama import full_turn
@@ -97,12 +98,22 @@ class PoseTracker(Stage):
         picture = pictured(self.camera, frame, gradients, light)
         told = self.detections(boxes, now, seconds)
         row = {number: i for i, number in enumerate(people.person.tolist())}
+        self.change_identities(row)
         for number in self.nearest_first(row):
             i = row[number]
             colors = (people.mean[i].astype(np.float32), people.variance[i].astype(np.float32))
             picture = self.follow(number, picture, colors, told.get(number), seconds, now)
         self.delete_missed(people, now)
         return self.poses(frame.camera)
+
+    def change_identities(self, known: Collection[int]) -> None:
+        """Let a share of each known person's particles be where those of the others are."""
+        numbers = [n for n in self.people if n in known]
+        particles = [self.people[n].track.particles for n in numbers]
+        mixed = changed(particles, self.params.identity_change_share, self.rng)
+        for number, places in zip(numbers, mixed, strict=True):
+            person = self.people[number]
+            self.people[number] = replace(person, track=replace(person.track, particles=places))
 
     def nearest_first(self, known: Collection[int]) -> list[int]:
         """Tracked and known persons, nearest first, because the nearer ones hide others."""

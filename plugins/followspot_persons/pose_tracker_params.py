@@ -45,6 +45,14 @@ class PoseTrackerParams(StageParams):
     local_search: Literal["ascent", "swarm"] = Field(
         "ascent", description="local search: gradient ascent, or particle swarm optimisation"
     )
+    identity_change_share: float = Field(
+        0.0,
+        ge=0,
+        le=0.5,
+        unit="1",
+        description="share of a person's particles drawn from those of other persons; raising it undoes "
+        "swaps sooner",
+    )
     edge_weight: float = Field(
         1.0, gt=0, le=100, unit="1", description="alpha of the edges in eq. 7; raising it trusts outlines"
     )

@@ -1,0 +1,29 @@
+"""The identity as a dimension of the state (Weinrich et al. 2010, section 4): people may be where others are.
+
+Particles of each identity are a set of their own, so that nobody dies out. A change of identity moves a
+particle from one set to another, where it is weighed by the colours of its new person.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from followspot import Array
+
+
+def changed(people: Sequence[Array], share: float, rng: np.random.Generator) -> list[Array]:
+    """Particles (N, 6) of each identity, of which a share was drawn from those that the others had."""
+    return [
+        _drawn(own, [p for j, p in enumerate(people) if j != i], share, rng) for i, own in enumerate(people)
+    ]
+
+
+def _drawn(own: Array, others: Sequence[Array], share: float, rng: np.random.Generator) -> Array:
+    """(N, 6); without others nothing changes."""
+    count = int(share * len(own)) if others else 0
+    if not count:
+        return own
+    pool = np.concatenate(others)
+    return np.concatenate([own[: len(own) - count], pool[rng.integers(len(pool), size=count)]])
