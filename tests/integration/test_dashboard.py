@@ -211,7 +211,7 @@ def test_a_browser_shows_pictures_room_and_graph(tmp_path: Path) -> None:
         chromium.wait("document.querySelector('#legend li').dataset.state === 'tracked'")
         chromium.wait("document.querySelector('#life').dataset.life === 'running'")
         assert chromium.ask("document.documentElement.scrollWidth") <= 390  # nothing sticks out of a phone
-        chromium.ask("document.querySelector('#groups button').focus()")
+        chromium.ask("document.querySelector('#pipeline button').focus()")
         chromium.press("Enter")
         chromium.wait("document.querySelectorAll('#detail td').length > 20")
         assert chromium.ask("document.querySelector('#detail h2').textContent") == "camera · sim.camera"

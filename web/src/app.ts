@@ -27,7 +27,7 @@ const views = new Views<Drawn>();
 const tiles = new Tiles(part("tiles", HTMLElement), views);
 const sensors = new Sensors(part("tiles", HTMLElement));
 const header = new Header();
-const pipeline = new Pipeline(part("groups", HTMLElement), part("detail", HTMLElement), ask);
+const pipeline = new Pipeline(part("pipeline", HTMLElement), part("detail", HTMLElement), ask);
 const recorder = new Recorder(
   {
     element: part("recorder", HTMLElement),
@@ -72,7 +72,7 @@ function look(): void {
 
 function takeScene(scene: Scene): void {
   header.show(scene);
-  pipeline.show(scene.stages, scene.forms);
+  pipeline.show(scene);
   tiles.from(scene.stages);
   recorder.show(scene.ports);
   player.show(scene.replay);
@@ -120,7 +120,7 @@ function takeAnswer(answer: Answer): void {
   const wish: Wish = JSON.parse(answer.to);
   if ("on" in wish) recorder.answer(answer);
   else if ("hold" in wish) player.answer(answer);
-  else pipeline.answer(answer);
+  else pipeline.detail.answer(answer);
 }
 
 function take(told: Told): void {

@@ -18,7 +18,7 @@ export class Axes {
     WAYS.forEach((way, i) => {
       const bar = new Mesh(
         new CylinderGeometry(THICK, THICK, length, 8),
-        new MeshBasicMaterial({ color: XYZ[i], transparent: true }),
+        new MeshBasicMaterial({ color: XYZ[i], transparent: true, fog: false }),
       );
       bar.renderOrder = 1; // over the glow
       bar.quaternion.setFromUnitVectors(UP, way);

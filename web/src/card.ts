@@ -1,6 +1,8 @@
 // The cards of the graph: of a stage with all its instances, and of a sub-graph with all its stages.
+import { Drawing } from "./drawing.ts";
 import { doing, isFault, largest, lossOf, number, slowest, span, stageOf, worstOf } from "./figures.ts";
 import { make } from "./make.ts";
+import type { Standing, Step } from "./ranks.ts";
 import type { EdgeStatus, Latency, Run, StageStatus } from "./told.ts";
 
 export type Figures = Pick<Run, "stages" | "edges" | "paths">;
@@ -9,22 +11,45 @@ export class Card {
   readonly members = new Set<string>(); // names of instances
   readonly item = make("li");
   protected readonly state = make("span", "–", { className: "state" });
+  private readonly often = make("span", "", { className: "rate" });
   private readonly label: string;
-  private readonly button: HTMLButtonElement;
+  protected readonly button: HTMLButtonElement;
   private readonly name: HTMLElement;
   private readonly note = make("span", "", { className: "note", hidden: true });
   private readonly load = make("i");
+  private readonly source: boolean;
 
-  constructor(label: string, controls: string, onclick: () => void) {
+  constructor(label: string, controls: string, source: boolean, onclick: () => void) {
     this.label = label;
+    this.source = source;
     this.button = make("button", "", { type: "button", onclick });
     this.button.setAttribute("aria-expanded", "false");
     this.button.setAttribute("aria-controls", controls);
     this.name = make("b", label);
     const bar = make("span", "", { className: "load" });
     bar.append(this.load);
-    this.button.append(this.name, this.state, this.note, bar);
+    this.button.append(this.name, this.often, this.state, this.note, bar);
     this.item.append(this.button);
+  }
+
+  // Where it stands, and where in a graph that runs downwards. alone: whether no other has its rank.
+  place({ rank, row }: Standing, alone: boolean, downwards: Step): void {
+    const places = { rank, row, step: downwards.step, column: downwards.column };
+    for (const [name, place] of Object.entries(places)) {
+      this.item.style.setProperty(`--${name}`, `${place + 1}`);
+    }
+    this.item.classList.toggle("alone", alone);
+    this.item.classList.toggle("across", downwards.alone);
+  }
+
+  // What lines begin and end at.
+  get outline(): HTMLElement {
+    return this.button;
+  }
+
+  // Whether it takes the whole width in a graph that runs downwards.
+  get wide(): boolean {
+    return false;
   }
 
   // expanded: whether it is open.
@@ -40,9 +65,11 @@ export class Card {
     const failed = stages.some(({ error }) => error);
     const load = largest(stages.map((stage) => stage.load)) ?? 0;
     const many = this.many(stages);
-    const state = doing(stages);
+    const state = doing(stages, this.source);
     this.name.replaceChildren(this.label, ...(many ? [make("small", many)] : []));
-    this.state.textContent = isFault(worst) ? state : `${number(this.rate(stages, run.edges))}/s · ${state}`;
+    this.often.textContent = isFault(worst) ? "" : `${number(this.rate(stages, run.edges))}/s`;
+    this.state.textContent = state;
+    this.state.title = state;
     this.state.dataset.state = worst;
     this.note.hidden = !(loss || failed);
     this.note.textContent = failed ? "error" : `${loss} not delivered`;
@@ -66,22 +93,31 @@ let made = 0;
 // One card as long as it is folded; unfolded the cards within, and its own as their heading.
 export class SubgraphCard extends Card {
   readonly groups = new Set<string>(); // stages of the graph file
-  readonly list: HTMLOListElement;
+  readonly drawing = new Drawing();
   private readonly latency = make("span", "", { className: "latency" });
 
   constructor(label: string, onclick: () => void) {
     const id = `within-${made++}`;
-    super(label, id, onclick);
+    super(label, id, false, onclick);
     this.item.className = "subgraph";
-    this.list = make("ol", "", { id, hidden: true });
+    this.drawing.element.id = id;
+    this.drawing.element.hidden = true;
     this.state.after(this.latency);
-    this.item.append(this.list);
+    this.item.append(this.drawing.element);
   }
 
   override expand(expanded: boolean): void {
     super.expand(expanded);
-    this.list.hidden = !expanded;
+    this.drawing.element.hidden = !expanded;
     this.item.classList.toggle("unfolded", expanded);
+  }
+
+  override get outline(): HTMLElement {
+    return this.wide ? this.item : this.button;
+  }
+
+  override get wide(): boolean {
+    return this.item.classList.contains("unfolded");
   }
 
   override update(run: Figures): void {

@@ -50,24 +50,44 @@ export function slowest<L extends Latency>(latencies: L[]): L | null {
   );
 }
 
-type Doing = Pick<StageStatus, "state" | "age_s" | "idle_s">;
+export type Doing = Pick<StageStatus, "state" | "on" | "age_s" | "idle_s">;
 
 export function worstOf(stages: Doing[]): State {
   return WORST.find((state) => stages.some((stage) => stage.state === state)) ?? "starting";
 }
 
 // What instances are doing, the worst first: how many are absent or old, and since when; else their state.
-export function doing(stages: Doing[]): string {
+export function doing(stages: Doing[], source = false): string {
   const state = worstOf(stages);
   const found = stages.filter((stage) => stage.state === state);
   const idle_s = Math.min(...found.map((stage) => stage.idle_s));
-  if (!isFault(state)) return lasting({ state, age_s: null, idle_s });
+  const on = found.flatMap((stage) => stage.on);
+  if (!isFault(state)) return lasting({ state, on, age_s: null, idle_s }, source);
   const many = stages.length > 1 ? `${found.length} of ${stages.length} ` : "";
-  return many + lasting({ state, age_s: largest(found.map(({ age_s }) => age_s)), idle_s });
+  return many + lasting({ state, on, age_s: largest(found.map(({ age_s }) => age_s)), idle_s }, source);
 }
 
-// A state, and since when: nobody has heard of the stage, or it has not fired.
-export function lasting({ state, age_s, idle_s }: Doing): string {
+// A state in plain words, and since when: nobody has heard of the stage, or it has not fired.
+export function lasting({ state, on, age_s, idle_s }: Doing, source = false): string {
   const since = age_s ?? idle_s;
-  return since >= LASTING_S && state !== "over" ? `${state} ${since.toFixed(0)} s` : state;
+  const long = since >= LASTING_S ? `${since.toFixed(0)} s` : "";
+  if (state === "absent") return long ? `absent since ${long}` : "absent";
+  if (state === "old") return long ? `not heard for ${long}` : "not heard lately";
+  if (state === "over") return "finished";
+  return wordsOf(state, on, source) + (long && `, ${long}`);
+}
+
+function wordsOf(state: State, on: string[], source: boolean): string {
+  if (state === "getting") return source ? "waiting for its device" : "waiting for input";
+  if (state === "waiting") return "waiting for its turn";
+  if (state === "processing") return "working";
+  if (state === "sending") return `blocked by ${blockerOf(on)}`;
+  return state;
+}
+
+// The stage that takes nothing more, of edges SENDER.PORT -> READER.PORT.
+function blockerOf(on: string[]): string {
+  const [first, ...others] = new Set(on.map((edge) => stageOf(edge.split(" -> ")[1] ?? "")));
+  if (!first) return "its readers";
+  return others.length ? `${first} and ${others.length} more` : first;
 }

@@ -11,13 +11,16 @@ const KEYS: Record<string, [number, number]> = {
 
 export class Orbit {
   private readonly camera: PerspectiveCamera;
+  private readonly moved: () => void;
   private readonly center = new Vector3();
   private readonly place = new Spherical(8, 1.1, 0.7); // theta counts from the x axis here
   private home: { center: Vector3; place: Spherical } | null = null;
   private readonly touches = new Map<number, [number, number]>();
 
-  constructor(camera: PerspectiveCamera, canvas: HTMLCanvasElement) {
+  // moved: called when the view is another.
+  constructor(camera: PerspectiveCamera, canvas: HTMLCanvasElement, moved: () => void) {
     this.camera = camera;
+    this.moved = moved;
     canvas.addEventListener("pointerdown", (event) => this.down(event, canvas));
     canvas.addEventListener("pointermove", (event) => this.move(event));
     canvas.addEventListener("pointerup", ({ pointerId }) => this.touches.delete(pointerId));
@@ -44,6 +47,7 @@ export class Orbit {
     const offset = new Vector3(flat * Math.cos(theta), flat * Math.sin(theta), radius * Math.cos(phi));
     this.camera.position.copy(offset).add(this.center);
     this.camera.lookAt(this.center);
+    this.moved();
   }
 
   private turn(dx: number, dy: number): void {

@@ -1,48 +1,49 @@
-// The running graph: cards for the stages of the graph file and for its sub-graphs, details on demand.
+// The running graph: cards for the stages of the graph file and for its sub-graphs, with lines between them.
 import { Card, SubgraphCard } from "./card.ts";
-import { stageOf } from "./figures.ts";
-import { Form } from "./form.ts";
-import { make } from "./make.ts";
-import { edgeTable, stageTable } from "./tables.ts";
-import type { Answer, Ask, Change, FormData, Run, StageAbout } from "./told.ts";
+import { Detail } from "./detail.ts";
+import { Drawing } from "./drawing.ts";
+import type { Ask, Change, EdgePlan, Run, Scene, StageAbout } from "./told.ts";
 
 export class Pipeline {
-  private forms: Record<string, FormData> = {};
   private about = new Map<string, StageAbout>();
+  private plan: EdgePlan[] = [];
   private cards = new Map<string, Card>(); // by stage of the graph file
   private subgraphs = new Map<string, SubgraphCard>();
   private readonly unfolded = new Set<string>(history.state?.unfolded ?? []); // sub-graphs, also after a reload
   private open: string | null = null;
-  private form: { group: string; made: Form | null } | null = null;
   private run: Run | null = null;
-  private readonly figures = make("div");
-  private readonly list: HTMLElement;
-  private readonly detail: HTMLElement;
-  private readonly send: Ask<Change>;
+  private readonly phone = matchMedia("(max-width: 60rem)");
+  private readonly whole = new Drawing();
+  readonly detail: Detail;
 
-  constructor(list: HTMLElement, detail: HTMLElement, send: Ask<Change>) {
-    this.list = list;
-    this.detail = detail;
-    this.send = send;
+  // element: holds the graph; detail: where an open card is shown, beside the cameras.
+  constructor(element: HTMLElement, detail: HTMLElement, send: Ask<Change>) {
+    element.prepend(this.whole.element);
+    this.detail = new Detail(detail, send, () => this.showDetail(null));
     addEventListener("keydown", ({ key }) => key === "Escape" && this.showDetail(null));
+    this.phone.onchange = () => this.showDetail(this.open);
+    new ResizeObserver(() => this.draw()).observe(this.whole.element);
   }
 
-  show(stages: StageAbout[], forms: Record<string, FormData>): void {
-    this.forms = forms;
+  show({ stages, edges, forms }: Scene): void {
+    this.detail.forms = forms;
+    this.plan = edges;
     this.about = new Map(stages.map((stage) => [stage.name, stage]));
     this.cards = new Map();
     this.subgraphs = new Map();
-    const items: HTMLElement[] = [];
+    this.whole.clear();
     for (const stage of stages) {
-      const holding = stage.within.map((name, depth) => this.subgraph(name, stage.within[depth - 1], items));
-      for (const card of holding) {
+      let drawing = this.whole;
+      stage.within.forEach((name, depth) => {
+        const card = this.subgraph(name, stage.within[depth - 1], drawing);
         card.members.add(stage.name);
         card.groups.add(stage.group);
-      }
-      this.card(stage, holding.at(-1), items).members.add(stage.name);
+        drawing = card.drawing;
+      });
+      this.card(stage, drawing).members.add(stage.name);
     }
-    this.list.replaceChildren(...items);
     for (const [name, card] of this.subgraphs) card.expand(this.unfolded.has(name));
+    this.arrange();
     if (this.run) this.update(this.run);
     this.showDetail(this.isShown(this.open) ? this.open : null);
   }
@@ -51,33 +52,28 @@ export class Pipeline {
     this.run = run;
     for (const card of [...this.subgraphs.values(), ...this.cards.values()]) card.update(run);
     this.tell();
+    this.draw();
   }
 
-  answer({ text, ok }: Answer): void {
-    this.form?.made?.say(text, ok);
-  }
-
-  // The card of a stage of the graph file, within that of a sub-graph if there is one.
-  private card(stage: StageAbout, outer: SubgraphCard | undefined, items: HTMLElement[]): Card {
+  // The card of a stage of the graph file.
+  private card(stage: StageAbout, drawing: Drawing): Card {
     const known = this.cards.get(stage.group);
     if (known) return known;
     const toggle = () => this.showDetail(this.open === stage.group ? null : stage.group);
-    const card = new Card(stage.label, this.detail.id, toggle);
+    const card = new Card(stage.label, this.detail.id, stage.source, toggle);
     this.cards.set(stage.group, card);
-    if (outer) outer.list.append(card.item);
-    else items.push(card.item);
+    drawing.add(stage.group, card);
     return card;
   }
 
-  // The card of a sub-graph, within that of `outer` if there is one; items: those outside all sub-graphs.
-  private subgraph(name: string, outer: string | undefined, items: HTMLElement[]): SubgraphCard {
+  // The card of a sub-graph, within that of `outer` if there is one.
+  private subgraph(name: string, outer: string | undefined, drawing: Drawing): SubgraphCard {
     const known = this.subgraphs.get(name);
     if (known) return known;
     const label = outer === undefined ? name : name.slice(outer.length + 1);
     const card = new SubgraphCard(label, () => this.fold(name));
     this.subgraphs.set(name, card);
-    if (outer === undefined) items.push(card.item);
-    else this.subgraphs.get(outer)?.list.append(card.item);
+    drawing.add(name, card);
     return card;
   }
 
@@ -86,7 +82,9 @@ export class Pipeline {
     if (!this.unfolded.delete(name)) this.unfolded.add(name);
     history.replaceState({ unfolded: [...this.unfolded] }, "");
     this.subgraphs.get(name)?.expand(this.unfolded.has(name));
+    this.arrange();
     if (!this.isShown(this.open)) this.showDetail(null);
+    this.draw();
   }
 
   // Whether there is a card of this stage, and none of the sub-graphs around it is folded.
@@ -100,39 +98,30 @@ export class Pipeline {
     return member === undefined ? undefined : this.about.get(member);
   }
 
+  private drawings(): Drawing[] {
+    return [...[...this.subgraphs.values()].reverse().map(({ drawing }) => drawing), this.whole];
+  }
+
+  private arrange(): void {
+    for (const drawing of this.drawings()) drawing.arrange(this.plan);
+  }
+
+  // The innermost first: their lanes need room.
+  private draw(): void {
+    for (const drawing of this.drawings()) drawing.draw(this.plan, this.run?.edges ?? [], this.phone.matches);
+  }
+
   private showDetail(group: string | null): void {
     const about = group === null ? undefined : this.aboutOf(group);
     this.open = about ? group : null;
     for (const [name, card] of this.cards) card.expand(name === this.open);
-    this.detail.hidden = this.open === null;
-    if (group === null || !about) return;
-    const said = this.form?.group === group ? this.form.made : null;
-    const form = this.forms[group];
-    const made = form ? new Form(group, about, form, this.send) : null;
-    this.form = { group, made };
-    if (said) made?.say(said.answer.textContent, said.answer.dataset.ok !== "false");
-    const params = Object.entries(about.params).map(([key, value]) => `${key} ${JSON.stringify(value)}`);
-    this.detail.replaceChildren(
-      make("h2", `${group} · ${about.uses}`),
-      made?.element ?? make("p", params.join("   ") || "no parameters"),
-      this.figures,
-    );
+    const card = about && this.cards.get(about.group);
+    this.detail.show(about ?? null, this.phone.matches ? (card?.item ?? null) : null);
     this.tell();
   }
 
   private tell(): void {
     const members = this.open === null ? undefined : this.cards.get(this.open)?.members;
-    if (!this.run || !members) return;
-    const stages = this.run.stages.filter(({ stage }) => members.has(stage));
-    const edges = this.run.edges.filter(
-      ({ from, to }) => members.has(stageOf(from)) || members.has(stageOf(to)),
-    );
-    const errors = stages.filter(({ error }) => error).map(({ stage, error }) => `${stage}: ${error}`);
-    this.figures.replaceChildren(
-      ...errors.slice(0, 3).map((text) => make("pre", text)),
-      stageTable(stages),
-      make("h2", "edges"),
-      edgeTable(edges),
-    );
+    if (this.run && members) this.detail.tell(members, this.run);
   }
 }

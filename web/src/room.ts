@@ -11,6 +11,7 @@ import type { RoomData } from "./told.ts";
 
 const NIGHT = 0x06080c;
 const GONE_MS = 1500; // after which who was not told of is not shown
+const SETTLED_MS = 2000; // after which nothing moves any more
 
 export class Room {
   private readonly stage: HTMLElement;
@@ -23,6 +24,7 @@ export class Room {
   private readonly people = new Map<string, Person>();
   private box: [Vector3, Vector3] | null = null;
   private before = performance.now();
+  private stirred = 0; // when something was last new; until it has settled the room is drawn
 
   // Null where the browser has no WebGL. stage: what the canvas fills.
   static on(canvas: HTMLCanvasElement, stage: HTMLElement): Room | null {
@@ -38,7 +40,7 @@ export class Room {
     this.renderer = new WebGLRenderer({ canvas, antialias: true });
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.camera.up.set(0, 0, 1);
-    this.orbit = new Orbit(this.camera, canvas);
+    this.orbit = new Orbit(this.camera, canvas, () => this.stir());
     this.scene.background = new Color(NIGHT);
     new ResizeObserver(() => this.resize()).observe(stage);
     this.resize();
@@ -60,7 +62,12 @@ export class Room {
     this.orbit.show(low, high);
   }
 
+  private stir(): void {
+    this.stirred = performance.now();
+  }
+
   tracks({ target, state, xyz, sigma, quaternion, time }: Tracked): void {
+    this.stir();
     const known = new Map(target.map((t, i) => [t, i]));
     this.targets.forEach((mark, t) => {
       const i = known.get(t);
@@ -70,6 +77,7 @@ export class Room {
   }
 
   poses({ camera, person, xy, height, heading, pan, tilt, sigma, time }: PosesView): void {
+    this.stir();
     person.forEach((number, i) => {
       const columns = { height: height[i], heading: heading[i], pan: pan[i], tilt: tilt[i] };
       this.person(`${camera} ${number}`, number).move({ xy: xy[i], ...columns, sigma: sigma[i], time });
@@ -91,12 +99,14 @@ export class Room {
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    this.stir();
     if (this.box) this.orbit.show(...this.box);
   }
 
   private draw(now: number): void {
     const seconds = Math.min(0.1, (now - this.before) / 1000);
     this.before = now;
+    if (performance.now() - this.stirred > SETTLED_MS) return;
     for (const target of this.targets) target.step(seconds);
     for (const [name, mark] of this.people) {
       mark.step(seconds);

@@ -69,12 +69,21 @@ export interface FormData {
   alternatives: string[];
 }
 
+// from and to: STAGE.PORT; delay: leads to a later frame.
+export interface EdgePlan {
+  from: string;
+  to: string;
+  kind: string;
+  delay: boolean;
+}
+
 export interface Scene {
   type: "scene";
   graph: string;
   room: RoomData;
   sensors: SensorData[];
   stages: StageAbout[];
+  edges: EdgePlan[];
   forms: Record<string, FormData>;
   ports: string[];
   replay: boolean;

@@ -50,9 +50,24 @@ test("a latency is told in the unit that fits", () => {
 
 test("the worst of several instances is told, with how many and since when", () => {
   const absent = stage("a", { state: "absent", age_s: 12 });
-  assert.equal(doing([absent, stage("b"), stage("c")]), "1 of 3 absent 12 s");
+  assert.equal(doing([absent, stage("b"), stage("c")]), "1 of 3 absent since 12 s");
   assert.equal(
     doing([stage("a", { state: "getting", idle_s: 1 }), stage("b", { state: "getting", idle_s: 9 })]),
-    "getting",
+    "waiting for input",
   );
+});
+
+test("a state is told in plain words", () => {
+  const words = (but: Parameters<typeof stage>[1], source = false) => doing([stage("a", but)], source);
+  assert.equal(words({ state: "getting", idle_s: 7 }), "waiting for input, 7 s");
+  assert.equal(words({ state: "getting" }, true), "waiting for its device");
+  assert.equal(words({ state: "waiting", on: ["b"] }), "waiting for its turn");
+  assert.equal(words({ state: "processing" }), "working");
+  assert.equal(words({ state: "sending", on: ["a.out -> track.positions"] }), "blocked by track");
+  assert.equal(
+    words({ state: "sending", on: ["a.x -> z/b.in", "a.x -> c.in"] }),
+    "blocked by z/b and 1 more",
+  );
+  assert.equal(words({ state: "old", age_s: 3 }), "not heard for 3 s");
+  assert.equal(words({ state: "over", idle_s: 99 }), "finished");
 });

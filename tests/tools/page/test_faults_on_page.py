@@ -87,11 +87,11 @@ def test_a_dead_host_and_a_silent_run_are_seen_at_once_in_a_browser(tmp_path: Pa
         assert is_red(color(chromium, "#faults", "backgroundColor"))
         assert is_red(color(chromium, "#life", "color"))
         assert is_red(color(chromium, "figure.absent", "outlineColor"))
-        assert is_red(color(chromium, "#groups button.bad", "backgroundColor"))
+        assert is_red(color(chromium, "#pipeline button.bad", "backgroundColor"))
         cards = chromium.ask(
-            "[...document.querySelectorAll('#groups button.bad .state')].map(e => e.innerText)"
+            "[...document.querySelectorAll('#pipeline button.bad .state')].map(e => e.innerText)"
         )
-        assert [re.sub(r"\d+ s", "N s", card) for card in cards] == ["6 of 6 absent N s"]
+        assert [re.sub(r"\d+ s", "N s", card) for card in cards] == ["6 of 6 absent since N s"]
         chromium.wait("/these places are [0-9]+ s old/.test(document.querySelector('#legend').dataset.old)")
 
         page.status = well(page.plan)

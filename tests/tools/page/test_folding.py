@@ -29,7 +29,7 @@ stages:
   smooth: {{uses: sinks.csv, in: {{tracks: all.tracks}}, with: {{path: all.csv}}}}
 """
 LABEL = "querySelector('b').firstChild.textContent"
-SEEN = "[...document.querySelectorAll('#groups button')].filter((b) => b.checkVisibility())"
+SEEN = "[...document.querySelectorAll('#pipeline li > button')].filter((b) => b.checkVisibility())"
 CARDS = f"{SEEN}.map((b) => b.{LABEL})"
 INNER = ["camera", "color", "infrared", "verify", "triangulate", "fuse", "bridge", "track", "save"]
 
@@ -94,15 +94,15 @@ def test_a_sub_graph_is_one_card_that_unfolds_and_stays_so(opened: Opened) -> No
     plan = page.plan
     assert chromium.ask(CARDS) == ["all", "smooth"]
     inside = sum(edge.to_stage != "smooth" for edge in plan.edges)
-    card = "document.querySelector('#groups .subgraph > button').innerText"
+    card = "document.querySelector('#pipeline .subgraph > button').innerText"
     chromium.wait(f"/{2 * inside} not delivered/.test({card})")
     told = chromium.ask(card)
     assert "9 stages" in told
-    assert "getting" in told
+    assert "waiting for input" in told
     assert "latency 4.0 / 9.0 ms" in told
 
     page.status = status(plan, "sending")
-    chromium.wait(f"/sending/.test({card})")  # the worst within
+    chromium.wait(f"/blocked by/.test({card})")  # the worst within
     press(chromium, "all")
     assert chromium.ask(CARDS) == ["all", "hall", "smooth"]
     press(chromium, "hall")
@@ -112,7 +112,7 @@ def test_a_sub_graph_is_one_card_that_unfolds_and_stays_so(opened: Opened) -> No
     assert chromium.ask("document.querySelector('#detail h2').textContent").startswith("all/hall/fuse · ")
 
     page.status = status(plan, "waiting")
-    chromium.wait("document.querySelector('#groups .subgraph .state').dataset.state === 'waiting'")
+    chromium.wait("document.querySelector('#pipeline .subgraph .state').dataset.state === 'waiting'")
     fuse = {"maximum_iterations": 77}
     changed = [replace(stage, params={**stage.params, **fuse}) for stage in plan.stages]
     page.plan = replace(plan, stages=tuple(changed))
@@ -125,7 +125,7 @@ def test_a_sub_graph_is_one_card_that_unfolds_and_stays_so(opened: Opened) -> No
     assert chromium.ask(CARDS) == ["all", "hall", "smooth"]
     assert chromium.ask("document.querySelector('#detail').hidden")  # its card cannot be seen
     chromium.call("Page.reload")
-    chromium.wait("document.querySelectorAll('#groups button').length > 2")
+    chromium.wait("document.querySelectorAll('#pipeline button').length > 2")
     assert chromium.ask(CARDS) == ["all", "hall", "smooth"]
     press(chromium, "all")
     assert chromium.ask(CARDS) == ["all", "smooth"]

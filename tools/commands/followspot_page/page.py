@@ -13,7 +13,7 @@ from starlette.websockets import WebSocket
 
 from followspot.errors import FollowspotError
 from followspot.graph.names import subgraphs
-from followspot.graph.plan import Plan, PlannedStage
+from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
 from followspot.library.handle import RunHandle, RunStatus
 from followspot_dashboard.gate import Gate
 from followspot_page import metrics
@@ -79,6 +79,7 @@ class Page:
             "room": scene(self.plan.room),
             "sensors": sensors(self.plan.room, self.readings),
             "stages": [self._stage(stage) for stage in self.plan.stages],
+            "edges": [_edge(edge) for edge in self.plan.edges],
             "forms": forms(self.plan) if self.ask else {},
             "ports": recordable(self.plan) if self.ask else [],
             "replay": self.ask is not None and not self.plan.live,
@@ -174,3 +175,13 @@ class Page:
         self.gate.watched = watched
         if self.remote is not None:
             self.remote.watch(watched=watched)
+
+
+def _edge(edge: PlannedEdge) -> dict[str, Any]:
+    """delay: whether it leads to a later frame."""
+    return {
+        "from": f"{edge.from_stage}.{edge.from_port}",
+        "to": f"{edge.to_stage}.{edge.to_port}",
+        "kind": edge.kind,
+        "delay": bool(edge.delay),
+    }

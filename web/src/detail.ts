@@ -1,0 +1,78 @@
+// An open card: its parameters, its instances and its edges. Beside the cameras, on a phone below the card.
+import { stageOf } from "./figures.ts";
+import { Form } from "./form.ts";
+import { make } from "./make.ts";
+import { edgeTable, stageTable } from "./tables.ts";
+import type { Answer, Ask, Change, FormData, Run, StageAbout } from "./told.ts";
+
+export class Detail {
+  forms: Record<string, FormData> = {};
+  private form: { group: string; made: Form | null } | null = null;
+  private readonly figures = make("div");
+  private readonly element: HTMLElement;
+  private readonly home: HTMLElement;
+  private readonly below = make("li", "", { className: "opened" });
+  private readonly send: Ask<Change>;
+  private readonly close: () => void;
+
+  constructor(element: HTMLElement, send: Ask<Change>, close: () => void) {
+    this.element = element;
+    this.home = element.parentElement ?? document.body;
+    this.send = send;
+    this.close = close;
+  }
+
+  get id(): string {
+    return this.element.id;
+  }
+
+  // about: an instance of the stage; null for none. card: below which it is shown, null for beside the cameras.
+  show(about: StageAbout | null, card: HTMLElement | null): void {
+    this.element.hidden = about === null;
+    document.body.classList.toggle("opened", about !== null && card === null);
+    this.put(card);
+    if (about === null) return;
+    const { group } = about;
+    const said = this.form?.group === group ? this.form.made : null;
+    const form = this.forms[group];
+    const made = form ? new Form(group, about, form, this.send) : null;
+    this.form = { group, made };
+    if (said) made?.say(said.answer.textContent, said.answer.dataset.ok !== "false");
+    const params = Object.entries(about.params).map(([key, value]) => `${key} ${JSON.stringify(value)}`);
+    const button = make("button", "×", { type: "button", className: "close", onclick: this.close });
+    button.setAttribute("aria-label", "close");
+    this.element.replaceChildren(
+      button,
+      make("h2", `${group} · ${about.uses}`),
+      made?.element ?? make("p", params.join("   ") || "no parameters"),
+      this.figures,
+    );
+  }
+
+  tell(members: Set<string>, run: Run): void {
+    const stages = run.stages.filter(({ stage }) => members.has(stage));
+    const edges = run.edges.filter(({ from, to }) => members.has(stageOf(from)) || members.has(stageOf(to)));
+    const errors = stages.filter(({ error }) => error).map(({ stage, error }) => `${stage}: ${error}`);
+    this.figures.replaceChildren(
+      ...errors.slice(0, 3).map((text) => make("pre", text)),
+      stageTable(stages),
+      make("h2", "edges"),
+      edgeTable(edges),
+    );
+  }
+
+  answer({ text, ok }: Answer): void {
+    this.form?.made?.say(text, ok);
+  }
+
+  private put(card: HTMLElement | null): void {
+    if (card === null) {
+      this.below.remove();
+      this.home.append(this.element);
+      return;
+    }
+    this.below.style.setProperty("--step", card.style.getPropertyValue("--step"));
+    this.below.replaceChildren(this.element);
+    card.after(this.below);
+  }
+}
