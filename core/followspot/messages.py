@@ -212,18 +212,20 @@ def stamped(message: M, header: Header) -> M:
     return message
 
 
-def at(time: int, message: M, *, seq: int = -1) -> M:
+def at(time: int, message: M, *, seq: int = -1, due: int = 0) -> M:
     """A message with its capture time, for a source to yield.
 
-    time: ns; seq: the frame's number if the source knows it (a video with gaps), else the runtime counts. A
-    live source that does not know the capture time yields plain messages: the runtime takes the time of
-    arrival. Raises InvalidMessage if a number is out of range, TypeError if it is not a whole number.
+    time: ns; seq: the frame's number if the source knows it (a video with gaps), else the runtime counts.
+    due: the runtime sends it no earlier, ns of `time.monotonic_ns`, and other stages work until then; a live
+    source has a thread and waits there. A live source that does not know the capture time yields plain
+    messages: the runtime takes the time of arrival. Raises InvalidMessage if a number is out of range,
+    TypeError if it is not a whole number.
     """
     try:
-        header = Header("", operator.index(seq), operator.index(time))
+        header = Header("", operator.index(seq), operator.index(time), operator.index(due))
     except TypeError:
         raise TypeError(
-            f"at({time!r}, ..., seq={seq!r}): time and number are whole; write round(seconds * 1e9)"
+            f"at({time!r}, ..., seq={seq!r}, due={due!r}): all are whole; write round(seconds * 1e9)"
         ) from None
     return stamped(message, in_range(header))
 

@@ -142,8 +142,9 @@ class Context:
     """An array (shape, dtype) to compute the output into, in shared memory if a reader on this host uses
     it."""
     pause: Callable[[float], bool] = _sleep
-    """Wait (s), for a source that keeps its own pace. Returns False at once if the run is ending: the source
-    should return then. Readers of recordings that need no pace do not wait."""
+    """Wait (s), for a live source, which has a thread of its own. Returns False at once if the run is ending:
+    the source should return then. With another source its whole worker waits: it says when a message is due
+    (`at`)."""
     resumed: bool = False
     """True if an earlier instance of the stage has worked in this run: a sink keeps what that one wrote."""
     lost: Callable[[SourceLoss, int], None] = _no_loss

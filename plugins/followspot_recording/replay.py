@@ -65,19 +65,16 @@ class Replay(Stage):
         self._check(recording, kind)
         start = recording.begin + round(given.start_time * 1e9)
         stop = recording.end if given.stop_time is None else recording.begin + round(given.stop_time * 1e9)
-        began = time.monotonic()
+        began = time.monotonic_ns()
         later, round_seqs = 0, 0
         while True:
             last = None
             for message in decoded(recording, self.port, kind, start, stop):
                 header = message.header
                 moment, number = header.time + later, header.seq + round_seqs
-                if given.speed:
-                    due = began + (moment - start) / 1e9 / given.speed
-                    if not self.context.pause(max(0.0, due - time.monotonic())):
-                        return
+                due = began + round((moment - start) / given.speed) if given.speed else 0
                 last = number
-                yield at(moment, message, seq=number)
+                yield at(moment, message, seq=number, due=due)
             if not given.loop or last is None:
                 break
             later += _round(start, min(stop, recording.end))

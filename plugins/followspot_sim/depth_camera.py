@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from followspot import Source, at
+from followspot import Source
 from followspot.tracking import DepthImage
 from followspot_sim.depth_picture import DepthPicture
 from followspot_sim.parameters import DepthCameraParams
@@ -31,7 +31,7 @@ class SimDepthCamera(Performance):
 
     def process(self) -> Source[DepthImage]:
         """Depth images at the middle of their exposure: frame k at k / fps seconds, by the camera's clock."""
-        for frame, time_ns in self.schedule():
+        for frame in self.frames():
             depth = self.context.loan(self._picture.shape, "f4")
             self._picture.render(frame, depth)
-            yield at(time_ns, DepthImage(camera=self.camera.name, depth=depth), seq=frame)
+            yield self.at(frame, DepthImage(camera=self.camera.name, depth=depth))

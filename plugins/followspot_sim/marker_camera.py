@@ -7,7 +7,7 @@ from typing import ClassVar
 import cv2
 import numpy as np
 
-from followspot import Array, Camera, Field, Source, StageParams, at
+from followspot import Array, Camera, Field, Source, StageParams
 from followspot.geometry import project
 from followspot.tracking import Frame
 from followspot_sim.performance import Performance
@@ -74,12 +74,12 @@ class MarkerCamera(Performance):
 
     def process(self) -> Source[Frame]:
         """Pictures, frame k at k / fps seconds."""
-        for frame, time in self.schedule():
+        for frame in self.frames():
             light = self.picture(frame / self.params.fps)
             light += self._rng.normal(0, self.params.noise_sigma, light.shape)
             gray = light.clip(0, 255).round().astype(np.uint8)[..., None]
             pixels = gray if self.camera.kind == "infrared" else np.repeat(gray, 3, axis=2)
-            yield at(time, Frame(self.camera.name, pixels), seq=frame)
+            yield self.at(frame, Frame(self.camera.name, pixels))
 
     def picture(self, time: float) -> Array:
         """The picture at a time (s) without noise, (H, W) grey levels; near markers hide far ones."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot import Array, Source, at
+from followspot import Array, Source
 from followspot.geometry import project
 from followspot.tracking import Truth
 from followspot_sim.marker_camera import MarkerSimParams, marker_pose
@@ -29,11 +29,11 @@ class MarkerTruth(Performance):
     def process(self) -> Source[Truth]:
         """Places of the markers that are targets, frame k at k / fps seconds."""
         names = tuple(self.room.targets)[: self.params.markers]
-        for frame, time in self.schedule():
+        for frame in self.frames():
             poses = [marker_pose(k, self.params.markers, frame / self.params.fps) for k in range(len(names))]
             shown = np.array([self.shown(*pose) for pose in poses], bool).reshape(len(names), -1).sum(axis=1)
             xyz = np.array([middle for _, middle in poses]).reshape(-1, 3)
-            yield at(time, Truth(names, xyz, shown == 0, shown >= 1, shown >= 2), seq=frame)
+            yield self.at(frame, Truth(names, xyz, shown == 0, shown >= 1, shown >= 2))
 
     def shown(self, rotation: Array, middle: Array) -> list[bool]:
         """Which cameras see the face of a marker."""

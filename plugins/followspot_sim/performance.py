@@ -4,22 +4,33 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable
+from typing import TypeVar
 
-from followspot import Stage
+from followspot import Message, Stage, at
+
+M = TypeVar("M", bound=Message)
 
 
 class Performance(Stage):
     """Base of sources with the parameters `frames`, `fps` and `realtime`."""
 
+    _begun: int | None = None
+    """When the first frame was made, ns of the monotonic clock."""
+
     def length(self) -> int | None:
         """Number of frames; None if they never end."""
         return self.params.frames or None
 
-    def schedule(self) -> Iterator[tuple[int, int]]:
-        """Frame numbers with their capture times in ns; with `realtime`, at the pace of the clock."""
-        p, begin = self.params, time.monotonic()
-        for frame in range(p.frames) if p.frames else itertools.count():
-            if p.realtime and not self.context.pause(max(0.0, begin + frame / p.fps - time.monotonic())):
-                return
-            yield frame, round(frame * 1e9 / p.fps)
+    def frames(self) -> Iterable[int]:
+        """Numbers of the frames."""
+        return range(self.params.frames) if self.params.frames else itertools.count()
+
+    def at(self, frame: int, message: M) -> M:
+        """A message with the number and time of its frame; with `realtime`, sent at the pace of the clock."""
+        since = round(frame * 1e9 / self.params.fps)
+        if not self.params.realtime:
+            return at(since, message, seq=frame)
+        if self._begun is None:
+            self._begun = time.monotonic_ns() - since
+        return at(since, message, seq=frame, due=self._begun + since)

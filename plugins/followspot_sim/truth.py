@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot import Source, at
+from followspot import Source
 from followspot.tracking import Truth
 from followspot_sim.parameters import SimParams
 from followspot_sim.performance import Performance
@@ -28,8 +28,8 @@ class SimTruth(Performance):
 
     def process(self) -> Source[Truth]:
         """Centres of all shown targets, with their visibility in the cameras of the room."""
-        for frame, time_ns in self.schedule():
-            yield at(time_ns, self.truth(frame), seq=frame)
+        for frame in self.frames():
+            yield self.at(frame, self.truth(frame))
 
     def truth(self, frame: int) -> Truth:
         """The truth of one frame."""

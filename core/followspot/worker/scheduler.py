@@ -199,27 +199,37 @@ class Worker:
         return True
 
     def _pull(self) -> bool:
-        """Pull the source with the earliest watermark, then those that are earliest; False if none yields."""
+        """Pull the source with the earliest watermark, then those that are earliest; False if none yields.
+
+        While a source waits to send a message, none that is ahead of it goes on.
+        """
         candidates = [s for s in self.sources if not s.done and not self.hold.holds(s)]
         candidates.sort(key=_watermark)
-        reached = END
+        pulled, reached = False, END
         for source in candidates:
             if source.watermark >= reached:
                 break
             source.blocked = not source.has_room()
-            if not source.blocked and (source.pull() or source.done):
-                reached = min(reached, source.watermark)
-        return reached < END
+            if source.blocked:
+                continue
+            if source.pull() or source.done:
+                pulled, reached = True, min(reached, source.watermark)
+            elif source.early:
+                reached = min(reached, source.watermark + 1)
+        return pulled
 
     def _finished(self) -> bool:
         """Whether all stages are done and all edges are flushed; the ledger counts even late feedback."""
         return self.ends.flushed() and all(runner.done for runner in self.runners)
 
     def _wait(self) -> None:
-        """Sleep until a message, credit, another thread or the deadline of a live join wakes the worker."""
+        """Sleep until a message, credit, another thread, the deadline of a live join or a source's time."""
         if self.ends.credit_came():
             return
         deadlines = [c.overdue_at for c in self.runners if c.overdue_at is not None and not c.done]
+        deadlines += [
+            s.not_before / 1e9 for s in self.sources if s.early and not s.done and not self.hold.holds(s)
+        ]
         others = deadlines or self.ends.readers or self.ends.writers or self.live or self.hold.order
         if not (others or any(runner.asks for runner in self.runners)):
             raise StuckError(self.runners)

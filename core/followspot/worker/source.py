@@ -1,4 +1,7 @@
-"""Source runners: the scheduler pulls a source; a live source has a thread, and drops its oldest frames."""
+"""Source runners: the scheduler pulls a source; a live source has a thread, and drops its oldest frames.
+
+A message may have a time before which it is not sent: a source that plays at a pace. It is kept until then.
+"""
 
 from __future__ import annotations
 
@@ -32,24 +35,42 @@ class SourceRunner(StageRunner):
     """Capture time of the last message, ns; the worker pulls the source that is furthest behind."""
     entered = 0
     """When the last message was made, ns of the monotonic clock."""
+    not_before = 0
+    """When the message that is kept may be sent, ns of the monotonic clock."""
     stopped = False
     _items: Iterator[Any] | None = None
+    _kept: Any = _NOTHING
 
     def pull(self) -> bool:
         """Send the next message; False if there is none now. Raises StageError."""
-        item = self._next()
-        if item is _NOTHING:
+        item = self._kept
+        if item is _NOTHING or self.stopped:
+            item = self._next()
+            if item is _NOTHING:
+                return False
+        elif self.early:
             return False
+        else:
+            self.entered = time.monotonic_ns() + self.clock.steady
+        self._kept = _NOTHING
         try:
             header = in_range(self._stamp(item))
         except (WrongOutput, InvalidMessage) as error:
             self._left_out(item, error)
             return True
+        if self.early:
+            self._kept = item
+            return False
         self.watermark = header.time
         self.send(item, header)
         self.yielded += 1
         self.count.fired += 1
         return True
+
+    @property
+    def early(self) -> bool:
+        """Whether the next message is made and must not be sent yet."""
+        return self.not_before > time.monotonic_ns()
 
     def expected(self) -> int | None:
         """How many messages will come; None if the source does not know."""
@@ -112,6 +133,7 @@ class SourceRunner(StageRunner):
         """
         given = check_yielded(self.declared, item, live=self.stage.live)
         seq = given.seq if given.seq >= 0 else self.yielded
+        self.not_before = 0 if self.stage.live else given.entered
         return Header(self.name, seq, self._time(given), self.entered)
 
     def _time(self, given: Header) -> int:

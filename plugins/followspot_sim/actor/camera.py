@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from followspot import Source, at
+from followspot import Source
 from followspot.tracking import Frame
 from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.actor.picture import ActorPicture
@@ -31,7 +31,7 @@ class PersonCamera(Performance):
 
     def process(self) -> Source[Frame]:
         """Pictures, frame k at k / fps seconds."""
-        for frame, time_ns in self.schedule():
+        for frame in self.frames():
             pixels = self.context.loan(self._picture.shape, "u1")
             self._picture.render(frame, pixels)
-            yield at(time_ns, Frame(camera=self.camera.name, pixels=pixels), seq=frame)
+            yield self.at(frame, Frame(camera=self.camera.name, pixels=pixels))

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from followspot import Source, at
+from followspot import Source
 from followspot.geometry import undistort
 from followspot.people import Boxes
 from followspot.points import Points2D
@@ -46,10 +46,10 @@ class PersonPoints(Performance):
 
     def process(self) -> Source[Outputs]:
         """What is found in each picture, frame k at k / fps seconds."""
-        for frame, time_ns in self.schedule():
+        for frame in self.frames():
             found = self.found(frame)
             points, boxes = self.points(found), self.boxes(found)
-            yield Outputs(at(time_ns, points, seq=frame), at(time_ns, boxes, seq=frame))
+            yield Outputs(self.at(frame, points), self.at(frame, boxes))
 
     def found(self, frame: int) -> Finding:
         """What is found in one picture."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot import Array, Camera, Field, Room, Source, at
+from followspot import Array, Camera, Field, Room, Source
 from followspot.geometry import project
 from followspot.tracking import Truth
 from followspot_sim.actor.camera import PersonCamera
@@ -69,11 +69,11 @@ class ShowTruth(Performance):
     def process(self) -> Source[Truth]:
         """Centres of all balls; trackable are those in the pictures of two cameras or more."""
         names = tuple(self.room.targets)
-        for frame, time_ns in self.schedule():
+        for frame in self.frames():
             xyz = ball_places(self.params, len(names), frame)
             views = sum(_inside(camera, xyz).astype(int) for camera in self.room.cameras.values())
             shown = np.asarray(views) >= 2
-            yield at(time_ns, Truth(names, xyz, hidden=~shown, trackable=shown, pair=shown), seq=frame)
+            yield self.at(frame, Truth(names, xyz, hidden=~shown, trackable=shown, pair=shown))
 
 
 class _ShowPicture(ActorPicture):

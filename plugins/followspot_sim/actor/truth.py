@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot import Array, Field, Source, at
+from followspot import Array, Field, Source
 from followspot.people import PoseTruth
 from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.actor.scene import Play, stage_of
@@ -33,8 +33,8 @@ class PoseTruthOfActors(Performance):
 
     def process(self) -> Source[PoseTruth]:
         """The poses of all people, with the visible share in the camera that sees most."""
-        for frame, time_ns in self.schedule():
-            yield at(time_ns, self.truth(frame), seq=frame)
+        for frame in self.frames():
+            yield self.at(frame, self.truth(frame))
 
     def truth(self, frame: int) -> PoseTruth:
         """The truth of one frame."""

@@ -66,12 +66,10 @@ class SimImu(Stage):
 
     def process(self) -> Source[Inertial]:
         """Readings from time 0 to that of the last picture."""
-        begin = time.monotonic()
+        begun = time.monotonic_ns()
         for message in self._messages():
-            ahead = begin + message.time[-1] / 1e9 - time.monotonic()
-            if self.params.realtime and not self.context.pause(max(0.0, ahead)):
-                return
-            yield at(int(message.time[-1]), message)
+            since = int(message.time[-1])
+            yield at(since, message, due=begun + since if self.params.realtime else 0)
 
     def _messages(self) -> Iterator[Inertial]:
         """Groups of readings, cut into messages; no message lies in two groups."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot import Source, at
+from followspot import Source
 from followspot.inertial import PosedTruth
 from followspot_sim.imu.parameters import PropParams
 from followspot_sim.imu.turning import Turning
@@ -29,8 +29,8 @@ class PosedSimTruth(Performance):
 
     def process(self) -> Source[PosedTruth]:
         """As `sim.truth`, with orientations."""
-        for frame, time_ns in self.schedule():
-            yield at(time_ns, self.truth(frame), seq=frame)
+        for frame in self.frames():
+            yield self.at(frame, self.truth(frame))
 
     def truth(self, frame: int) -> PosedTruth:
         """The truth of one frame."""

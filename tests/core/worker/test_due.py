@@ -1,0 +1,55 @@
+"""A source that plays at a pace: nothing is sent early, and its worker works on meanwhile."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+
+from tests.core.worker.solo import Solo
+from tests.integration.running import wait_until
+
+from followspot.graph.compile import compile_graph
+
+PACED = Path(__file__).parents[2] / "stages" / "paced.py"
+PATIENCE = 20.0
+GRAPH = """graph: paced
+stages:
+  free: {uses: paced.pace, with: {count: 9, interval: 0}}
+  slow: {uses: paced.pace, with: {waits_at: -1}}
+  look: {uses: paced.punctual, in: {number: slow}}
+"""
+
+
+def solo(folder: Path, waits_at: int = -1) -> Solo:
+    (folder / "g.yaml").write_text(GRAPH.replace("-1", str(waits_at)))
+    return Solo(compile_graph(folder / "g.yaml", plugin_files=[PACED]), folder)
+
+
+def test_no_message_is_sent_before_its_time(tmp_path: Path) -> None:
+    run = solo(tmp_path)
+    report = run.run()
+    assert report.errors == ()
+    assert [source.yielded for source in run.worker.sources] == [9, 5]
+
+
+def test_while_a_source_waits_its_worker_works_and_no_other_source_goes_ahead(tmp_path: Path) -> None:
+    run = solo(tmp_path, waits_at=2)
+    free, slow = run.worker.sources
+    thread = threading.Thread(target=run.run)
+    thread.start()
+
+    def seen() -> tuple[bool, int, int]:
+        """Whether the slow one waits, and what both have yielded, as the worker's thread sees it."""
+        found: list[tuple[bool, int, int]] = []
+        looked = threading.Event()
+        run.worker.between_firings(lambda: found.append((slow.early, free.yielded, slow.yielded)))
+        run.worker.between_firings(looked.set)
+        assert looked.wait(PATIENCE), "the worker's thread sleeps"
+        return found[0]
+
+    assert wait_until(lambda: seen() == (True, 3, 2), PATIENCE)
+    assert {seen() for _ in range(20)} == {(True, 3, 2)}
+    run.worker.stop()
+    thread.join(PATIENCE)
+    assert not thread.is_alive()
+    assert slow.yielded == 2  # what waited is not sent when the run ends
