@@ -322,6 +322,8 @@ def _syntax(error: yaml.MarkedYAMLError, text: str, file: str) -> Mistake:
         place = Place(file, 1, 1)
     elif mark.line < len(lines):
         place = Place(file, mark.line + 1, mark.column + 1)
+        if lines[mark.line][mark.column : mark.column + 1] == "\t":
+            return Mistake(place, "a tab stands here, and YAML indents by spaces", "write spaces instead")
     else:  # libyaml points past the end of the file
         place = Place(file, len(lines), len(lines[-1]) + 1)
     return Mistake(place, f"not valid YAML: {problem}", _remedy(error))

@@ -98,6 +98,20 @@ def test_a_syntax_error_behind_the_end_is_placed_at_the_end() -> None:
     assert mistakes("a: [1, 2") == ["test.yaml:1:9: not valid YAML: did not find expected ',' or ']'"]
 
 
+@pytest.mark.parametrize(
+    ("text", "line", "column"),
+    [
+        ("a:\n\tb: c", 2, 1),
+        ("a:\n  b: c\n  \td: e", 3, 3),
+        ("a:\n  b: c\n\td: e", 3, 1),
+        ("a: |\n\tb", 2, 1),
+    ],
+)
+def test_a_tab_that_indents_is_called_a_tab(text: str, line: int, column: int) -> None:
+    where = f"test.yaml:{line}:{column}"
+    assert mistakes(text) == [f"{where}: a tab stands here, and YAML indents by spaces"]
+
+
 def test_an_alias_cannot_contain_itself() -> None:
     assert mistakes("a: &x [*x]") == ['test.yaml:1:8: no anchor "&x" stands before this alias']
 

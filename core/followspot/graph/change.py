@@ -9,6 +9,7 @@ from typing import Any
 
 from followspot.document import Node, node_of
 from followspot.errors import InputError, Mistake, Place, did_you_mean
+from followspot.graph.change_words import as_typed, sets_parameter, spelled
 from followspot.graph.given import origin_of
 from followspot.graph.names import enclosing
 from followspot.graph.override import SUBGRAPH, Override, read_override
@@ -51,14 +52,14 @@ def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change
     mistakes: list[Mistake] = []
     wishes: dict[str, _Wish] = {}
     subgraphs = plan.subgraphs
-    for word in sorted(words, key=_is_set):
-        override = read_override(_spelled(word), mistakes)
+    for word in sorted(words, key=sets_parameter):
+        override = read_override(spelled(word), mistakes)
         if override is None:
             continue
         present = replace(plan, subgraphs=subgraphs)
         if not uses_of(present, override.stage):
             _note(override, plan, wishes, mistakes)
-        elif _is_set(word):
+        elif sets_parameter(word):
             _note_parameter(override, present, wishes, mistakes)
         else:
             subgraphs = _note_file(override, present, folder, wishes, mistakes)
@@ -67,7 +68,7 @@ def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change
     if not mistakes:
         _check_outputs(changed, plan, wishes, mistakes)
     if mistakes:
-        raise InputError(told_once(mistakes))
+        raise InputError(as_typed(told_once(mistakes), words))
     new = tuple(stage for stage in changed if stage != wishes[stage.name].old)
     return Change(new, {stage.name: _present(wishes[stage.name].origins, stage) for stage in new}, subgraphs)
 
@@ -96,17 +97,6 @@ class _Wish:
     params: dict[str, Node] = field(default_factory=dict)
     origins: dict[str, Origin] = field(default_factory=dict)
     """What gave each parameter that is no default its value."""
-
-
-def _is_set(word: str) -> bool:
-    """True for STAGE.KEY=VALUE, False for STAGE=USES."""
-    return "." in word.partition("=")[0]
-
-
-def _spelled(word: str) -> str:
-    """STAGE=USES is short for STAGE.uses=USES."""
-    stage, sign, uses = word.partition("=")
-    return f"{stage}.uses={uses}" if sign and not _is_set(word) else word
 
 
 def _note_file(

@@ -39,7 +39,7 @@ _SOURCE = "    source: {uses: toy.camera, with: {frames: 20}}\n"
 
 SYNTAX = [
     Broken("graph", "seed: 7", "params: {x: y.z\nseed¦: 7", "not valid YAML", "flow mapping"),
-    Broken("graph", "seed: 7", "¦\tseed: 7", "not valid YAML: found character that cannot start any token"),
+    Broken("graph", "seed: 7", "¦\tseed: 7", "a tab stands here, and YAML indents by spaces"),
     Broken("graph", "seed: 7", "seed: 7\n¦seed: 8", 'the key "seed" stands here twice', "first in line 4"),
     Broken("graph", "pair: {uses", "pair: {uses: toy.any, ¦uses", 'the key "uses" stands here twice'),
     Broken("graph", "  save:", "  ¦track:", 'the key "track" stands here twice', "keep one"),

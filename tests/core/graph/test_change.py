@@ -73,6 +73,25 @@ def test_what_does_not_fit_is_said(plan: Plan, word: str, said: str) -> None:
     assert said in str(raised.value)
 
 
+@pytest.mark.parametrize(
+    ("word", "typed"),
+    [
+        ("pair=toy.nothing", ("swap:1:1", "pair=toy.nothing", "^^^^")),
+        ("pair=[", ("swap:1:7", "pair=[", "      ^")),
+        ("detect.levle=0.7", ("set:1:8", "detect.levle=0.7", "       ^^^^^")),
+        ("detect.level=2", ("set:1:14", "detect.level=2", "             ^")),
+    ],
+)
+def test_a_mistake_points_at_what_was_typed(plan: Plan, word: str, typed: tuple[str, str, str]) -> None:
+    with pytest.raises(InputError) as raised:
+        changed_stages(plan, [word])
+    place, text, caret = typed
+    said, line, below = raised.value.mistakes[0].render().splitlines()[:3]
+    assert said.startswith(f"{place}: ")
+    assert line == f"    1 | {text}"
+    assert below.startswith(f"      | {caret} ")
+
+
 def test_paths_are_relative_to_the_folder_of_who_asks(plan: Plan, tmp_path: Path) -> None:
     (tmp_path / "here").mkdir()
     (tmp_path / "here" / "mask.png").write_text("")
