@@ -280,7 +280,7 @@ class Stage:
 
         Of a table the first rows are read; a run reads the whole in `setup`. member: that the instance
         serves. A mistake in a file has its place there; a text that begins with "PARAMETER: " is about the
-        value of that parameter. InputError may be raised instead.
+        value of that parameter. One with `warning` does not stop the run. InputError may be raised instead.
         """
         return ()
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Literal
 
 import cv2
 import numpy as np
 
-from followspot import Array, Camera, Context, Field, Source, Stage, StageParams, at
+from followspot import Array, Camera, Context, Field, Room, Source, Stage, StageParams, at
+from followspot.errors import Mistake
 from followspot.geometry import project, ray
+from followspot.room import Member
 from followspot.tracking import Frame
 from followspot_cameras.video import Video
 
@@ -39,6 +42,11 @@ class RectifiedVideo(Stage):
         lens: Lens = Field(description="the camera that took the video")
 
     params: Params
+
+    @classmethod
+    def check_files(cls, params: Params, room: Room, member: Member | None) -> Iterable[Mistake]:
+        """Warn if the file is cut off."""
+        return Video.check_files(params, room, member)
 
     def setup(self) -> None:
         """Open the file and prepare the mapping. Raises InputError as `cameras.video`."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from followspot import Field, InputPath, Source, Stage, StageParams, at
 from followspot.errors import InputError, Mistake
 from followspot.files import require_regular
 from followspot.frame_times import capture_time, exact_rate
+from followspot.room import Member, Room
 from followspot.tracking import Frame
 from followspot_cameras.container import cut_off
 from followspot_cameras.picture import as_frame, check_size, color_buffer
@@ -34,6 +35,13 @@ class Video(Stage):
 
     params: Params
     capture = cv2.VideoCapture()  # plays nothing until setup
+
+    @classmethod
+    def check_files(cls, params: Params, room: Room, member: Member | None) -> Iterable[Mistake]:
+        """Warn if the file is cut off: it plays, and its end would come as a surprise."""
+        if missing := cut_off(params.path):
+            text = f"path: {params.path.name} ends early{missing}"
+            yield Mistake(None, text, "copy the recording again", warning=True)
 
     def setup(self) -> None:
         """Open the file. Raises InputError if it is no video, has another size or states no frame rate."""

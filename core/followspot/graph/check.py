@@ -73,7 +73,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
         if len(classes) == len(expanded.instances):  # else one that is not known may be live
             mistakes += sampled
     _check_outputs(stages, mistakes)
-    check_files(stages, expanded.room, mistakes)
+    doubts = check_files(stages, expanded.room, mistakes)
     room = _checked_room(expanded, mistakes)
     notes = (*expanded.notes, *notes)
     return Checked(
@@ -84,7 +84,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
         tuple(edges),
         notes,
         tuple(risks(stages, edges)),
-        () if mistakes else tuple(warnings(stages, edges, expanded)),
+        () if mistakes else (*doubts, *warnings(stages, edges, expanded)),
         subgraph_ports(expanded.outputs, stages, expanded.room),
         expanded.room_node,
         expanded.subgraphs,

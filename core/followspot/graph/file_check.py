@@ -12,13 +12,18 @@ from followspot.room import Room
 from followspot.stage_params import PathIn
 
 
-def check_files(stages: Sequence[CheckedStage], room: Room, mistakes: list[Mistake]) -> None:
-    """Note what stages find in their files: at the place in the file, together with that of the path."""
+def check_files(stages: Sequence[CheckedStage], room: Room, mistakes: list[Mistake]) -> list[Mistake]:
+    """Note what stages find in their files: at the place in the file, together with that of the path.
+
+    Returns the warnings among them.
+    """
+    warnings: list[Mistake] = []
     for checked in stages:
         for mistake in _found(checked, room):
             place = _place(checked, mistake)
             at = place if mistake.place is None else mistake.place.within(place)
-            mistakes.append(replace(mistake, place=at))
+            (warnings if mistake.warning else mistakes).append(replace(mistake, place=at))
+    return warnings
 
 
 def _found(checked: CheckedStage, room: Room) -> Iterator[Mistake]:

@@ -1,5 +1,6 @@
 """A video file as a camera."""
 
+import json
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -10,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.plugins.cameras.recordings import SIZE, context, numbers, record
 
-from followspot import InputError
+import followspot as fs
+from followspot import InputError, Room, room_file
 from followspot.frame_times import capture_time, exact_rate
 from followspot_cameras.video import Video
 
@@ -85,6 +87,29 @@ def test_truncated_file_warns_how_far_it_went(tmp_path: Path, name: str) -> None
     assert 0 < len(frames) < 20
     (warning,) = warnings
     assert warning.startswith(f"{name} ended after {len(frames)} of 20 frames (the file is cut off: ")
+
+
+@pytest.mark.parametrize("uses", ["cameras.video", "cameras.rectified_video"])
+def test_a_file_that_is_cut_off_is_a_warning_of_check_where_its_path_is_written(
+    tmp_path: Path, uses: str
+) -> None:
+    path = record(tmp_path / "a.avi")
+    (camera,) = context().room.cameras.values()
+    room_file.save(Room("r", {camera.name: camera}), tmp_path / "room.yaml")
+    lens = {"size": SIZE, "matrix": camera.matrix.tolist(), "distortion": [], "rotation": np.eye(3).tolist()}
+    params = {"path": str(path), **({"lens": lens} if uses == "cameras.rectified_video" else {})}
+    (tmp_path / "graph.yaml").write_text(
+        "graph: g\nroom: room.yaml\nstages:\n"
+        f"  camera: {{uses: {uses}, each: cameras, with: {json.dumps(params)}}}\n"
+        "  save: {uses: sinks.draw, each: cameras, in: {frames: camera}}\n"
+    )
+    assert [m.text for m in fs.check(tmp_path / "graph.yaml")] == []
+    path.write_bytes(path.read_bytes()[:-100])
+    (mistake,) = fs.check(tmp_path / "graph.yaml")
+    assert mistake.text.startswith("path: a.avi ends early (the file is cut off: ")
+    assert mistake.warning
+    assert mistake.place is not None
+    assert mistake.place.line == 4
 
 
 def test_mp4_without_its_end_is_refused_as_cut_off(tmp_path: Path) -> None:
