@@ -20,6 +20,10 @@ ROOT = Path(__file__).resolve().parents[1]
 WEB = ROOT / "web"
 STATIC = ROOT / "tools" / "commands" / "followspot_page" / "static"
 LOCK = WEB / "package-lock.json"
+OFFLINE = ("ENOTFOUND", "EAI_AGAIN", "ECONNREFUSED", "ECONNRESET", "ETIMEDOUT", "ENETUNREACH", "EHOSTUNREACH")
+"""What npm says where it reaches nobody."""
+UNREACHED = 3
+"""The exit code then; others say that something is wrong here."""
 LICENSE = STATIC / "three.LICENSE"
 """The last file that is written: the bundle contains three.js."""
 
@@ -51,8 +55,14 @@ def _alone() -> Iterator[None]:
 
 
 def _install() -> None:
-    if not _newer(WEB / "node_modules" / ".package-lock.json", [LOCK]):
-        _npm("ci", "--loglevel=error")
+    if _newer(WEB / "node_modules" / ".package-lock.json", [LOCK]):
+        return
+    done = _npm("ci", "--loglevel=error", "--fetch-retries=1", stderr=subprocess.PIPE)
+    if any(f"code {word}" in done.stderr for word in OFFLINE):
+        print("the page is made of packages from npm, which cannot be reached", file=sys.stderr)
+        sys.exit(UNREACHED)
+    if done.returncode:
+        sys.exit(f"{done.stderr}web: npm ci failed")
 
 
 def _newer(made: Path, sources: Sequence[Path]) -> bool:
@@ -60,16 +70,17 @@ def _newer(made: Path, sources: Sequence[Path]) -> bool:
 
 
 def _script(*words: str) -> None:
-    _npm("run", "--silent", *words)
+    if _npm("run", "--silent", *words).returncode:
+        sys.exit(f"web: npm run {words[0]} failed")
 
 
-def _npm(*words: str) -> None:
+def _npm(*words: str, stderr: int | None = None) -> subprocess.CompletedProcess[str]:
     node = _node()
     npm = node.parents[1] / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
     path = os.pathsep.join([str(node.parent), os.environ.get("PATH", "")])
-    done = subprocess.run([node, npm, *words], cwd=WEB, env={**os.environ, "PATH": path})
-    if done.returncode:
-        sys.exit(f"web: npm {' '.join(words)} failed")
+    return subprocess.run(
+        [node, npm, *words], cwd=WEB, env={**os.environ, "PATH": path}, stderr=stderr, text=True
+    )
 
 
 def _node() -> Path:

@@ -22,7 +22,7 @@ from urllib.request import urlopen
 import pytest
 from tests.core.worker.solo import Solo
 from tests.integration.hosts import Agent, near_agent
-from tests.tools.page.browser import CHROMIUM, browser
+from tests.tools.page.browser import CHROMIUM, Browser, browser
 from tests.tools.page.bundled import bundle
 from websockets.sync.client import ClientConnection, connect
 
@@ -200,7 +200,7 @@ def test_a_watched_run_on_two_hosts_is_the_same_and_the_page_ends_with_it(
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")
-def test_a_browser_shows_pictures_room_and_graph(tmp_path: Path) -> None:
+def test_a_browser_shows_pictures_room_and_graph_and_holds_a_replay(tmp_path: Path) -> None:
     endless = ("--set", "camera.frames=0")  # however long the browser takes to begin
     with (
         watched(tmp_path / "run", "--quiet", *endless) as (process, url),
@@ -215,39 +215,27 @@ def test_a_browser_shows_pictures_room_and_graph(tmp_path: Path) -> None:
         chromium.press("Enter")
         chromium.wait("document.querySelectorAll('#detail td').length > 20")
         assert chromium.ask("document.querySelector('#detail h2').textContent") == "camera · sim.camera"
+        pause_step_and_resume(chromium)
         process.send_signal(signal.SIGINT)
         process.communicate(timeout=60)
         chromium.wait("document.querySelector('#life').dataset.life === 'ended'")
         assert [error for error in chromium.errors if "ERR_CONNECTION" not in error] == []
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")
-def test_the_buttons_of_a_browser_pause_step_and_resume_a_replay(tmp_path: Path) -> None:
-    endless = ("--set", "camera.frames=0")
+def pause_step_and_resume(chromium: Browser) -> None:
+    """By the buttons of the page."""
     toggle, step, status = (f"document.querySelector('#player').children[{i}]" for i in range(3))
-    with (
-        watched(tmp_path / "run", "--quiet", *endless) as (process, url),
-        browser(tmp_path / "c") as chromium,
-    ):
-        chromium.open(url, 1024, 768)
-        chromium.wait("document.querySelector('#life').dataset.life === 'running'")
-        chromium.wait("!document.querySelector('#player').hidden")
-        chromium.ask(f"{toggle}.click()")
-        chromium.wait("document.querySelector('#life').dataset.life === 'paused'")
-        chromium.wait(f"{toggle}.textContent === 'resume'")
-        for _ in range(2):
-            before = chromium.ask(f"{status}.textContent")
-            chromium.ask(f"{step}.click()")
-            reached = f"{status}.textContent"
-            chromium.wait(f"{reached}.startsWith('at ') && {reached} !== {json.dumps(before)}")
-        places = (
-            "[...document.querySelectorAll('#player button, #record')].map(b => b.getBoundingClientRect())"
-        )
-        assert chromium.ask(
-            f"{places}.every((p, i, all) => !i || all[i - 1].right <= p.left)"
-        )  # none overlaps
-        chromium.ask(f"{toggle}.click()")
-        chromium.wait("document.querySelector('#life').dataset.life === 'running'")
-        process.send_signal(signal.SIGINT)
-        process.wait(timeout=60)
-        assert [error for error in chromium.errors if "ERR_CONNECTION" not in error] == []
+    chromium.wait("!document.querySelector('#player').hidden")
+    chromium.ask(f"{toggle}.click()")
+    chromium.wait("document.querySelector('#life').dataset.life === 'paused'")
+    chromium.wait(f"{toggle}.textContent === 'resume'")
+    for _ in range(2):
+        before = chromium.ask(f"{status}.textContent")
+        chromium.ask(f"{step}.click()")
+        reached = f"{status}.textContent"
+        chromium.wait(f"{reached}.startsWith('at ') && {reached} !== {json.dumps(before)}")
+    places = "[...document.querySelectorAll('#player button, #record')].map(b => b.getBoundingClientRect())"
+    beside = "(!i || all[i - 1].right <= p.left || all[i - 1].bottom <= p.top)"
+    assert chromium.ask(f"{places}.every((p, i, all) => {beside})")  # none overlaps
+    chromium.ask(f"{toggle}.click()")
+    chromium.wait("document.querySelector('#life').dataset.life === 'running'")

