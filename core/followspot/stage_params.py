@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 import pydantic
 
@@ -55,7 +55,8 @@ class StageParams(pydantic.BaseModel):
     """Base of every stage's parameters: immutable, unknown names are errors.
 
     Beside the limits of each parameter, these hold for all: whole numbers fit into 64 bits, other numbers are
-    0 or from `SMALLEST` to `LARGEST` in absolute value, and texts contain no NUL.
+    0 or from `SMALLEST` to `LARGEST` in absolute value, texts contain no NUL, and no number `minimum_x` is
+    more than `maximum_x`.
     """
 
     model_config = pydantic.ConfigDict(
@@ -67,6 +68,21 @@ class StageParams(pydantic.BaseModel):
     def _check_values(cls, value: Any) -> Any:
         _check(value)
         return value + 0.0 if isinstance(value, float) else value  # -0.0 is below no limit, and becomes 0.0
+
+    @pydantic.model_validator(mode="after")
+    def _check_pairs(self) -> Self:
+        """Raises ValueError where `minimum_x` is more than `maximum_x`."""
+        values = dict(self)
+        for name, least in values.items():
+            other = name.replace("minimum_", "maximum_", 1) if name.startswith("minimum_") else ""
+            most = values.get(other)
+            if _is_number(least) and _is_number(most) and least > most:
+                raise ValueError(f"{name} {least:g} is more than {other} {most:g}")
+        return self
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float)
 
 
 def _check(value: Any) -> None:

@@ -1,24 +1,26 @@
 // An open card: its parameters, its instances and its edges. Beside the cameras, on a phone below the card.
 import { stageOf } from "./figures.ts";
-import { Form } from "./form.ts";
+import { Form, Undo } from "./form.ts";
 import { make } from "./make.ts";
 import { edgeTable, stageTable } from "./tables.ts";
 import type { Answer, Ask, Change, FormData, Run, StageAbout } from "./told.ts";
 
 export class Detail {
   forms: Record<string, FormData> = {};
-  private form: { group: string; made: Form | null } | null = null;
+  private form: { about: StageAbout; made: Form | null } | null = null;
   private readonly figures = make("div");
   private readonly element: HTMLElement;
   private readonly home: HTMLElement;
   private readonly below = make("li", "", { className: "opened" });
-  private readonly send: Ask<Change>;
+  private readonly back = make("button", "", { type: "button", className: "undo", hidden: true });
+  private readonly undo: Undo;
   private readonly close: () => void;
+  private said: Answer | null = null; // the newest answer
 
   constructor(element: HTMLElement, send: Ask<Change>, close: () => void) {
     this.element = element;
     this.home = element.parentElement ?? document.body;
-    this.send = send;
+    this.undo = new Undo(send);
     this.close = close;
   }
 
@@ -33,20 +35,21 @@ export class Detail {
     this.put(card);
     if (about === null) return;
     const { group } = about;
-    const said = this.form?.group === group ? this.form.made : null;
     const form = this.forms[group];
-    const made = form ? new Form(group, about, form, this.send) : null;
-    this.form = { group, made };
-    if (said) made?.say(said.answer.textContent, said.answer.dataset.ok !== "false");
+    const made = form ? new Form(about, form, (change, before) => this.undo.ask(change, before)) : null;
+    this.form = { about, made };
+    this.back.onclick = () => this.undo.undo(group);
     const params = Object.entries(about.params).map(([key, value]) => `${key} ${JSON.stringify(value)}`);
     const button = make("button", "×", { type: "button", className: "close", onclick: this.close });
     button.setAttribute("aria-label", "close");
     this.element.replaceChildren(
       button,
       make("h2", `${group} · ${about.uses}`),
+      this.back,
       made?.element ?? make("p", params.join("   ") || "no parameters"),
       this.figures,
     );
+    if (this.said) this.say(this.said);
   }
 
   tell(members: Set<string>, run: Run): void {
@@ -61,8 +64,20 @@ export class Detail {
     );
   }
 
-  answer({ text, ok }: Answer): void {
-    this.form?.made?.say(text, ok);
+  answer(answer: Answer): void {
+    this.undo.answer(answer.to, answer.ok);
+    this.said = answer;
+    this.say(answer);
+  }
+
+  private say({ to, text, ok }: Answer): void {
+    if (!this.form) return;
+    const { about, made } = this.form;
+    const change: Change = JSON.parse(to);
+    if (change.stage === about.group) made?.say(change.key, text, ok);
+    const last = this.undo.last(about.group);
+    this.back.hidden = last === "";
+    this.back.textContent = `undo: back to ${last}`;
   }
 
   private put(card: HTMLElement | null): void {

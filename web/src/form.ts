@@ -1,63 +1,75 @@
 // What can be changed of a stage while it works: its parameters, and which stage it is.
+import { choice, Field, parameterField, textOf } from "./field.ts";
 import { make } from "./make.ts";
-import type { Ask, Change, FormData, StageAbout, Value } from "./told.ts";
-
-type Control = HTMLInputElement | HTMLSelectElement;
+import type { Ask, Change, FormData, StageAbout } from "./told.ts";
 
 export class Form {
   readonly element = make("form", "", { onsubmit: (event) => event.preventDefault() });
-  readonly answer = make("p", "", { className: "answer" });
+  private readonly fields = new Map<string, Field>(); // "" for which stage it is
 
-  // send: gets the change; its key "" lets another stage take the place.
-  constructor(group: string, about: StageAbout, form: FormData, send: Ask<Change>) {
-    this.answer.setAttribute("role", "status");
-    const ask = (key: string) => (value: string) => {
-      this.say("…", true);
-      send({ stage: group, key, value });
+  // send: gets the change, and what was before; its key "" lets another stage take the place.
+  constructor(about: StageAbout, form: FormData, send: (change: Change, before: string) => void) {
+    const ask = (key: string, before: string) => (value: string) => {
+      this.say(key, "…", true);
+      send({ stage: about.group, key, value }, before);
     };
     if (form.alternatives.length > 1) {
-      const title = "another stage takes the place of this one";
-      this.element.append(field("stage", choice(form.alternatives, about.uses), ask(""), title));
+      const words = "another stage can take the place of this one";
+      const select = choice(form.alternatives, about.uses);
+      this.fields.set("", new Field("stage", "", words, [select], ask("", about.uses)));
     }
     for (const parameter of form.parameters) {
-      const value = about.params[parameter.name];
-      const title = [parameter.description, parameter.range].filter(Boolean).join(" · ");
-      const unit = parameter.unit && parameter.unit !== "1" ? ` ${parameter.unit}` : "";
-      const control = input(value, parameter.range);
-      this.element.append(field(parameter.name + unit, control, ask(parameter.name), title));
+      const value = about.params[parameter.name] ?? null;
+      this.fields.set(parameter.name, parameterField(parameter, value, ask(parameter.name, textOf(value))));
     }
-    this.element.append(this.answer);
+    this.element.append(...[...this.fields.values()].map(({ element }) => element));
   }
 
-  say(text: string, ok: boolean): void {
-    this.answer.textContent = text;
-    this.answer.dataset.ok = String(ok);
+  // What became of a change.
+  say(key: string, text: string, ok: boolean): void {
+    this.fields.get(key)?.say(text, ok);
   }
 }
 
-function field(
-  name: string,
-  control: Control,
-  ask: (value: string) => void,
-  title: string,
-): HTMLLabelElement {
-  const label = make("label", name, { title });
-  const isBox = control instanceof HTMLInputElement && control.type === "checkbox";
-  control.onchange = () => ask(isBox ? String(control.checked) : control.value);
-  label.append(control);
-  return label;
+interface Asked {
+  change: Change;
+  before: string;
+  undoes: boolean;
 }
 
-function choice(values: string[], now: Value): HTMLSelectElement {
-  const select = make("select");
-  select.append(...values.map((value) => make("option", value, { value, selected: value === now })));
-  return select;
-}
+// Changes that were made from this page, so that they can be taken back.
+export class Undo {
+  private readonly asked = new Map<string, Asked>(); // by its JSON
+  private readonly made: Asked[] = [];
+  private readonly send: Ask<Change>;
 
-function input(value: Value, range: string): Control {
-  if (range.includes(" | ")) return choice(range.split(" | "), value);
-  if (typeof value === "boolean") return make("input", "", { type: "checkbox", checked: value });
-  const text = typeof value === "string" ? value : JSON.stringify(value);
-  const inputMode = typeof value === "number" ? "decimal" : "text";
-  return make("input", "", { type: "text", value: text, inputMode, size: Math.max(6, text.length) });
+  constructor(send: Ask<Change>) {
+    this.send = send;
+  }
+
+  ask(change: Change, before: string, undoes = false): void {
+    this.asked.set(JSON.stringify(change), { change, before, undoes });
+    this.send(change);
+  }
+
+  // to: the change that was answered, JSON.
+  answer(to: string, ok: boolean): void {
+    const asked = this.asked.get(to);
+    this.asked.delete(to);
+    if (ok && asked && !asked.undoes && asked.before !== asked.change.value) this.made.push(asked);
+  }
+
+  // The newest change of a stage, in words; "" where there is none.
+  last(stage: string): string {
+    const found = this.made.findLast(({ change }) => change.stage === stage);
+    return found ? `${found.change.key || "stage"} = ${found.before}` : "";
+  }
+
+  // Takes the newest change of a stage back.
+  undo(stage: string): void {
+    const at = this.made.findLastIndex(({ change }) => change.stage === stage);
+    if (at < 0) return;
+    const [{ change, before }] = this.made.splice(at, 1);
+    this.ask({ ...change, value: before }, change.value, true);
+  }
 }

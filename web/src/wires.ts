@@ -88,7 +88,7 @@ function besideOf(link: Link, { corners, stack }: Route, center: number): SVGEle
   if (corners.length === 2) {
     const left = (v0 + v1) / 2 < center - 1;
     const x = (v0 + v1) / 2 + (left ? -5 : 5);
-    return [words(x, u0 + 20 + TIGHT * stack, left ? "end" : "start", text, loss)];
+    return [words(x, u0 + 18 + TIGHT * stack, left ? "end" : "start", text, loss)];
   }
   const [turn, lane] = corners[3];
   const behind = lane > corners[5][1];

@@ -130,6 +130,9 @@ def _mistake(detail: Any, stage: type[Stage], noun: str, params: Mapping[str, No
         known = did_you_mean(word, fields, "parameters") if len(location) == 1 else "remove it"
         return Mistake(node.key, f'{noun} has no parameter "{name}"', known)
     problem = str(detail["msg"]).replace("Input should", "it must").replace("Value error, ", "")
+    if not location:  # values that do not go together
+        one = next((value for key, value in params.items() if key in problem.split()), None)
+        return Mistake(one.place if one is not None else place, f"{noun} cannot be so: {problem}")
     given = f" {detail['input']!r}" if isinstance(detail["input"], str | int | float | bool) else " this"
     text = f'"{name}" of {noun} cannot be{given}: {problem}'
     return Mistake(node.place if node is not None else place, text, _about(fields.get(top)).lstrip(", "))

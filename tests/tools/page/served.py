@@ -74,7 +74,7 @@ class Shown:
         )
 
     def change(self, request: ChangeStages) -> Changed:
-        if request.words == ("fuse.maximum_iterations=-1",):
+        if request.words[0].endswith("fuse.maximum_iterations=-1"):
             raise FollowspotError("maximum_iterations must be at least 1")
         self.asked.append(list(request.words))
         return Changed("it", "glowballs", (ChangedStage(request.words[0], "", "", {}),))

@@ -9,10 +9,12 @@ from pathlib import Path
 import pytest
 
 from followspot.errors import FollowspotError, InputError
+from followspot.graph.change import change_of
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot_page import asked
 from followspot_page.asked import order_of
+from followspot_page.changing import sentence
 from followspot_page.hooks import checked, configure
 from followspot_page.showing import PageOrder, shown
 from followspot_page.taps import longest_side, shown_ports, tappings
@@ -92,3 +94,14 @@ def test_previews_have_as_many_pixels_whatever_their_shape() -> None:
     assert width * width * 260 / 1396 == pytest.approx(320 * 240, rel=0.01)
     assert longest_side((240, 320)) == 320
     assert longest_side((10_000, 10)) == 1280
+
+
+def test_what_is_wrong_with_a_value_is_one_sentence(plan: Plan) -> None:
+    for words, told in {
+        "color.minimum_area=-7": '"minimum_area" cannot be -7: it must be greater than 0',
+        "color.minimum_area=7": "minimum_area 7 is more than maximum_area 1.5",
+    }.items():
+        with pytest.raises(InputError) as caught:
+            change_of(plan, [words])
+        assert sentence(str(caught.value)) == told
+    assert sentence("the run has ended") == "the run has ended"

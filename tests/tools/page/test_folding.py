@@ -111,6 +111,13 @@ def test_a_sub_graph_is_one_card_that_unfolds_and_stays_so(opened: Opened) -> No
     press(chromium, "fuse")
     assert chromium.ask("document.querySelector('#detail h2').textContent").startswith("all/hall/fuse · ")
 
+    field = "[...document.querySelectorAll('.field')].find((f) => /^maximum_iterations/.test(f.innerText))"
+    enter = "const i = {}.querySelector('input'); i.value = {}; i.dispatchEvent(new Event('change'));"
+    chromium.ask(enter.format(field, -1))
+    chromium.wait(f"{field}.querySelector('[data-ok=false]')?.innerText.endsWith('must be at least 1')")
+    assert chromium.ask("document.querySelectorAll('[data-ok=false]').length") == 1
+    assert "30 by default" in chromium.ask(f"{field}.innerText")  # without hovering
+
     page.status = status(plan, "waiting")
     chromium.wait("document.querySelector('#pipeline .subgraph .state').dataset.state === 'waiting'")
     fuse = {"maximum_iterations": 77}

@@ -5,6 +5,7 @@ A browser sends words, not data. This module checks the words; the run checks th
 
 from __future__ import annotations
 
+import re
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
@@ -73,6 +74,16 @@ def wish_of(text: str) -> Wish:
         return _WISH.validate_json(text)
     except (ValueError, RecursionError):
         raise FollowspotError("this is nothing that can be asked for") from None
+
+
+def sentence(error: str) -> str:
+    """What is wrong, for beside the field: without the place in the command, and without the stage."""
+    first = error.splitlines()[0] if error else ""
+    return _STAGE.sub("", _PLACE.sub("", first))
+
+
+_PLACE = re.compile(r"^\S+:\d+:\d+: ")
+_STAGE = re.compile(r'^stage "[^"]*" \([^)]*\) cannot be so: | of stage "[^"]*" \([^)]*\)')
 
 
 def words_of(change: Change, plan: Plan) -> list[str]:

@@ -19,7 +19,7 @@ from followspot_dashboard.gate import Gate
 from followspot_page import metrics
 from followspot_page.address import is_loopback
 from followspot_page.browser import Browser
-from followspot_page.changing import Hold, Record, forms, wish_of, words_of
+from followspot_page.changing import Hold, Record, forms, sentence, wish_of, words_of
 from followspot_page.crowd import Crowd
 from followspot_page.feed import Feed, Previews
 from followspot_page.follow import plan_of
@@ -120,9 +120,15 @@ class Page:
         return await self._change(self.ask, words_of(asked, self.plan))
 
     async def _change(self, run: RunHandle, words: list[str]) -> str:
-        answer = await asyncio.to_thread(run.change, words)
+        try:
+            answer = await asyncio.to_thread(run.change, words)
+        except FollowspotError as error:
+            raise FollowspotError(sentence(str(error))) from error
         self.show(await plan_of(run))
-        return "; ".join(stage.text for stage in answer.stages) or "it is so already"
+        told = dict.fromkeys(
+            stage.text.partition(": ")[2] for stage in answer.stages
+        )  # once, not once a camera
+        return "; ".join(told) or "it is so already"
 
     async def _hold(self, run: RunHandle, asked: Hold) -> str:
         if asked.hold == "step":
