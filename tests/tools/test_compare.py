@@ -19,12 +19,12 @@ from followspot.testing.tiny_room import tiny_room
 from followspot_accuracy import TargetScore, TrackTable, TruthTable
 from followspot_accuracy.targets.figures import Recoveries
 from followspot_compare.columns import COLUMNS
-from followspot_compare.command import plan_scenes
+from followspot_compare.command import Scene, plan_scenes, unchanged
 from followspot_compare.plot import MISSING, draw
 from followspot_compare.recorded import detection_errors, pair_counts, read_fused
 from followspot_compare.report import Comparison, data, text
 from followspot_compare.trial import TargetFigures, Trial, recovery_of
-from followspot_compare.variants import read_variants
+from followspot_compare.variants import Variant, read_variants
 
 ROOT = Path(__file__).parents[2]
 RECORDED = str(ROOT / "graphs/experiments/recorded.yaml")
@@ -110,6 +110,19 @@ def test_variants_run_on_the_same_recording_and_are_held_against_the_first(
     assert mean["iterations"] == [sum(mean["iterations"])]
     assert (tmp_path / "simulated/mean/tracks.csv").is_file()
     assert json.loads((tmp_path / "compare.json").read_text()) == result
+    assert result["unchanged"] == []
+
+
+def test_a_variant_that_writes_the_files_of_the_first_is_named(tmp_path: Path) -> None:
+    variants = [Variant(name, "a.yaml", ()) for name in ("first", "same", "other", "half")]
+    scenes = [Scene("hall", ()), Scene("stage", ())]
+    for scene in scenes:
+        for variant in variants:
+            folder = tmp_path / scene.name / variant.name
+            folder.mkdir(parents=True)
+            differs = variant.name == "other" or (variant.name == "half" and scene.name == "stage")
+            (folder / "tracks.csv").write_text("2" if differs else "1")
+    assert unchanged(variants, scenes, tmp_path) == ("same",)
 
 
 def test_mistakes_of_all_variants_come_at_once_and_nothing_runs(

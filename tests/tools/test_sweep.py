@@ -14,6 +14,7 @@ from followspot.cli.main import main
 from followspot.errors import InputError
 from followspot_sweep.axes import MAX_POINTS, Axis, points, read_axes
 from followspot_sweep.figures import figures_of
+from followspot_sweep.idle import idle
 from followspot_sweep.plot import PLOT, draw
 from followspot_sweep.table import best, rows, text, write
 from followspot_sweep.trial import SUMMARY, Result, Task, folder_name, kept, run
@@ -141,6 +142,32 @@ def test_a_run_that_fails_says_why_and_is_not_kept(tmp_path: Path) -> None:
     task = Task("studio", (("a.x", "1"),), ("run", str(tmp_path / "none.yaml")), tmp_path, "")
     assert "cannot read" in run(task, lambda process: None).error
     assert kept(task) is None
+
+
+@pytest.mark.parametrize(
+    ("written", "error", "found"),
+    [
+        ({"1": "a", "2": "a"}, "", ["a.x"]),
+        ({"1": "a", "2": "b"}, "", []),
+        ({"1": "a", "2": "a"}, "it was stopped", []),
+        ({"1": None, "2": None}, "", []),
+    ],
+)
+def test_a_parameter_whose_values_give_the_same_files_changes_nothing(
+    tmp_path: Path, written: dict[str, str | None], error: str, found: list[str]
+) -> None:
+    """The other axis changes the files; a run's summary tells its times, and does not count."""
+    axes = (Axis("a.x", ("1", "2")), Axis("b.y", ("3", "4")))
+    results = []
+    for point in points(axes):
+        values = dict(point)
+        task = Task("studio", point, (), tmp_path / folder_name(point), "")
+        task.folder.mkdir()
+        (task.folder / SUMMARY).write_text(repr(point))
+        if (text := written[values["a.x"]]) is not None:
+            (task.folder / "tracks.csv").write_text(text + values["b.y"])
+        results.append(Result(task, {}, error))
+    assert idle(results, axes) == found
 
 
 def test_a_sweep_runs_every_point_once_and_goes_on_where_it_was(

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from followspot.plugins.hooks import Command
+
+if TYPE_CHECKING:
+    from followspot.plugins.registry import StageEntry
 
 KINDS = {
     "plain": "",
@@ -48,22 +52,27 @@ def _run(args: argparse.Namespace) -> int:
       followspot plugins balls.mean_shift
     """
     from followspot.plugins.description import describe
-    from followspot.plugins.registry import load_stage, use_plugin_files
+    from followspot.plugins.registry import PluginError, file_stages, load_stage, stage_names
 
-    use_plugin_files(args.plugin_files)
+    files = file_stages(args.plugin_files)
+    broken = [entry for entry in files if entry.state == "broken"]
     if args.name is None:
-        return _list(as_json=args.json)
+        _list(files, as_json=args.json)
+        return 1 if broken else 0
+    if broken and args.name not in stage_names():
+        raise PluginError(broken[0].problem)
     described = describe(args.name, load_stage(args.name))
     print(json.dumps(described, indent=2) if args.json else _page(described))
     return 0
 
 
-def _list(*, as_json: bool) -> int:
+def _list(files: Sequence[StageEntry], *, as_json: bool) -> None:
+    """Print the installed stages and hooks, and the stages of one-file plugins."""
     from followspot.plugins.hooks import load_hooks
     from followspot.plugins.registry import catalogue, examined
     from followspot.tables import table
 
-    stages = [examined(entry) for entry in catalogue().values()]
+    stages = [*(examined(entry) for entry in catalogue().values()), *files]
     hooks = load_hooks().modules
     if as_json:
         print(json.dumps({"stages": [vars(s) for s in stages], "hooks": [vars(h) for h in hooks]}, indent=2))
@@ -71,7 +80,6 @@ def _list(*, as_json: bool) -> int:
         rows = [(s.name, s.distribution, s.state, s.problem) for s in stages]
         rows += [(f"({h.name})", h.distribution, "broken" if h.problem else "ok", h.problem) for h in hooks]
         print(table(("stage (hooks)", "distribution", "state", "problem"), rows))
-    return 0
 
 
 def _page(described: dict[str, Any]) -> str:

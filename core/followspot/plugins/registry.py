@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from importlib.metadata import Distribution, EntryPoint, entry_points, version
 from itertools import groupby
+from pathlib import Path
 from types import MappingProxyType
 from typing import Literal
 
@@ -68,6 +69,18 @@ def use_plugin_files(paths: Sequence[str]) -> None:
                     f"{path}: stage {stage.name} is already offered by {taken}; rename the file"
                 )
             _files[stage.name] = stage
+
+
+def file_stages(paths: Sequence[str]) -> list[StageEntry]:
+    """The stages of one-file plugins, as far as these can be loaded; any other file is one broken entry."""
+    broken = []
+    for path in paths:
+        try:
+            use_plugin_files([path])
+        except FollowspotError as error:
+            broken.append(StageEntry(Path(path).stem, path, path, state="broken", problem=str(error)))
+    stages = [one for one in _files.values() if one.path in paths]
+    return [*(StageEntry(one.name, one.stage.__qualname__, one.path) for one in stages), *broken]
 
 
 _offered: dict[str, type[Stage]] = {}

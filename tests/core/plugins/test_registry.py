@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from tests.core.plugins.packages import STAGE, install
 
+from followspot.cli.main import main
 from followspot.plugins import registry
 from followspot.plugins.registry import (
     PluginError,
@@ -248,3 +249,20 @@ def test_a_file_cannot_take_a_name_that_is_taken(tmp_path: Path) -> None:
 def test_a_file_that_is_missing_is_one_line(tmp_path: Path) -> None:
     with pytest.raises(registry.FollowspotError, match=r"none\.py cannot be read: No such file"):
         registry.use_plugin_files([str(tmp_path / "none.py")])
+
+
+@pytest.mark.usefixtures("no_files")
+def test_a_broken_file_hides_no_stage_from_the_listing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    broken, keys = one_file(tmp_path, "boom.py", "x = 1 / 0\n"), one_file(tmp_path, "keys.py", STAGE)
+    files = ["--plugin", broken, "--plugin", keys]
+    assert main(["plugins", *files]) == 1
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert ["keys.piano", keys, "ok"] in rows
+    assert ["balls.mean", "followspot", "ok"] in rows
+    (row,) = [row for row in rows if row[:1] == ["boom"]]
+    assert row[1:4] == [broken, "broken", f"{broken}:1:"]
+    assert main(["plugins", "keys.piano", *files]) == 0
+    assert main(["plugins", "boom.piano", *files]) == 1
+    assert "ZeroDivisionError" in capsys.readouterr().err

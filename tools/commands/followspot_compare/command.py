@@ -13,6 +13,7 @@ from pathlib import Path
 from followspot.cli.graph_options import output_folder
 from followspot.cli.progress import ProgressBar
 from followspot.cli.trial_options import check_rooms, planned
+from followspot.cli.trial_outputs import same_outputs
 from followspot.errors import InputError, Mistake
 from followspot.graph.plan import Plan
 from followspot.library.execute import RunOptions, room_truth
@@ -37,13 +38,20 @@ def compare(args: argparse.Namespace) -> int:
     scenes = plan_scenes(variants, args)
     out = output_folder(args.out, "compare")
     trials = [trial for scene in scenes for trial in run_scene(scene, variants, out, args)]
-    comparison = Comparison(tuple(trials))
+    comparison = Comparison(tuple(trials), unchanged(variants, scenes, out))
     print(json.dumps(data(comparison)) if args.json else text(comparison))
     (out / "compare.json").write_text(json.dumps(data(comparison)), encoding="utf-8")
     pictures = draw(comparison, out)
     if not args.json:
         print("\n" + (f"{pictures}\n" if pictures else "") + f"outputs: {out}")
     return 0
+
+
+def unchanged(variants: Sequence[Variant], scenes: Sequence[Scene], out: Path) -> tuple[str, ...]:
+    """The variants that wrote the same files as the first one in every room."""
+    first, *others = (variant.name for variant in variants)
+    folders = [out / scene.name for scene in scenes]
+    return tuple(name for name in others if all(same_outputs(f / first, f / name) for f in folders))
 
 
 def plan_scenes(variants: Sequence[Variant], args: argparse.Namespace) -> tuple[Scene, ...]:

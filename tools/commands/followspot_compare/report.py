@@ -19,6 +19,8 @@ class Comparison:
     """All trials, variant by variant; the first variant is what the others are held against."""
 
     trials: tuple[Trial, ...]
+    unchanged: tuple[str, ...] = ()
+    """Variants whose files are those of the first one, byte for byte."""
 
     @property
     def variants(self) -> tuple[str, ...]:
@@ -95,6 +97,9 @@ def text(comparison: Comparison) -> str:
     parts.append(_speed(comparison))
     if any(comparison.iterations(variant) for variant in comparison.variants):
         parts.append(_iterations(comparison))
+    first = comparison.variants[0]
+    same = [f"{name} changes nothing: its files are those of {first}" for name in comparison.unchanged]
+    parts += ["\n".join(same)] if same else []
     return "\n\n".join(parts)
 
 
@@ -111,6 +116,7 @@ def data(comparison: Comparison) -> dict[str, Any]:
             for v in comparison.variants
         },
         "persons": persons_means(comparison.persons()),
+        "unchanged": list(comparison.unchanged),
     }
 
 

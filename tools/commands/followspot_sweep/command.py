@@ -21,6 +21,7 @@ from followspot.cli.trial_options import check_rooms, planned
 from followspot.errors import InputError
 from followspot.graph.ship import plan_to_data
 from followspot_sweep.axes import Axis, Point, points, read_axes
+from followspot_sweep.idle import idle
 from followspot_sweep.plot import draw
 from followspot_sweep.table import best, rows, text, write
 from followspot_sweep.trial import Result, Task, folder_name, kept, run
@@ -49,10 +50,15 @@ def sweep(args: argparse.Namespace) -> int:
     found = rows(results)
     written = write(found, out)
     drawn = draw(found, axes, args.best, out)
+    without_effect = idle(results, axes)
     if args.json:
-        print(json.dumps({"rows": found, "best": best(found, args.best), "out": str(out)}))
+        whole = {"rows": found, "best": best(found, args.best), "idle": without_effect, "out": str(out)}
+        print(json.dumps(whole))
     else:
-        print(f"{text(found, axes, args.best)}\n\n{written}\n{drawn}\noutputs: {out}")
+        said = "".join(
+            f"\n{name} changes nothing: all its values gave the same files" for name in without_effect
+        )
+        print(f"{text(found, axes, args.best)}\n{said}\n{written}\n{drawn}\noutputs: {out}")
     failed = [result for result in results if result.error]
     for result in failed:
         print(f"followspot: {result.task.folder.name}: {result.error}", file=sys.stderr)
