@@ -1,4 +1,4 @@
-"""Positions of the simulated balls without pictures, with balls hidden for a while. Loaded with --plugin."""
+"""Simulated balls that are hidden for a while, with pictures and without. Loaded with --plugin."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from followspot import Field, Outputs, Source, Stage, StageParams, at
 from followspot.inertial import Inertial
-from followspot.tracking import Positions
+from followspot.tracking import Frame, Positions
 from followspot_sim.parameters import SimParams
 from followspot_sim.truth import SimTruth
 
@@ -56,6 +56,22 @@ class Seen(Stage):
             iterations=np.zeros(count, "i4"),
             predicted=np.zeros(count, bool),
         )
+
+
+class Curtain(Stage):
+    """A black curtain before a camera for a while."""
+
+    class Params(StageParams):
+        """When it is closed."""
+
+        begin: float = Field(5.0, unit="s", description="time at which it closes")
+        duration: float = Field(1.0, unit="s", description="time until it opens again")
+
+    params: Params
+
+    def process(self, frame: Frame) -> Frame:
+        closed = 0 <= frame.header.time * 1e-9 - self.params.begin < self.params.duration
+        return Frame(frame.camera, np.zeros_like(frame.pixels) if closed else frame.pixels)
 
 
 class Belated(Stage):
