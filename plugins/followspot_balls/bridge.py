@@ -50,8 +50,8 @@ class Bridge(Stage):
             3.0,
             gt=0,
             unit="sigma",
-            description="distance from the forecast beyond which a single view replaces a position from a "
-            "single weak pair; raising it lets targets jump",
+            description="distance from the forecast beyond which a position from a single weak pair is left "
+            "out, and a single view takes its place; raising it lets targets jump",
         )
         resting_clearance: float = Field(
             0.03,
@@ -76,8 +76,13 @@ class Bridge(Stage):
         self, positions: Positions, blobs: Joined[Blobs], forecast: Latest[Forecast] = None
     ) -> Positions:
         wanting = tracked_targets(forecast, len(self.radius))
-        wanting[positions.target] &= self.doubtful(positions, forecast)
-        if forecast is None or not wanting.any() or not any(len(b.xy) for b in blobs):
+        if forecast is None or not wanting.any():
+            return positions
+        doubted = wanting[positions.target] & self.doubtful(positions, forecast)
+        if doubted.any():
+            positions = positions.where(~doubted)
+        wanting[positions.target] = False
+        if not wanting.any() or not any(len(b.xy) for b in blobs):
             return positions
         target = np.flatnonzero(wanting)
         sight, found = self.nearest(target, blobs, forecast)
@@ -88,17 +93,16 @@ class Bridge(Stage):
             positions, target, *settled(place, sight.where(found), lying, self.params.blob_sigma)
         )
 
-    def doubtful(self, positions: Positions, forecast: Forecast | None) -> Array:
-        """Positions without a supporting pair, or with a single weak one far from the forecast: (M,) bool."""
-        poor = (positions.support == 1) & ~positions.evident
-        if forecast is None or not len(forecast.state) or not (poor | (positions.support == 0)).any():
-            return np.zeros(len(positions.target), bool)
+    def doubtful(self, positions: Positions, forecast: Forecast) -> Array:
+        """Positions from a single weak pair, or from none, that are far from the forecast: (M,) bool."""
+        poor = (positions.support < 2) & ~positions.evident
+        if not poor.any():
+            return poor
         single = self.params.single_pair_sigma**2 * np.eye(3)
         known = np.where(np.isfinite(positions.covariance), positions.covariance, single)
         spread = forecast.covariance[positions.target] + known
         offset = positions.xyz - forecast.xyz[positions.target]
-        far = _distance(offset, spread) > self.params.single_pair_gate**2
-        return np.asarray((positions.support == 0) | (poor & far))
+        return np.asarray(poor & (_distance(offset, spread) > self.params.single_pair_gate**2))
 
     def nearest(self, target: Array, blobs: Sequence[Blobs], forecast: Forecast) -> tuple[Sight, Array]:
         """The blob of each target that is nearest to its forecast in any view, and whether it passes the

@@ -18,11 +18,12 @@ from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Positions
 
 @dataclass(frozen=True)
 class Evidence:
-    """What confirms a tentative target.
+    """What confirms a tentative target; a vague position of a lost one needs twice as many frames.
 
     support: number of candidates that agree in one frame; two are enough if one of them is evident.
     frames: number of frames with an evident candidate, each within `reach` (m) of the one before, that
-    confirm it otherwise: one colour-infrared pair may be a coincidence, several in a row hardly are.
+    confirm it otherwise: one colour-infrared pair may be a coincidence, several in a row hardly are. A
+    missing target near its last position needs one candidate less.
     """
 
     support: int
@@ -42,8 +43,9 @@ class LifeCycle(NamedTuple):
     hits: Array
     """(T,) frames with a measurement since the target was last lost."""
     streak: Array
-    """(T,) successive frames with an evident candidate of a tentative target. A frame in which a roaming
-    target was sought near its last position does not count and does not end the streak."""
+    """(T,) successive frames with an evident candidate of a tentative target; one in which candidates agree
+    counts as many as confirm it. A frame in which a roaming target was sought near its last position does not
+    count and does not end the streak."""
     place: Array
     """(T, 3) m, the candidate in the last of these frames."""
 
@@ -91,12 +93,24 @@ def confirmed(
     possible = (positions.support > 0) & (positions.confirmed | (status != LOST)) & ~positions.predicted
     possible &= ~occupied(xyz, known, evidence.apart)
     again = np.linalg.norm(xyz - life.place[target], axis=1) <= evidence.reach
-    row = np.where(possible, np.where(again, life.streak[target], 0) + positions.evident, 0)
-    agreeing = positions.support >= np.where(positions.evident, 2, evidence.support)
-    strong = possible & (agreeing | (row >= evidence.frames))
+    near_by = (status == MISSING) & (life.status.take(target) == MISSING)
+    agreeing = positions.support >= np.where(positions.evident, 2, evidence.support) - near_by
+    shown = np.where(agreeing, evidence.frames, positions.evident)
+    row = np.where(possible, np.where(again, life.streak[target], 0) + shown, 0)
+    doubted = (status == LOST) & vague(positions, evidence)
+    strong = possible & (row >= evidence.frames * (1 + doubted))
     place = life.place.copy()
     streak[target], place[target] = row, xyz
     return LifeCycle(life.status, life.missed, life.hits, streak, place), known | strong
+
+
+def vague(positions: Positions, evidence: Evidence) -> Array:
+    """Positions whose sigma exceeds `reach`, because other places are nearly as likely: (M,) bool.
+
+    What twice as many candidates agree on as are needed is no chance, whatever else there is.
+    """
+    variance = positions.covariance.diagonal(axis1=1, axis2=2).max(axis=1)
+    return np.asarray((variance > evidence.reach**2) & (positions.support < 2 * evidence.support))
 
 
 def occupied(xyz: Array, known: Array, apart: float) -> Array:

@@ -84,7 +84,8 @@ class TargetFilter(Stage, ABC):
             0.3,
             gt=0,
             unit="m",
-            description="largest step between these frames; raising it confirms faster targets",
+            description="largest step between these frames, and sigma of a position from which on it needs "
+            "twice as many; raising it confirms faster targets, and vague ones",
         )
         fade_time: float = Field(
             0.1,

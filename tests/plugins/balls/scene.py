@@ -140,13 +140,14 @@ def positions_at(
     support: int = 6,
     predicted: bool = False,
     evident: bool = True,
+    sigma: float = np.nan,
 ) -> Positions:
-    """One measurement for each of some targets, at a time."""
+    """One measurement for each of some targets, at a time. sigma: m, NaN if it is unknown."""
     count = len(places)
     message = Positions(
         target=np.array(list(places), np.int32),
         xyz=np.array(list(places.values()), float).reshape(-1, 3),
-        covariance=np.full((count, 3, 3), np.nan),
+        covariance=np.tile(np.eye(3) * sigma**2, (count, 1, 1)),
         support=np.full(count, support, np.int32),
         confirmed=np.full(count, confirmed),
         evident=np.full(count, evident and confirmed),

@@ -92,6 +92,30 @@ def test_color_alone_finds_a_missing_target_near_its_last_place_and_nowhere_else
     assert watch(stage, 1, first=46, confirmed=False)[0].tracks.target.size
 
 
+@pytest.mark.parametrize(
+    ("support", "evident", "found"), [(1, True, True), (2, False, True), (1, False, False)]
+)
+def test_missing_target_near_its_last_place_needs_one_candidate_less(
+    support: int, evident: bool, found: bool
+) -> None:
+    stage = kalman()
+    watch(stage, 40)
+    watch(stage, 1, first=40, seen=False)
+    assert stage.forecast().state[0] == MISSING
+    seen = watch(stage, 1, first=41, support=support, evident=evident)[0]
+    assert bool(len(seen.tracks.target)) == found
+
+
+@pytest.mark.parametrize(
+    ("sigma", "support", "frames"), [(0.05, 1, 3), (0.05, 2, 1), (0.5, 1, 6), (0.5, 5, 2), (0.5, 6, 1)]
+)
+def test_vague_position_shows_a_lost_target_by_twice_the_frames(
+    sigma: float, support: int, frames: int
+) -> None:
+    shown = [len(o.tracks.target) for o in watch(kalman(), 6, support=support, sigma=sigma)]
+    assert shown == [0] * (frames - 1) + [1] * (7 - frames)
+
+
 def test_there_is_never_a_position_for_a_missing_or_lost_target() -> None:
     stage = kalman()
     watch(stage, 40)
