@@ -129,7 +129,9 @@ class Positions(Message):
     confirmed: Array = column("M", dtype="?")
     """True if a confirmed pair is among them; only such a position recovers a lost target."""
     evident: Array = column("M", dtype="?")
-    """True if one of them alone may start a track after a few frames in a row."""
+    """True if one of them alone may start a track after a few frames in a row; without support, if one of
+    those nearby may.
+    """
     iterations: Array = column("M", dtype="i4")
     """Steps until convergence; 0 for direct methods."""
     predicted: Array = column("M", dtype="?")

@@ -78,10 +78,10 @@ class Bridge(Stage):
         wanting = tracked_targets(forecast, len(self.radius))
         if forecast is None or not wanting.any():
             return positions
-        doubted = wanting[positions.target] & self.doubtful(positions, forecast)
-        if doubted.any():
-            positions = positions.where(~doubted)
-        wanting[positions.target] = False
+        stray = wanting[positions.target] & self.stray(positions, forecast)
+        if stray.any():
+            positions = positions.where(~stray)
+        wanting[positions.target] &= (positions.support == 0) & ~positions.evident
         if not wanting.any() or not any(len(b.xy) for b in blobs):
             return positions
         target = np.flatnonzero(wanting)
@@ -93,8 +93,8 @@ class Bridge(Stage):
             positions, target, *settled(place, sight.where(found), lying, self.params.blob_sigma)
         )
 
-    def doubtful(self, positions: Positions, forecast: Forecast) -> Array:
-        """Positions from a single weak pair, or from none, that are far from the forecast: (M,) bool."""
+    def stray(self, positions: Positions, forecast: Forecast) -> Array:
+        """Positions of one weak pair at most that are far from the forecast: (M,) bool."""
         poor = (positions.support < 2) & ~positions.evident
         if not poor.any():
             return poor

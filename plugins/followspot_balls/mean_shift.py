@@ -120,13 +120,14 @@ class MeanShift(Stage):
         sample = Sample(candidates.xyz, candidates.labelled, weights, bandwidth)
         modes = self.modes(sample, center, recovery_credit(candidates), lost)
         used = modes.held > self.params.minimum_support_weight
+        shown = np.where(used.any(axis=1, keepdims=True), used, modes.held > 0)
         return Positions(
             target=target.astype(np.int32),
             xyz=modes.center,
             covariance=self.covariances(candidates, target, modes, weights),
             support=used.sum(axis=1).astype(np.int32),
             confirmed=np.asarray((used & candidates.confirmed).any(axis=1)),
-            evident=np.asarray((used & candidates.evident).any(axis=1)),
+            evident=np.asarray((shown & candidates.evident).any(axis=1)),
             iterations=modes.steps.astype(np.int32),
             predicted=np.zeros(len(target), bool),
         )

@@ -88,13 +88,17 @@ def test_a_single_pair_far_from_the_forecast_counts_only_if_it_is_evident(
     assert found.predicted.tolist() == [not kept]
 
 
+@pytest.mark.parametrize(("support", "evident"), [(0, True), (1, False)])
+def test_position_of_a_poor_pair_near_the_forecast_is_kept(support: int, evident: bool) -> None:
+    near = positions_at({0: (PLACE[0], PLACE[1] + 0.02, PLACE[2])}, 0.0, support=support, evident=evident)
+    assert bridged(near, seen_in("cam1", PLACE), forecast_at([PLACE, FAR])) is near
+
+
 @pytest.mark.parametrize("support", [0, 1])
-def test_position_of_a_weak_pair_counts_only_near_the_forecast(support: int) -> None:
-    forecast, nothing = forecast_at([PLACE, FAR]), seen_in("cam0", (PLACE[0], PLACE[1], PLACE[2] + 0.3))
-    near = positions_at({0: (PLACE[0], PLACE[1] + 0.02, PLACE[2])}, 0.0, support=support, evident=False)
-    assert bridged(near, seen_in("cam1", PLACE), forecast) is near
+def test_position_of_a_weak_pair_far_from_the_forecast_is_left_out(support: int) -> None:
     far = positions_at({0: (PLACE[0], PLACE[1] + 0.2, PLACE[2])}, 0.0, support=support, evident=False)
-    assert len(bridged(far, nothing, forecast).target) == 0
+    nothing = seen_in("cam0", (PLACE[0], PLACE[1], PLACE[2] + 0.3))
+    assert len(bridged(far, nothing, forecast_at([PLACE, FAR])).target) == 0
 
 
 def test_no_blob_near_the_forecast_no_place() -> None:

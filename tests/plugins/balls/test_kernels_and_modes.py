@@ -158,3 +158,11 @@ def test_every_initial_centre_finds_a_single_cluster(start: str) -> None:
     position = ready(MeanShift, initial_center=start).process(found, forecast_at([(0.01, 0.0, 1.0)]))
     assert position.xyz[0] == pytest.approx([0.002, 0.0, 1.0])
     assert position.iterations[0] >= 1
+
+
+@pytest.mark.parametrize("confirmed", [True, False])
+def test_position_without_support_says_whether_an_evident_pair_shows_it(confirmed: bool) -> None:
+    found = candidates_at([(0.0, 0.0, 1.0)], confirmed=[confirmed], epipolar=[1.5])
+    position = ready(MeanShift).process(found, forecast_at([(0.0, 0.0, 1.0)]))
+    assert position.support.tolist() == [0]
+    assert position.evident.tolist() == [confirmed]
