@@ -40,6 +40,7 @@ CASES = {
     "3 infrared": Case(BALLS, mix=Mix(0, 3), marked=True),
     "3 infrared, one target": Case(BALLS, mix=Mix(0, 3, targets=1)),
     "depth": Case("depth.yaml"),
+    "depth, colour and infrared": Case("mixed.yaml"),
     "building": Case("building.yaml", "merge.out", ("hall/fuse", "balls.mean")),
     "building, a whole zone": Case("building.yaml", "merge.out", ("stage", str(GRAPHS / BALLS))),
     "markers": Case("markers.yaml", "poses.poses", ("poses", "vision.marker_poses")),
@@ -47,6 +48,7 @@ CASES = {
 }
 HEAVY = {
     "show",
+    "depth, colour and infrared",
     "3 colour and 3 infrared",
     "2 colour and 1 infrared",
     "3 infrared",
