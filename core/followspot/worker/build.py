@@ -22,12 +22,13 @@ from followspot.worker.input_queue import UNCHANGED, InputQueue
 from followspot.worker.join import Join, JoinInput
 from followspot.worker.lagged_runner import LaggedRunner
 from followspot.worker.ledger import LOST, Ledger
+from followspot.worker.live_source import LiveSourceRunner
 from followspot.worker.output_port import OutputPort
 from followspot.worker.outputs_runner import OutputsRunner
 from followspot.worker.pace import Pace
 from followspot.worker.sampled_input import NearestInput, NewestInput, SampledInput, WindowInput
 from followspot.worker.scheduler import Worker
-from followspot.worker.source import LiveSourceRunner, SourceRunner
+from followspot.worker.source import SourceRunner
 from followspot.worker.stage_runner import StageRunner
 from followspot.worker.wiring import RunOptions, Wiring
 

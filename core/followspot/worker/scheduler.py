@@ -27,8 +27,9 @@ from followspot.worker.edge_ends import EdgeEnds
 from followspot.worker.error_policy import StageError
 from followspot.worker.hold import SourceHold
 from followspot.worker.input_queue import InputQueue
+from followspot.worker.live_source import LiveSourceRunner
 from followspot.worker.pace import Pace
-from followspot.worker.source import LiveSourceRunner, SourceRunner
+from followspot.worker.source import SourceRunner
 from followspot.worker.stage_runner import StageRunner
 from followspot.worker.stuck import StuckError
 

@@ -11,9 +11,9 @@ from followspot.transport.token import END
 from followspot.worker.clock import Clock
 from followspot.worker.input_queue import InputQueue
 from followspot.worker.ledger import COLUMNS, tally
+from followspot.worker.live_source import LiveSourceRunner
 from followspot.worker.output_port import OutputPort
 from followspot.worker.scheduler import Worker
-from followspot.worker.source import LiveSourceRunner
 from followspot.worker.stage_runner import StageRunner
 
 

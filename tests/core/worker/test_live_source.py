@@ -10,8 +10,8 @@ from followspot import Context, Message, Source, Stage, at
 from followspot.worker.input_queue import InputQueue
 from followspot.worker.join import Join
 from followspot.worker.ledger import EdgeCount, Ledger
+from followspot.worker.live_source import LiveSourceRunner
 from followspot.worker.output_port import OutputPort
-from followspot.worker.source import LiveSourceRunner
 
 
 class Note(Message):
