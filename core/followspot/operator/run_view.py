@@ -88,7 +88,7 @@ class RunView:
         """The final report, workers in the order of the plan. silent: hosts that do not answer, and why."""
         found = {worker.name: worker for worker in self.workers()}
         reports = [
-            _report(found.get(w.name), silent.get(w.host, "nothing is known of how it ended"), w.name)
+            _report(found.get(w.name), silent.get(w.host) or self._why_unknown(w.host), w.name)
             for w in self.plan.workers
         ]
         return merge(
@@ -102,6 +102,12 @@ class RunView:
             clocks=self._clocks(),
             outs={name: status.out for name, status in self.hosts.items() if name},
         )
+
+    def _why_unknown(self, host: str) -> str:
+        """Why a worker of the host gave no report; a busy operator may not have found the host silent yet."""
+        status = self.hosts.get(host)
+        old = status is not None and status.age_s is not None and status.age_s > SILENCE
+        return f"host {host} does not answer" if old else "nothing is known of how it ended"
 
     def _ledger(self) -> Ledger:
         return summed([status.counts for status in self.hosts.values()], len(self.plan.edges))

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from tests.integration.running import balanced
 
-from followspot.control.host import HostStatus
+from followspot.control.host import HostStatus, WorkerStatus
 from followspot.control.worker_report import WorkerReport
 from followspot.graph.compile import compile_graph
-from followspot.graph.plan import Plan
+from followspot.graph.plan import Plan, PlannedWorker
 from followspot.operator import summary
 from followspot.operator.report import RunReport, merge, summed
 from followspot.operator.run_view import RunView
@@ -69,6 +70,18 @@ def test_a_ledger_that_does_not_fit_the_plan_is_left_out_and_named(plan: Plan) -
     assert found.counts == tuple(whole)
     (line,) = found.news
     assert line.startswith(f"the ledger of host left is left out of the sum: it has {2 * COLUMNS} counts")
+
+
+@pytest.mark.parametrize(
+    ("age_s", "why"), [(0.1, "nothing is known of how it ended"), (9.0, "host left does not answer")]
+)
+def test_a_worker_without_a_report_was_not_there_and_its_host_tells_why(
+    plan: Plan, age_s: float, why: str
+) -> None:
+    there = replace(plan, workers=(PlannedWorker("main", "left"),))
+    host = HostStatus((WorkerStatus("main", "running"),), (0,) * COLUMNS, age_s=age_s)
+    found = RunView(there, {"left": host}, begun=True).report(1.0, {}, stopped=True)
+    assert found.errors == (f"worker main was not there at the end: {why}",)
 
 
 def test_frames_lost_at_the_source_stand_beside_the_messages(plan: Plan) -> None:
