@@ -94,8 +94,8 @@ class Bridge(Stage):
         )
 
     def stray(self, positions: Positions, forecast: Forecast) -> Array:
-        """Positions of one weak pair at most that are far from the forecast: (M,) bool."""
-        poor = (positions.support < 2) & ~positions.evident
+        """Positions of no supporting pair, or of a single weak one, far from the forecast: (M,) bool."""
+        poor = positions.support < np.where(positions.evident, 1, 2)
         if not poor.any():
             return poor
         single = self.params.single_pair_sigma**2 * np.eye(3)

@@ -94,9 +94,9 @@ def test_position_of_a_poor_pair_near_the_forecast_is_kept(support: int, evident
     assert bridged(near, seen_in("cam1", PLACE), forecast_at([PLACE, FAR])) is near
 
 
-@pytest.mark.parametrize("support", [0, 1])
-def test_position_of_a_weak_pair_far_from_the_forecast_is_left_out(support: int) -> None:
-    far = positions_at({0: (PLACE[0], PLACE[1] + 0.2, PLACE[2])}, 0.0, support=support, evident=False)
+@pytest.mark.parametrize(("support", "evident"), [(0, False), (0, True), (1, False)])
+def test_position_of_a_poor_pair_far_from_the_forecast_is_left_out(support: int, evident: bool) -> None:
+    far = positions_at({0: (PLACE[0], PLACE[1] + 0.2, PLACE[2])}, 0.0, support=support, evident=evident)
     nothing = seen_in("cam0", (PLACE[0], PLACE[1], PLACE[2] + 0.3))
     assert len(bridged(far, nothing, forecast_at([PLACE, FAR])).target) == 0
 
