@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zipfile
 import zlib
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
@@ -17,6 +18,7 @@ from followspot_persons.hog.cells import LOOKS
 from followspot_persons.hog.window import FEATURES
 
 SHIPPED = Path(__file__).with_name("hog_weights.npz")
+SHIPPED_ABOVE = Path(__file__).with_name("hog_weights_above.npz")
 DIRECTIONS = 16
 """Number of headings with a likelihood; direction i is 2 pi i / 16, 0 faces the camera."""
 OUTPUTS = 1 + 2 * DIRECTIONS
@@ -57,6 +59,11 @@ def judge(model: HogModel, looks: Array) -> Judgement:
     out = (hidden @ model.output + model.output_bias).astype(float)
     torso, head = out[:, 1 : 1 + DIRECTIONS], out[:, 1 + DIRECTIONS :]
     return Judgement(out[:, 0], trusted(torso, *model.trust[0]), trusted(head, *model.trust[1]))
+
+
+def joined(parts: Sequence[Judgement]) -> Judgement:
+    """All rows of all parts."""
+    return Judgement(*(np.concatenate(c) for c in zip(*(vars(p).values() for p in parts), strict=True)))
 
 
 def trusted(logits: Array, factor: float, mistaken: float) -> Array:

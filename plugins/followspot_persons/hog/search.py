@@ -9,12 +9,14 @@ import cv2
 import numpy as np
 
 from followspot import Array, Camera
-from followspot_persons.hog.window import BODY, HEIGHT, STRIDE, TALL, WIDTH
+from followspot_persons.hog.window import ABOVE, BODY, HEIGHT, STRIDE, TALL, WIDTH
 from followspot_persons.panorama import full_turn
 from followspot_persons.standing import knows_floor, standing
 
 EDGE = 16
-"""Largest part of a window beyond the picture, where the border is repeated, px of the window."""
+"""Largest part of a window beside or below the picture, where the border is repeated, px of the window."""
+WITHIN = STRIDE
+"""The same above the picture for windows of whole bodies; those farther up show people without heads."""
 COLUMNS = 16
 """Number of columns at which the rows of people are computed."""
 SLACK = 1.12
@@ -31,20 +33,27 @@ class Level:
 
 
 def levels(
-    camera: Camera, sizes: tuple[float, float], step: float, heights: tuple[float, float]
+    camera: Camera,
+    sizes: tuple[float, float],
+    step: float,
+    heights: tuple[float, float],
+    *,
+    above: bool = False,
 ) -> list[Level]:
     """All sizes of windows from `sizes`, each `step` times the one before, where people may stand.
 
-    sizes: smallest and largest upper body, px; heights: of people, m. Without a floor, all rows.
+    sizes: smallest and largest upper body, px; heights: of people, m; above: the windows that reach above the
+    picture, instead of all others. Without a floor, all rows.
     """
     count = int(np.floor(np.log(sizes[1] / sizes[0]) / np.log(step)))
-    found = [_level(camera, TALL / (sizes[0] * step**i), heights) for i in range(count + 1)]
+    found = [_level(camera, TALL / (sizes[0] * step**i), heights, above) for i in range(count + 1)]
     return [level for level in found if level is not None]
 
 
-def _level(camera: Camera, scale: float, heights: tuple[float, float]) -> Level | None:
+def _level(camera: Camera, scale: float, heights: tuple[float, float], above: bool) -> Level | None:
     width, height = camera.size
-    tops = np.arange(-EDGE, height * scale - HEIGHT + EDGE + 1, STRIDE) / scale
+    tops = np.arange(-ABOVE, height * scale - HEIGHT + EDGE + 1, STRIDE)
+    tops = tops[(tops < -WITHIN) == above] / scale
     if not len(tops):
         return None
     if knows_floor(camera):

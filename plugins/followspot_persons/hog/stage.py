@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
 import cv2
 import numpy as np
 
@@ -9,8 +13,17 @@ from followspot import Array, Field, InputPath, Stage, StageParams
 from followspot.people import Boxes
 from followspot.tracking import Frame
 from followspot_persons.hog.cells import looks
-from followspot_persons.hog.model import DIRECTIONS, SHIPPED, Judgement, judge, load
-from followspot_persons.hog.search import groups, levels, outermost, plausible, proposals
+from followspot_persons.hog.model import (
+    DIRECTIONS,
+    SHIPPED,
+    SHIPPED_ABOVE,
+    HogModel,
+    Judgement,
+    joined,
+    judge,
+    load,
+)
+from followspot_persons.hog.search import Level, groups, levels, outermost, plausible, proposals
 from followspot_persons.hog.window import HEIGHT, WIDTH, cut, detector
 from followspot_persons.panorama import full_turn
 
@@ -22,6 +35,19 @@ CROWD = 4.0
 """Usual number of windows that show a body; false bodies show in fewer."""
 FAINT = -2.5
 """Smallest log-odds of these windows."""
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """Windows of some sizes and rows, and the weights that know them."""
+
+    model: HogModel
+    levels: Sequence[Level]
+
+    @cached_property
+    def detector(self) -> cv2.HOGDescriptor:
+        """Proposes windows."""
+        return detector(self.model.linear)
 
 
 class Hog(Stage):
@@ -77,21 +103,23 @@ class Hog(Stage):
             description="windows that are judged, best first; raising it costs time",
         )
         weights: InputPath = Field(SHIPPED, description="weights, as `followspot train hog` makes them")
+        weights_above: InputPath = Field(
+            SHIPPED_ABOVE,
+            description="weights for windows that reach above the picture, as `followspot train hog --above` "
+            "makes them",
+        )
 
     params: Params
 
     def setup(self) -> None:
         """Read the weights and plan the search. Raises InputError if the weights are invalid."""
         p = self.params
-        self.model = load(p.weights)
-        self.detector = detector(self.model.linear)
         self.heights = (p.minimum_person_height, p.maximum_person_height)
-        self.levels = levels(
-            self.camera,
-            (p.minimum_height, max(p.minimum_height, p.maximum_height)),
-            p.scale_step,
-            self.heights,
-        )
+        sizes = (p.minimum_height, max(p.minimum_height, p.maximum_height))
+        self.searches = [
+            Search(load(path), levels(self.camera, sizes, p.scale_step, self.heights, above=above))
+            for path, above in ((p.weights, False), (p.weights_above, True))
+        ]
         self.turn = float(self.camera.size[0]) if full_turn(self.camera) else 0.0
 
     def process(self, frame: Frame) -> Boxes | None:
@@ -100,13 +128,16 @@ class Hog(Stage):
         pixels = frame.pixels
         if pixels.shape[2] == 1:
             pixels = np.asarray(cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGR))
-        box = self.proposed(pixels)
-        judgement = judge(self.model, looks(self.windows(pixels, box)))
-        return self.boxes(box, judgement)
+        proposed = [self.proposed(pixels, search) for search in self.searches]
+        judged = [
+            judge(search.model, looks(self.windows(pixels, box)))
+            for search, box in zip(self.searches, proposed, strict=True)
+        ]
+        return self.boxes(np.concatenate(proposed), joined(judged))
 
-    def proposed(self, pixels: Array) -> Array:
+    def proposed(self, pixels: Array, search: Search) -> Array:
         """Proposed boxes, (N, 4) px."""
-        box, score = proposals(pixels, self.camera, self.levels, self.detector)
+        box, score = proposals(pixels, self.camera, search.levels, search.detector)
         best = np.argsort(-score, kind="stable")
         best = best[plausible(self.camera, box[best], self.heights)]
         return np.asarray(box[best[: self.params.maximum_proposals]])

@@ -21,6 +21,8 @@ TALL = BODY[3] - BODY[1]
 """Height of the upper body in the window, px."""
 STRIDE = 8
 """Step of the windows of a search, px: one cell."""
+ABOVE = 32
+"""Largest part of a window above the picture, where the border is repeated, px of the window."""
 FEATURES = 2268
 """Number of features of a window."""
 

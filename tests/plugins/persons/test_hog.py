@@ -2,6 +2,7 @@
 
 import csv
 import pickle
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -179,6 +180,23 @@ def test_a_person_on_the_seam_is_found_as_elsewhere():
     assert np.abs(apart[[0, 2]]).max() < 8
     assert np.abs(moved.box[again, [1, 3]] - shifted[[1, 3]]).max() < 8
     assert moved.score[again] == pytest.approx(plain.score[best], abs=1)
+
+
+@needs_shared
+def test_people_whose_heads_are_above_the_picture_are_found():
+    """A quarter of the upper body is cut off with the picture's upper rows."""
+    with (SHARED / "persons-dev/d_p_gt.csv").open(newline="") as stream:
+        truth = {int(row["frame"]): row for row in csv.DictReader(stream)}
+    hits = []
+    for number, pixels in pictures_of("d_p.mp4", range(0, 200, 80)):
+        box = np.array([float(truth[number][c]) for c in ("ux0", "uy0", "ux1", "uy1")])
+        above = int(box[1] + 0.25 * (box[3] - box[1]))
+        whole = perspective()
+        lower = whole.matrix - [[0, 0, 0], [0, 0, above], [0, 0, 0]]
+        view = replace(whole, size=(640, 480 - above), matrix=lower)
+        found = ready(Hog, view, minimum_height=60).process(Frame(camera="c", pixels=pixels[above:]))
+        hits.append(bool((overlap(box - [0, above, 0, above], found.box, 0.0) > 0.4).any()))
+    assert np.mean(hits) > 0.6
 
 
 def wrapped(angle):

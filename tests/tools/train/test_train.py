@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from followspot import InputError
 from followspot.cli.main import main
 from followspot_persons.hog.model import DIRECTIONS, OUTPUTS, load, trusted
-from followspot_train import figures, linear, network, recipe, svm
+from followspot_persons.hog.window import ABOVE
+from followspot_train import figures, linear, network, recipe, svm, windows
 from followspot_train.pictures import Background, Person, Pictures, read_folder
 
 RNG = np.random.default_rng(0)
@@ -106,6 +107,27 @@ def figure(rng, towards):
         pixels, (47 + int(12 * np.sin(towards)), 60), (51 + int(12 * np.sin(towards)), 90), (255,) * 3
     )
     return pixels
+
+
+def test_persons_are_learnt_with_heads_above_the_picture_too(monkeypatch):
+    monkeypatch.setattr(windows, "described", lambda cut, owner, headings: np.array(cut))
+    pixels = RNG.integers(0, 256, (112, 96, 3), np.uint8)
+    persons = [Person(pixels, np.array([24.0, 20.0, 72.0, 92.0]), 0, "a")] * 4
+    shares = []
+    for above, cut in ((0, 1.0), (ABOVE, 1.0), (ABOVE, windows.CUT)):
+        monkeypatch.setattr(windows, "CUT", cut)
+        learnt = windows.found(persons, 20, above, np.random.default_rng(0))
+        shares.append(np.mean([np.array_equal(w[0], w[1]) for w in learnt]))
+    assert shares[:2] == [0.0, 1.0]
+    assert 0.08 < shares[2] < 0.25
+
+
+def test_backgrounds_are_searched_over_the_top_of_the_picture():
+    pixels = RNG.integers(0, 256, (80, 64, 3), np.uint8)
+    bare = list(linear.sizes(pixels))
+    for picture, inside in zip(linear.sizes(pixels, above=ABOVE), bare, strict=True):
+        np.testing.assert_array_equal(picture[ABOVE:], inside)
+        assert (picture[:ABOVE] == inside[0]).all()
 
 
 @pytest.fixture

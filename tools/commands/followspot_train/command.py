@@ -16,6 +16,7 @@ import numpy as np
 
 from followspot.errors import InputError, Mistake
 from followspot_persons.hog.model import HogModel, save
+from followspot_persons.hog.window import ABOVE
 from followspot_train import baseline, figures, recipe
 from followspot_train.pictures import Pictures, read_folder
 from followspot_train.recipe import Tell, Trial
@@ -27,7 +28,7 @@ def train_hog(args: argparse.Namespace) -> int:
     pictures = reduce(add, [read_folder(folder) for folder in args.folders])
     _check(pictures, args.out)
     rng = np.random.default_rng(args.seed)
-    material = recipe.material(pictures, rng, tell)
+    material = recipe.material(pictures, ABOVE if args.above else 0, rng, tell)
     trials = []
     for number, split in enumerate(recipe.splits(pictures), start=1):
         of_trial = _prefixed(tell, f"trial {number} of {recipe.FOLDS}: ")

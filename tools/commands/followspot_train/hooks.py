@@ -22,6 +22,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "-o", "--out", type=Path, required=True, metavar="FILE.npz", help="weights file to write"
     )
     parser.add_argument("--seed", type=int, default=0, help="seed of all random numbers (default: 0)")
+    parser.add_argument(
+        "--above",
+        action="store_true",
+        help="learn windows that reach above the picture",
+    )
     parser.add_argument("--json", action="store_true", help="print the figures as one JSON object")
 
 

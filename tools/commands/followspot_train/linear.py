@@ -38,18 +38,22 @@ class Seen(NamedTuple):
 
 
 def train(
-    persons: Array, backgrounds: Sequence[Background], rng: np.random.Generator, tell: Callable[[str], None]
+    persons: Array,
+    backgrounds: Sequence[Background],
+    above: int,
+    rng: np.random.Generator,
+    tell: Callable[[str], None],
 ) -> tuple[Array, list[Array]]:
     """Weights (FEATURES + 1,), bias last, and the background windows that they were trained with.
 
-    persons: (N, FEATURES); tell: called with progress.
+    persons: (N, FEATURES); above: of :func:`sizes`; tell: called with progress.
     """
     windows = anywhere(backgrounds, FIRST, rng)
     negatives = describe(windows)
     weights = _fitted(persons, negatives, rng)
     for number in range(ROUNDS):
         tell(f"searching backgrounds for what deceives, {number + 1} of {ROUNDS}")
-        seen = [s for picture in backgrounds for s in hardest(picture.pixels, weights, -0.5)]
+        seen = [s for picture in backgrounds for s in hardest(picture.pixels, weights, -0.5, above)]
         seen.sort(key=lambda s: -s.score)
         hard = [s.window for s in seen[:HARD]]
         windows += hard
@@ -67,21 +71,21 @@ def _fitted(persons: Array, negatives: Array, rng: np.random.Generator) -> Array
     return svm.fit(X, sign, cost, rng)
 
 
-def hardest(pixels: Array, weights: Array, above: float) -> list[Seen]:
-    """The best windows of each size."""
+def hardest(pixels: Array, weights: Array, least: float, above: int) -> list[Seen]:
+    """The best windows of each size, with scores above the least."""
     seen = []
-    for picture in sizes(pixels):
-        corners, scores = _detected(picture, weights, above)
+    for picture in sizes(pixels, above=above):
+        corners, scores = _detected(picture, weights, least)
         for row in np.argsort(-scores)[:EACH]:
             x, y = corners[row]
             seen.append(Seen(float(scores[row]), picture[y : y + HEIGHT, x : x + WIDTH].copy()))
     return seen
 
 
-def passing(pixels: Array, weights: Array) -> tuple[Array, int]:
+def passing(pixels: Array, weights: Array, above: int) -> tuple[Array, int]:
     """All windows that the detector proposes, (N, HEIGHT, WIDTH, 3) u8, and the number that it searched."""
     windows, searched = [], 0
-    for picture in sizes(pixels):
+    for picture in sizes(pixels, above=above):
         height, width = picture.shape[:2]
         searched += ((width - WIDTH) // STRIDE + 1) * ((height - HEIGHT) // STRIDE + 1)
         corners, _ = _detected(picture, weights, 0.0)
@@ -89,19 +93,22 @@ def passing(pixels: Array, weights: Array) -> tuple[Array, int]:
     return np.reshape(windows, (-1, HEIGHT, WIDTH, 3)).astype(np.uint8), searched
 
 
-def sizes(pixels: Array, window: tuple[int, int] = (WIDTH, HEIGHT)) -> Iterator[Array]:
-    """The picture in all sizes that hold a window, largest first."""
+def sizes(pixels: Array, window: tuple[int, int] = (WIDTH, HEIGHT), above: int = 0) -> Iterator[Array]:
+    """The picture in all sizes that hold a window, largest first, with its border repeated `above` times
+    over the top.
+    """
     height, width = pixels.shape[:2]
     scale = SIZES[1]
     while scale >= max(SIZES[0], window[1] / height, window[0] / width):
         size = (int(width * scale), int(height * scale))
         kind = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
-        yield np.asarray(cv2.resize(pixels, size, interpolation=kind))
+        resized = cv2.resize(pixels, size, interpolation=kind)
+        yield np.asarray(cv2.copyMakeBorder(resized, above, 0, 0, 0, cv2.BORDER_REPLICATE))
         scale /= STEP
 
 
-def _detected(picture: Array, weights: Array, above: float) -> tuple[Array, Array]:
+def _detected(picture: Array, weights: Array, least: float) -> tuple[Array, Array]:
     hog = descriptor()
     hog.setSVMDetector(weights)
-    corners, scores = hog.detect(picture, above, (STRIDE, STRIDE), (0, 0))
+    corners, scores = hog.detect(picture, least, (STRIDE, STRIDE), (0, 0))
     return np.reshape(corners, (-1, 2)).astype(int), np.ravel(scores)

@@ -30,6 +30,8 @@ class Material:
     """All windows of persons, described once for all folds."""
 
     pictures: Pictures
+    above: int
+    """Most rows of a window that may lie above the picture, where the border is repeated."""
     found: Windows
     missed: Windows
     exact: Windows
@@ -65,11 +67,12 @@ class Trial:
     """Number of searched background windows."""
 
 
-def material(pictures: Pictures, rng: np.random.Generator, tell: Tell) -> Material:
+def material(pictures: Pictures, above: int, rng: np.random.Generator, tell: Tell) -> Material:
     """Cut and describe the windows of all persons."""
     tell(f"describing {len(pictures.persons)} persons")
     persons = pictures.persons
-    return Material(pictures, found(persons, VIEWS, rng), missed(persons, MISSES, rng), exact(persons))
+    seen = found(persons, VIEWS, above, rng)
+    return Material(pictures, above, seen, missed(persons, MISSES, rng), exact(persons))
 
 
 def splits(pictures: Pictures) -> Iterator[Split]:
@@ -96,10 +99,10 @@ def learn(material: Material, split: Split, rng: np.random.Generator, tell: Tell
     positive = material.found.where(np.isin(material.found.owner, split.learnt))
     near = material.missed.where(np.isin(material.missed.owner, split.learnt))
     backgrounds = [b for b in material.pictures.backgrounds if b.place not in split.held_places]
-    weights, windows = linear.train(positive.features, backgrounds, rng, tell)
+    weights, windows = linear.train(positive.features, backgrounds, material.above, rng, tell)
     tell("gathering what still passes")
     for background in backgrounds:
-        passed, _ = linear.passing(background.pixels, weights)
+        passed, _ = linear.passing(background.pixels, weights, material.above)
         windows += list(passed[rng.permutation(len(passed))[:DECEIVING]])
     nothing = looks(windows)
     lessons = _lessons(positive, np.concatenate([near.looks, nothing]))
@@ -125,7 +128,7 @@ def attempt(material: Material, split: Split, model: HogModel) -> Trial:
     among = material.found.where(np.isin(material.found.owner, split.held))
     scores, searched = [np.zeros(0)], 0
     for background in (b for b in pictures.backgrounds if b.place in split.held_places):
-        windows, count = linear.passing(background.pixels, model.linear)
+        windows, count = linear.passing(background.pixels, model.linear, material.above)
         scores.append(judge(model, looks(windows)).score)
         searched += count
     return Trial(

@@ -19,6 +19,8 @@ MISS = (0.22, 0.4)
 """Range of a near miss, over the height of the box."""
 BLUR = (0.5, 1.5)
 """Range of the blur that some windows get, px."""
+CUT = 0.15
+"""Share of the persons' windows that reach over the top of the picture, if they may."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,15 +59,21 @@ def exact(persons: Sequence[Person]) -> Windows:
     return described(windows, range(len(persons)), np.array([(p.torso, p.head) for p in persons]))
 
 
-def found(persons: Sequence[Person], count: int, rng: np.random.Generator) -> Windows:
-    """Each person `count` times at the places and sizes of a search, relit, half of them mirrored."""
+def found(persons: Sequence[Person], count: int, above: int, rng: np.random.Generator) -> Windows:
+    """Each person `count` times at the places and sizes of a search, relit, half of them mirrored.
+
+    above: most rows of a window that may lie above the picture.
+    """
     windows, owner, headings = [], [], []
     for number, person in enumerate(persons):
         for _ in range(count):
             moved = rng.normal(0, PLACE_SIGMA, 2)
             window = cut(person.pixels, _moved(person.box, moved, np.exp(rng.normal(0, SIZE_SIGMA))))
             sign = 1 if rng.random() < 0.5 else -1
-            windows.append(_relit(np.ascontiguousarray(window[:, ::sign]), rng))
+            window = _relit(np.ascontiguousarray(window[:, ::sign]), rng)
+            if above and rng.random() < CUT:
+                window = reaching_over(window, int(rng.integers(1, above + 1)))
+            windows.append(window)
             owner.append(number)
             headings.append((sign * person.torso, sign * person.head))
     return described(windows, owner, np.array(headings))
@@ -96,6 +104,13 @@ def anywhere(backgrounds: Sequence[Background], count: int, rng: np.random.Gener
         corner = rng.uniform(0, [width - WIDTH * scale, height - HEIGHT * scale])
         windows.append(cut(pixels, BODY * scale + np.tile(corner, 2)))
     return windows
+
+
+def reaching_over(window: Array, rows: int) -> Array:
+    """A window (HEIGHT, WIDTH, 3) whose first rows are above the picture, where the border is repeated."""
+    out = window.copy()
+    out[:rows] = window[rows]
+    return out
 
 
 def _moved(box: Array, by: Array, size: float) -> Array:
