@@ -25,8 +25,9 @@ from bench_persons import after, made, shots
 from followspot import Array, Room
 from followspot.people import Poses
 from followspot.room_file import load
+from followspot_accuracy.persons.matching import REACH, UNMATCHED, match
 from followspot_accuracy.persons.scoring import PersonsScore, score_persons
-from followspot_accuracy.persons.tables import PoseTable
+from followspot_accuracy.persons.tables import PoseTable, PoseTruthTable
 from followspot_accuracy.scorings import PosesScoring
 from scripting import options_of
 
@@ -42,14 +43,24 @@ KINDS: Mapping[str, tuple[str, dict[str, Any]]] = {
 """Room of each situation, and what is other in it."""
 EVERY = 3
 """Pictures from one that the detector searches to the next."""
-COLUMNS = ("coverage %", "position cm", "distance m", "height cm", "switches", "returns", "known", "false %")
+COLUMNS = (
+    "coverage %",
+    "position cm",
+    "distance m",
+    "height cm",
+    "switches",
+    "returns",
+    "known",
+    "false %",
+    "longest s",
+)
 WORST: tuple[Callable[[Array], Any], ...] = (
     np.min,
     np.max,
     *[lambda column: column[np.abs(column).argmax()]] * 2,
     *[np.max] * 2,
     np.min,
-    np.max,
+    *[np.max] * 2,
 )
 
 
@@ -62,7 +73,7 @@ def main() -> None:
     given = parser.parse_args()
     cv2.setNumThreads(1)
     figures = {
-        kind: [figures_of(tracked(room_of(kind, seed, given.frames), given.frames)) for seed in given.seeds]
+        kind: [figures_of(*tracked(room_of(kind, seed, given.frames), given.frames)) for seed in given.seeds]
         for kind in given.kinds or KINDS
     }
     if given.json:
@@ -94,8 +105,8 @@ def room_of(kind: str, seed: int, frames: int) -> Room:
     return replace(room, cameras={camera.name: replace(camera, source=source)}, truth=truth)
 
 
-def tracked(room: Room, frames: int) -> PersonsScore:
-    """The score of slow and fast instance."""
+def tracked(room: Room, frames: int) -> tuple[PersonsScore, float]:
+    """The score of slow and fast instance, and how long the longest false person lasted, s."""
     assert room.truth is not None
     truth = PosesScoring().read_truth(made(room.truth.uses, room, **room.truth.params).process(), room)
     gradients, tracker = made("persons.gradients", room), made("persons.pose_tracker", room)
@@ -104,7 +115,20 @@ def tracked(room: Room, frames: int) -> PersonsScore:
         edges = after(shot.frame, gradients.process(shot.frame))
         poses = after(shot.frame, tracker.process(shot.frame, edges, shot.people, shot.boxes))
         found.append(poses)
-    return score_persons(table_of(found), truth)
+    poses = table_of(found)
+    return score_persons(poses, truth), longest_false(poses, truth)
+
+
+def longest_false(poses: PoseTable, truth: PoseTruthTable) -> float:
+    """Longest time for which all poses of a number were farther than `REACH` from everybody, s."""
+    matches, period, longest = match(poses, truth), float(np.median(np.diff(truth.time))), 0.0
+    for person in np.unique(poses.person):
+        own = poses.person == person
+        false = (matches.frame[own] != UNMATCHED) & (matches.apart[own] > REACH)
+        for run in np.split(np.arange(len(false)), np.flatnonzero(np.diff(false)) + 1):
+            if len(run) and false[run[0]]:
+                longest = max(longest, float(np.ptp(poses.time[own][run])) + period)
+    return longest
 
 
 def table_of(poses: Sequence[Poses]) -> PoseTable:
@@ -117,7 +141,7 @@ def table_of(poses: Sequence[Poses]) -> PoseTable:
     )
 
 
-def figures_of(score: PersonsScore) -> list[float]:
+def figures_of(score: PersonsScore, longest: float) -> list[float]:
     """The figures of `COLUMNS`."""
     one = score.overall
     return [
@@ -129,6 +153,7 @@ def figures_of(score: PersonsScore) -> list[float]:
         one.returns,
         one.returns_known,
         100 * score.surplus.false_share,
+        longest,
     ]
 
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import sys
 
+import numpy as np
 import pytest
 
 import bench_strangers
+from followspot_accuracy.persons.tables import PoseTable, PoseTruthTable
 
 
 def test_each_situation_is_scored_for_each_seed(
@@ -30,3 +32,14 @@ def test_cameras_and_truth_of_a_situation_have_the_same_people(kind: str) -> Non
     assert camera.source.params == room.truth.params
     assert camera.source.params["seed"] == 7
     assert camera.source.params["frames"] == 9
+
+
+@pytest.mark.parametrize(("false", "longest"), [((), 0.0), ((2,), 0.5), ((1, 2, 3, 6), 1.5), ((6, 7), 1.0)])
+def test_the_longest_false_person_is_told(false: tuple[int, ...], longest: float) -> None:
+    time = np.arange(8) * 0.5
+    there = np.zeros((8, 6))
+    truth = PoseTruthTable((1,), time, there[:, None], np.ones((8, 1)), np.zeros(2))
+    pose = there.copy()
+    pose[list(false), 0] = 0.7
+    found = PoseTable(time, np.ones(8, int), pose)
+    assert bench_strangers.longest_false(found, truth) == pytest.approx(longest)
