@@ -20,13 +20,17 @@ from typing import Any
 
 import numpy as np
 
-from followspot import Room
+from followspot import Array, Room
 from followspot.messages import Header, Message, stamped
+from followspot.people import BONES
 from followspot.plugins.registry import load_stage
 from followspot.room import Member
 from followspot.room_file import load
 from followspot.stage import Context
 from followspot_accuracy import PoseTable, pose_truth_of, score_persons
+from followspot_accuracy.persons.parts import correct_parts
+from followspot_sim.actor.landmarks import NAMES, landmarks
+from followspot_sim.actor.scene import stage_of
 from scripting import options_of
 
 ROOM = Path(__file__).parent.parent / "graphs" / "rooms" / "simulated_crowd.yaml"
@@ -44,8 +48,9 @@ def main() -> None:
     parser.add_argument("--fps", type=float, default=25.0)
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
-    room, sets, truth = found(given.people, given.frames, given.fps, given.seed)
+    room, sets, truth, joints = found(given.people, given.frames, given.fps, given.seed)
     figures = {kind: measured(room, sets, truth, kind, 0.25 / given.fps) for kind in ("points", "boxes")}
+    figures["points"]["correct_parts"] = parts_of(room, sets, joints, 0.25 / given.fps)
     if given.json:
         print(json.dumps(figures))
         return
@@ -54,11 +59,12 @@ def main() -> None:
             f"{kind}: {one['sets_per_s']:.0f} sets/s of {given.people} people, "
             f"MOTA {one['mota']:.3f}, IDF1 {one['idf1']:.3f}, {one['switches']} switches, "
             f"mean distance {100 * one['mean_m']:.1f} cm"
+            + (f", {100 * one['correct_parts']:.1f} % correct parts" if kind == "points" else "")
         )
 
 
-def found(people: int, frames: int, fps: float, seed: int) -> tuple[Room, list[Set], Any]:
-    """The room, what is found in each frame, and the truth."""
+def found(people: int, frames: int, fps: float, seed: int) -> tuple[Room, list[Set], Any, list[Array]]:
+    """The room, what is found in each frame, the truth, and the true joints (P, 17, 3) m of each frame."""
     room = load(ROOM)
     each = {}
     for (name, camera), late in zip(room.cameras.items(), LATE, strict=True):
@@ -80,7 +86,31 @@ def found(people: int, frames: int, fps: float, seed: int) -> tuple[Room, list[S
     params = dict(room.truth.params) | {"people": people, "frames": frames, "fps": fps, "seed": seed}
     source = load_stage(room.truth.uses)(Context("truth", room), **params)
     source.setup()
-    return room, sets, pose_truth_of(source.process())
+    return room, sets, pose_truth_of(source.process()), joints_of(source, frames)
+
+
+def joints_of(source: Any, frames: int) -> list[Array]:
+    """The true joints of each frame, (P, 17, 3) m."""
+    stage = stage_of(source.params)
+    plays = [stage.play(frame) for frame in range(frames)]
+    people = [zip(stage.cast, play.stances, play.surfaces, strict=True) for play in plays]
+    return [np.array([landmarks(actor.body, stance, skin) for actor, stance, skin in one]) for one in people]
+
+
+def parts_of(room: Room, sets: list[Set], joints: list[Array], delay: float) -> float:
+    """Share of the true parts, head to ankles, that are correct."""
+    stage = load_stage("persons.associate")(Context("associate", room), delay_sigma=delay)
+    stage.setup()
+    parts = [(NAMES.index(a), NAMES.index(b)) for a, b in BONES]
+    shares = []
+    for one, true in zip(sets, joints, strict=True):
+        skeletons = stage.process(points=one["points"]).skeletons
+        people, row = np.unique(skeletons.person, return_inverse=True)
+        column = np.array([NAMES.index(name) for name in skeletons.labels])[skeletons.label]
+        there = np.full((len(people), len(NAMES), 3), np.nan)
+        there[row, column] = skeletons.xyz
+        shares.append(correct_parts(there, true, parts).mean())
+    return float(np.mean(shares))
 
 
 def _at(message: Message, frame: int, fps: float) -> Message:
