@@ -38,7 +38,7 @@ stages:
 ENDLESS = """
 graph: walked
 stages:
-  a: {uses: ticks.live, with: {count: 1000000, period: 0.005}}
+  a: {uses: ticks.live, with: {count: 1000000, period: 0.02}}
   b: {uses: ticks.tally, in: {number: a}}
 """
 WORD = "b.step=7"

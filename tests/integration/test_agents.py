@@ -31,11 +31,11 @@ from followspot.operator.discovery import await_named, operator_session
 from followspot.transport.zenoh.network import Network
 
 LIVE = """
-a:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
-b:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
+a:    {uses: ticks.live, with: {count: 1000000, period: 0.02}}
+b:    {uses: ticks.live, with: {count: 1000000, period: 0.02}}
 more: {uses: ticks.add, in: {number: a}}
 less: {uses: ticks.add, in: {number: b}, with: {term: 1000000}}
-sum:  {uses: ticks.sum, in: {numbers: [more, less]}, tolerance: 0.002}
+sum:  {uses: ticks.sum, in: {numbers: [more, less]}, tolerance: 0.008}
 save: {uses: ticks.write, in: {number: sum}}
 """
 PLACEMENT = """

@@ -23,11 +23,11 @@ from tests.integration.running import (
 from followspot.operator.run_handle import run_here
 
 PAIR = """
-a:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
-b:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
+a:    {uses: ticks.live, with: {count: 1000000, period: 0.02}}
+b:    {uses: ticks.live, with: {count: 1000000, period: 0.02}}
 more: {uses: ticks.add, in: {number: a}}
 less: {uses: ticks.add, in: {number: b}, with: {term: 1000000}}
-sum:  {uses: ticks.sum, in: {numbers: [more, less]}, tolerance: 0.004}
+sum:  {uses: ticks.sum, in: {numbers: [more, less]}, tolerance: 0.016}
 save: {uses: ticks.write, in: {number: sum}}
 """
 PLACEMENT = """

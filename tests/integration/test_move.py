@@ -14,7 +14,7 @@ from followspot.errors import FollowspotError
 from followspot.operator.run_handle import run_here
 
 STAGES = """
-a:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
+a:    {uses: ticks.live, with: {count: 1000000, period: 0.02}}
 b:    {uses: ticks.tally, in: {number: a}}
 save: {uses: ticks.write, in: {number: b}}
 """
@@ -26,7 +26,7 @@ workers:
 """
 FAR_STAGES = """
 b:    {uses: ticks.tally, in: {number: a}}
-a:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
+a:    {uses: ticks.live, with: {count: 1000000, period: 0.02}}
 save: {uses: ticks.write, in: {number: b}}
 """
 FAR = """

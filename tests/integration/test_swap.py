@@ -40,7 +40,7 @@ b:    {uses: ticks.add, in: {number: a}, with: {sleep: 0.02}}  # until another o
 save: {uses: ticks.write, in: {number: b}}
 """
 LIVE = """
-a:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
+a:    {uses: ticks.live, with: {count: 1000000, period: 0.02}}
 b:    {uses: ticks.tally, in: {number: a}}
 c:    {uses: ticks.tally, in: {number: a}}
 save: {uses: ticks.write, in: {number: b}}

@@ -34,9 +34,9 @@ from followspot.operator.attach import Attachment, attached
 from followspot.transport.zenoh.network import Network
 
 LIVE = """
-a:    {uses: ticks.live, with: {count: 1000000, period: 0.01}}
-b:    {uses: ticks.live, with: {count: 1000000, period: 0.01}}
-sum:  {uses: ticks.sum, in: {numbers: [a, b]}, tolerance: 0.004}
+a:    {uses: ticks.live, with: {count: 1000000, period: 0.03}}
+b:    {uses: ticks.live, with: {count: 1000000, period: 0.03}}
+sum:  {uses: ticks.sum, in: {numbers: [a, b]}, tolerance: 0.012}
 save: {uses: ticks.write, in: {number: sum}}
 """
 HERE = "workers:\n  left: {stages: [a]}\n  right: {stages: [b, sum, save]}\n"

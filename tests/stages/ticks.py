@@ -72,7 +72,7 @@ class Live(Stage):
 
     class Params(StageParams):
         count: int = Field(100, ge=0, description="numbers to yield", unit="1")
-        period: float = Field(0.001, ge=0, description="time between two", unit="s")
+        period: float = Field(0.01, ge=0, description="time between two", unit="s")
         clock: bool = Field(True, description="whether it can tell the time")
 
     params: Params

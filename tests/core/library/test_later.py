@@ -26,7 +26,7 @@ STAGES = f"""
   b: {{uses: ticks.add, in: {{number: a}}}}
 """
 LIVE = """
-  a: {uses: ticks.live, with: {count: 1000000000, period: 0.002}}
+  a: {uses: ticks.live, with: {count: 1000000000, period: 0.02}}
   b: {uses: ticks.add, in: {number: a}}
 """
 TWO = "{left: {stages: [a]}, right: {stages: [b]}}"

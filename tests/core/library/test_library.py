@@ -24,7 +24,7 @@ TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
 ENDLESS = """
 graph: endless
 stages:
-  a: {uses: ticks.live, with: {count: 1000000, period: 0.001}}
+  a: {uses: ticks.live, with: {count: 1000000, period: 0.01}}
   b: {uses: ticks.add, in: {number: a}}
 """
 
