@@ -51,6 +51,8 @@ HEAVY = {
     "depth, colour and infrared",
     "3 colour and 3 infrared",
     "2 colour and 1 infrared",
+    "1 colour and 1 infrared",
+    "3 colour",
     "3 infrared",
     "building",
     "markers",

@@ -173,7 +173,9 @@ def test_mean_shift_is_better_than_the_mean_for_every_target(
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("fusion", ["balls.mean_shift", "balls.bundle"])
+@pytest.mark.parametrize(
+    "fusion", ["balls.mean_shift", pytest.param("balls.bundle", marks=pytest.mark.thorough)]
+)
 def test_projections_as_bright_as_the_balls_are_not_taken_for_them(tmp_path: Path, fusion: str) -> None:
     room = ROOT / "graphs" / "rooms" / "simulated_bright.yaml"
     targets = track(room, tmp_path, "--set", f"fuse.uses={fusion}", "--frames", "700")["targets"]
@@ -185,6 +187,7 @@ def test_projections_as_bright_as_the_balls_are_not_taken_for_them(tmp_path: Pat
         )
 
 
+@pytest.mark.thorough
 def test_placement_never_changes_the_result(rooms: dict[str, Path], tmp_path: Path) -> None:
     ways = {
         "one": (),

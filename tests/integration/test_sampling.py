@@ -23,7 +23,12 @@ save:  {uses: ticks.write, in: {number: later}}
 
 
 @pytest.mark.parametrize(
-    "placement", [(), ("--placement", "stage"), ("--placement", "stage", "--edges", "zenoh")]
+    "placement",
+    [
+        (),
+        pytest.param(("--placement", "stage"), marks=pytest.mark.thorough),
+        ("--placement", "stage", "--edges", "zenoh"),
+    ],
 )
 def test_a_sampled_input_is_exact_if_another_edge_of_its_cycle_has_a_delay(
     tmp_path: Path, placement: tuple[str, ...]

@@ -105,7 +105,7 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> Stand:
     return stand(case, tmp_path_factory.mktemp("demo"), record=False)
 
 
-@pytest.mark.parametrize("way", [("camera", "zenoh"), ("two", "ring")], ids=" ".join)
+@pytest.mark.parametrize("way", [("two", "zenoh"), ("camera", "ring")], ids=" ".join)
 def test_the_demo_gives_the_same_bytes_in_processes_of_its_own(
     demo: Stand, tmp_path: Path, way: tuple[str, str]
 ) -> None:

@@ -152,7 +152,7 @@ def blobs(number: int) -> Blobs:
 
 
 def test_thousands_of_small_messages_arrive_in_order_at_two_readers(edge: Edge) -> None:
-    many = {"ring": 10_000, "zenoh": 2_000}[edge.kind]  # of the depth of any queue of Zenoh, several times
+    many = {"ring": 4_000, "zenoh": 1_000}[edge.kind]  # of the depth of any queue of Zenoh, several times
     writer = edge.writer({"kind": "Blobs"}, {"kind": "Blobs"})
     send_all(writer, (blobs(number) for number in range(many)))
     send_all(writer, [Watermark(END)])

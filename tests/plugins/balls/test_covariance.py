@@ -40,7 +40,7 @@ def is_covariance(covariance: Array) -> bool:
 
 
 @pytest.mark.parametrize("rate", RATES)
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(n, marks=pytest.mark.thorough) for n in (1, 2, 3))])
 def test_the_covariance_of_a_long_run_is_one(rate: float, seed: int) -> None:
     """Sharp and vague measurements along any axis, bounces, gaps of any length."""
     rng, everybody = np.random.default_rng(seed), np.arange(4)

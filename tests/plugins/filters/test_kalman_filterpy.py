@@ -73,7 +73,7 @@ def alike(ours: Outputs, theirs: Outputs) -> None:
 
 @pytest.mark.parametrize("gate", [1e9, 3.0])
 @pytest.mark.parametrize("fade_time", [0.1, 0.0])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(n, marks=pytest.mark.thorough) for n in (1, 2))])
 def test_constant_velocity_is_that_of_balls_kalman_to_1e_9(seed: int, gate: float, fade_time: float) -> None:
     given = {"bounce_gate": gate, "fade_time": fade_time}
     ours, theirs = made(Kalman, **given), made(KalmanFilterpy, **given)

@@ -37,7 +37,9 @@ def compare(room: Path, frames: int, coarser: int = 1) -> dict[str, Any]:
     return dict(json.loads(done.stdout))
 
 
-@pytest.mark.parametrize("name", FEW)
+@pytest.mark.parametrize(
+    "name", ["simulated6", *(pytest.param(n, marks=pytest.mark.thorough) for n in FEW if n != "simulated6")]
+)
 def test_a_source_sends_the_same_bits_alone_and_in_company(name: str) -> None:
     found = compare(next(room for room in ROOMS if room.stem == name), *FEW[name])
     assert len(found["sources"]) > 1
