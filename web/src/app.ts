@@ -11,6 +11,7 @@ import { Room } from "./room.ts";
 import type { Drawn, View } from "./seen.ts";
 import { Sensors } from "./sensors.ts";
 import { Tiles } from "./tiles.ts";
+import { Timeline } from "./timeline.ts";
 import { Together } from "./together.ts";
 import type { Answer, Run, Scene, Told, Wish } from "./told.ts";
 import { Views } from "./views.ts";
@@ -46,6 +47,7 @@ const player = new Player(
   },
   ask,
 );
+const timeline = new Timeline(part("time", HTMLElement), part("over", HTMLButtonElement));
 const legend = new Legend(part("legend", HTMLElement));
 const together = new Together();
 const faults = new Faults(part("faults", HTMLElement));
@@ -74,6 +76,7 @@ function takeScene(scene: Scene): void {
   header.show(scene);
   pipeline.show(scene);
   tiles.from(scene.stages);
+  timeline.show(scene.stages);
   recorder.show(scene.ports);
   player.show(scene.replay);
   if (JSON.stringify(scene.room) !== shown) {
@@ -91,6 +94,7 @@ function takeRun(run: Run): void {
   faults.take(run.faults);
   news.replaceChildren(...[...clocks(run), ...run.news.slice(-NEWS)].map((line) => make("li", line)));
   pipeline.update(run);
+  timeline.take(run);
   tiles.update(run.stages);
   sensors.update(run.stages);
   look();
@@ -120,7 +124,10 @@ function takeAnswer(answer: Answer): void {
   const wish: Wish = JSON.parse(answer.to);
   if ("on" in wish) recorder.answer(answer);
   else if ("hold" in wish) player.answer(answer);
-  else pipeline.detail.answer(answer);
+  else {
+    pipeline.detail.answer(answer);
+    if (answer.ok) timeline.note(`${wish.stage}: ${answer.text}`);
+  }
 }
 
 function take(told: Told): void {

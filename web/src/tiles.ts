@@ -9,6 +9,19 @@ import type { Views } from "./views.ts";
 const MOST_PICTURES = 12; // of a camera that are kept: over a second at ten a second
 const WIDE = 2; // times as wide as high, and wider: such a picture has a row to itself
 
+const NARROW = 130; // px: no tile is narrower, so that all are seen at once
+
+const TIGHT = 200; // px: narrower ones have smaller captions
+
+// How many tiles beside each other leave all in sight, as large as can be. ratio: width over height of each.
+export function columnsOf(count: number, ratio: number, width: number, height: number): number {
+  const most = Math.max(1, Math.min(count, Math.floor(width / NARROW)));
+  for (let columns = 1; columns < most; columns++) {
+    if ((Math.ceil(count / columns) * width) / columns / ratio <= height) return columns;
+  }
+  return Math.min(count, most);
+}
+
 export class Tiles {
   private tiles = new Map<string, CameraTile>();
   private sources = new Map<string, string>(); // the camera of each stage that sends pictures
@@ -18,6 +31,7 @@ export class Tiles {
   constructor(section: HTMLElement, views: Views<Drawn>) {
     this.section = section;
     this.views = views;
+    new ResizeObserver(() => this.arrange()).observe(section);
   }
 
   // stages: of the graph; the sources among them send the pictures of their cameras.
@@ -44,7 +58,20 @@ export class Tiles {
     this.tiles = new Map(
       room.cameras.map((camera) => [camera.name, new CameraTile(camera, this.views, colors)]),
     );
-    this.section.replaceChildren(...[...this.tiles.values()].map((tile) => tile.figure));
+    const figures = [...this.tiles.values()].map((tile) => tile.figure);
+    for (const figure of figures) enlarging(figure, figures);
+    this.section.replaceChildren(...figures);
+    document.body.classList.toggle("single", room.cameras.length === 1);
+    this.arrange();
+  }
+
+  private arrange(): void {
+    const sizes = [...this.tiles.values()].map(({ camera }) => camera.size[0] / camera.size[1]);
+    const ratio = Math.min(...sizes.filter((size) => size < WIDE), WIDE);
+    const { clientWidth, clientHeight } = this.section;
+    const columns = columnsOf(sizes.length, ratio, clientWidth, clientHeight);
+    this.section.style.setProperty("--tiles", `${columns}`);
+    this.section.classList.toggle("tight", clientWidth / columns < TIGHT);
   }
 
   // bytes: length of the camera's name, the name, width, height, ms, the JPEG.
@@ -65,6 +92,16 @@ export class Tiles {
       if (!view.camera || view.camera === tile.camera.name) tile.redraw();
     }
   }
+}
+
+// A click, or Enter, shows one large, and another as before.
+function enlarging(figure: HTMLElement, all: HTMLElement[]): void {
+  const toggle = () => {
+    for (const other of all) other.classList.toggle("large", other === figure && !figure.matches(".large"));
+  };
+  figure.tabIndex = 0;
+  figure.onclick = toggle;
+  figure.onkeydown = ({ key }) => key === "Enter" && toggle();
 }
 
 interface Picture {

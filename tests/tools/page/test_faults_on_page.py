@@ -74,6 +74,9 @@ def test_a_dead_host_and_a_silent_run_are_seen_at_once_in_a_browser(tmp_path: Pa
         chromium.wait("document.querySelectorAll('figure').length === 6")
         assert chromium.ask("document.querySelector('#faults').hidden")
         assert chromium.ask("document.querySelectorAll('figure.absent, button.bad').length") == 0
+        bottoms = "[...document.querySelectorAll('figure')].map((f) => f.getBoundingClientRect().bottom)"
+        area = "document.querySelector('#tiles').getBoundingClientRect().bottom"
+        assert chromium.ask(f"Math.max(...{bottoms}) <= {area}")  # all cameras are in sight
         send(page, 40)
         chromium.wait("document.querySelectorAll('figure:not(.dark)').length === 1")
 
@@ -94,7 +97,12 @@ def test_a_dead_host_and_a_silent_run_are_seen_at_once_in_a_browser(tmp_path: Pa
         assert [re.sub(r"\d+ s", "N s", card) for card in cards] == ["6 of 6 absent since N s"]
         chromium.wait("/these places are [0-9]+ s old/.test(document.querySelector('#legend').dataset.old)")
 
+        chromium.ask("document.querySelector('#over').click()")
+        chromium.wait("/host pc-left is absent/.test(document.querySelector('.log .fault')?.innerText)")
+        assert chromium.ask("document.querySelectorAll('.plot line.fault').length") == 4  # one in each plot
+
         page.status = well(page.plan)
+        chromium.wait("/over: host pc-left is absent/.test(document.querySelector('.log').innerText)")
         chromium.wait("document.querySelectorAll('figure.absent').length === 0")
         chromium.wait("document.querySelector('#life').dataset.life === 'running'")
         send(page, 80)
