@@ -113,6 +113,7 @@ def test_a_sub_graph_is_one_card_that_unfolds_and_stays_so(opened: Opened) -> No
 
     field = "[...document.querySelectorAll('.field')].find((f) => /^maximum_iterations/.test(f.innerText))"
     enter = "const i = {}.querySelector('input'); i.value = {}; i.dispatchEvent(new Event('change'));"
+    chromium.wait(f"Boolean({field})")  # what can be changed is told later than the graph
     chromium.ask(enter.format(field, -1))
     chromium.wait(f"{field}.querySelector('[data-ok=false]')?.innerText.endsWith('must be at least 1')")
     assert chromium.ask("document.querySelectorAll('[data-ok=false]').length") == 1
