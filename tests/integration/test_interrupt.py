@@ -14,8 +14,8 @@ from followspot.graph.compile import compile_graph
 from followspot.operator.truth import room_truth
 
 GRAPHS = Path(__file__).parents[2] / "graphs"
-FPS = 0.001
-"""Frames are 1000 s apart: longer than any test waits."""
+FPS = 0.01
+"""Frames are 100 s apart: longer than any test waits."""
 TELL = """
 from followspot import Stage
 from followspot.tracking import Frame
@@ -34,7 +34,7 @@ def interrupted(process: subprocess.Popen[str], came: Path) -> Finished:
 
 
 def slow(folder: Path, name: str) -> Path:
-    """A shipped room that plays in real time, one frame every 1000 s."""
+    """A shipped room that plays in real time, one frame every 100 s."""
     before, fps, after = (GRAPHS / "rooms" / name).read_text().partition("fps: ")
     assert fps
     path = folder / name
