@@ -62,6 +62,7 @@ def chain(tmp_path_factory: pytest.TempPathFactory) -> Chain:
     return Chain(true, made, json.loads(wand))
 
 
+@pytest.mark.thorough
 def test_the_wand_places_the_cameras(chain: Chain) -> None:
     """Within 5 mm and 0.2 degrees of the truth, mean under 0.4 px, as promised; the bar here is nearer."""
     true, made = load(chain.true).cameras, load(chain.made).cameras
@@ -73,6 +74,7 @@ def test_the_wand_places_the_cameras(chain: Chain) -> None:
         assert np.degrees(np.arccos(np.clip((trace - 1) / 2, -1, 1))) < 0.1
 
 
+@pytest.mark.thorough
 def test_planes_are_within_3_mm_and_a_fifth_of_a_degree(chain: Chain) -> None:
     true, made = load(chain.true).planes, load(chain.made)
     cameras = list(made.cameras.values())

@@ -49,6 +49,7 @@ def followspot(*words: object) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.thorough
 def test_a_live_run_warns_before_it_starts_and_its_replay_is_refused_unless_exact(
     tmp_path: Path,
 ) -> None:

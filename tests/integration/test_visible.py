@@ -125,6 +125,7 @@ def all_over(attachment: Attachment) -> bool:
     return all(worker.phase == "over" for worker in attachment.coordinator.status().workers)
 
 
+@pytest.mark.thorough
 def test_an_observer_restarts_nothing_after_the_end_of_a_run(
     tmp_path: Path, agent: Agent, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -187,6 +188,7 @@ def test_an_absent_worker_at_the_end_is_an_error(tmp_path: Path) -> None:
     assert any("worker left was not there at the end" in line for line in ended.summary["errors"])
 
 
+@pytest.mark.thorough
 def test_a_run_with_a_suspended_operator_is_old_not_over(tmp_path: Path) -> None:
     with watched(tmp_path, HERE) as run:
         run.until(lambda told: told["fired"] > 20 and not told["faults"])

@@ -20,6 +20,7 @@ def trial(number: str) -> bench_inertial.Trial:
 
 
 @needs_broad
+@pytest.mark.thorough
 def test_real_sensor_carries_a_fast_path_through_gaps() -> None:
     setting = Setting(start=18.0, end=54.0)
     found = bench_inertial.figures([bench_inertial.run(trial("15"), setting, 40)], setting.rate)

@@ -307,6 +307,7 @@ def test_glowballs_wand_finds_its_own_calibration_good_and_a_turned_camera_bad(
 
 
 @needs_shared
+@pytest.mark.thorough
 def test_a_turned_camera_is_found_by_tracking_the_recording(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
