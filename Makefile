@@ -1,4 +1,4 @@
-# Every target sets itself up: Python >= 3.11 with venv, and make, are all it needs.
+# Every target sets itself up: Python >= 3.11 with venv, and make, are all it needs. `make demo FRAMES=200` ends sooner.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -25,7 +25,7 @@ $(VENV)/dev: pyproject.toml | $(BIN)/python
 	@touch $(VENV)/demo $@
 
 demo: $(VENV)/demo  ## track glowing balls in a simulated room
-	@$(BIN)/followspot run graphs/glowballs.yaml
+	@$(BIN)/followspot run graphs/glowballs.yaml $(if $(FRAMES),--frames $(FRAMES))
 
 $(VENV)/page: $(VENV)/demo
 	@$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[dashboard,recording,web]'

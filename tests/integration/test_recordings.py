@@ -210,6 +210,7 @@ def test_a_missing_camera_is_named_before_anything_starts(rooms: dict[str, Path]
     assert f"{room}:{line}:" in done.stderr
 
 
+@pytest.mark.thorough
 def test_a_truncated_video_is_named_and_the_others_go_on(rooms: dict[str, Path], tmp_path: Path) -> None:
     room = _own_copy(rooms["dev3"], tmp_path, cut={"cam2": 0.5})
     summary = track(room, tmp_path / "out", "--placement", "camera")

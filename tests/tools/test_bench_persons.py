@@ -13,6 +13,7 @@ import bench_persons
 ROOM = Path(__file__).parent.parent.parent / "graphs/rooms/simulated_panorama.yaml"
 
 
+@pytest.mark.thorough
 def test_frames_a_second_are_told_with_particles_and_people(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

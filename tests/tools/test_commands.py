@@ -207,6 +207,7 @@ def test_score_prints_a_table_or_json(tmp_path: Path, capsys: pytest.CaptureFixt
 
 
 @needs_shared
+@pytest.mark.thorough
 def test_shared_recording_becomes_a_room_with_all_templates(tmp_path: Path) -> None:
     room = str(tmp_path / "room.yaml")
     calibration, videos = str(GLOWBALLS / "calibration.json"), str(GLOWBALLS / "dev1")

@@ -181,6 +181,7 @@ and leave three later. With the yellow ball a pale disc flies, in 535 to 635, ab
 
 
 @needs_shared
+@pytest.mark.thorough
 def test_every_throw_of_the_recording_is_one_track_and_no_decoy_is(tmp_path: Path) -> None:
     """The throws are tracked from their 14th whole picture at the latest until the last.
 

@@ -334,6 +334,7 @@ def test_recording_of_another_size_is_refused(room: Path, capsys: pytest.Capture
 
 
 @needs_shared
+@pytest.mark.thorough
 def test_real_board_is_rigid_to_two_millimetres(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Four webcams, 54 mm squares; the poses agree with an earlier calibration by another program."""
     given = tmp_path / "room.yaml"

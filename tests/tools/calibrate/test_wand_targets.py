@@ -152,6 +152,7 @@ def test_targets_of_a_single_camera_are_no_points(made: MadeRoom, clips: Path) -
         find_places(clips, made.cameras[:1])
 
 
+@pytest.mark.thorough
 def test_the_command_takes_targets_along(
     made: MadeRoom, solved: Solved, clips: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
