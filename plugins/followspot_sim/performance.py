@@ -15,8 +15,8 @@ M = TypeVar("M", bound=Message)
 class Performance(Stage):
     """Base of sources with the parameters `frames`, `fps` and `realtime`."""
 
-    _begun: int | None = None
-    """When the first frame was made, ns of the monotonic clock."""
+    _begun = 0
+    """When it began, ns of the monotonic clock: before the first picture, so that cameras begin together."""
 
     def length(self) -> int | None:
         """Number of frames; None if they never end."""
@@ -24,13 +24,10 @@ class Performance(Stage):
 
     def frames(self) -> Iterable[int]:
         """Numbers of the frames."""
+        self._begun = time.monotonic_ns()
         return range(self.params.frames) if self.params.frames else itertools.count()
 
     def at(self, frame: int, message: M) -> M:
         """A message with the number and time of its frame; with `realtime`, sent at the pace of the clock."""
         since = round(frame * 1e9 / self.params.fps)
-        if not self.params.realtime:
-            return at(since, message, seq=frame)
-        if self._begun is None:
-            self._begun = time.monotonic_ns() - since
-        return at(since, message, seq=frame, due=self._begun + since)
+        return at(since, message, seq=frame, due=self._begun + since if self.params.realtime else 0)
