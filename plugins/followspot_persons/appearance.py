@@ -196,7 +196,7 @@ class Appearance(Stage):
         return there, foreground_box(self.camera, mask, expected, person.stature.estimate[0], reach)
 
     def left(self, person: Acquaintance, mask: Array, free: Array, seconds: float) -> bool:
-        """Whether the background is seen where a person would be, and nobody near there.
+        """Whether the camera sees background where it expects a person, and no other foreground nearby.
 
         mask, free: of :func:`foreground_box`, with and without the people that have boxes.
         """

@@ -1,7 +1,7 @@
 """The identity as a dimension of the state (Weinrich et al. 2010, section 4): people may be where others are.
 
-Particles of each identity are a set of their own, so that nobody dies out. A change of identity moves a
-particle from one set to another, where it is weighed by the colours of its new person.
+Each identity has its own set of particles, so that resampling cannot remove an identity. A change of identity
+copies particles from one set to another, where the colours of the new person weigh them.
 """
 
 from __future__ import annotations

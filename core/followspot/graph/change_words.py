@@ -1,4 +1,4 @@
-"""The words of `followspot swap` and `followspot set`, and mistakes at the places where they were typed."""
+"""The words of `followspot swap` and `followspot set`, and the places of mistakes in what the user typed."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def spelled(word: str) -> str:
 
 
 def as_typed(mistakes: Iterable[Mistake], words: Sequence[str]) -> list[Mistake]:
-    """The mistakes with their places in the words, not in what they are short for."""
+    """The mistakes with their places in the words that the user typed, not in the full forms of the words."""
     typed = {spelled(word): word for word in words}
     return [replace(mistake, place=_typed(mistake.place, typed)) for mistake in mistakes]
 

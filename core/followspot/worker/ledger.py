@@ -22,9 +22,9 @@ counts as anything else, so a process that reads a row from its first word to it
 messages accounted for than were produced, even while both ends count.
 """
 SOURCE_LOSSES = {"packet_loss": 15, "device_overrun": 7, "gap": 6}
-"""Words of frames lost at the source, which the sender stores, too: they came with packets missing; they were
-given up because nobody took them in time; their numbers were left out, and nothing says why. They count
-beside the messages of the edge."""
+"""Words of frames lost at the source, which the sender stores, too: frames that came without some packets,
+that the host dropped because the source was late, and that the camera's numbers skip for an unknown reason.
+They count beside the messages of the edge."""
 COLUMNS = 16
 """Words in a row: one cache line for each end of the edge; word 5 is unused."""
 LOSSES = ("dropped", "late", "unmatched", "invalid", "lost")

@@ -39,8 +39,8 @@ class InertialFilter(Kalman):
 
     The heading between sensor and room, the sensor's biases, its place on the target and its delay are learnt
     from the motion. A target without a sensor, or whose heading is not yet learnt, is filtered as by
-    `balls.kalman`. Of several sensors on one target the surest tells where it is, so another takes over from
-    one that falls silent. Readings that come late are used.
+    `balls.kalman`. The fix with the smallest sigma counts if a target carries several sensors, so another
+    sensor takes over from one that falls silent. Readings that come late are used.
     """
 
     class Params(Kalman.Params):

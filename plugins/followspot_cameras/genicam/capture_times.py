@@ -18,7 +18,7 @@ ALLOWANCE = 2_000_000
 ns, was not stamped by the clock that the camera tells."""
 SHARED = 1_000_000_000
 """A picture that is at most this old, ns, by its time stamp and this computer's clock shows that the camera's
-clock is the same. A clock that nobody set does not come so near by chance."""
+clock is the same. A clock that was never set is not so near by chance."""
 INTERVAL = 1_000_000_000
 """Between readings of the clock, ns."""
 FIRST, THEN = 8, 3

@@ -27,8 +27,8 @@ LONGEST_LOOK = 0.2
 class Genicam(Stage):
     """Pictures of a GigE Vision or USB3 Vision camera, each with the camera's own time and number.
 
-    Pictures that lost packets on the way, that were given up because nobody took them, or whose numbers
-    were left out stand in the ledger as lost at the source. A camera that is gone is connected again.
+    Pictures that lost packets on the way, that the host dropped, or that the camera's numbers skip stand in
+    the ledger as lost at the source. The stage connects again to a camera that is gone.
     """
 
     live: ClassVar[bool] = True

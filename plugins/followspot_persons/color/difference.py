@@ -80,7 +80,7 @@ def completed(model: ColorModel, relations: ColorRelations) -> ColorModel:
 
 
 def at_large(relations: ColorRelations) -> ColorModel:
-    """The unspecific model: colours of people whom nobody knows."""
+    """The generic model: the colours of people in general, from the relations of colours."""
     colors = from_plane(relations.mean)
     spread = np.column_stack([np.diag(relations.chroma), np.diag(relations.intensity)])
     return ColorModel(colors, FIRST_VARIANCE + _hsi_variance(colors, spread), np.zeros(len(colors)))

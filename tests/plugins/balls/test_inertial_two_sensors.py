@@ -1,4 +1,4 @@
-"""`balls.inertial` with two sensors on one target: the surer one tells where it is."""
+"""`balls.inertial` with two sensors on one target: the fix with the smaller sigma counts."""
 
 from __future__ import annotations
 

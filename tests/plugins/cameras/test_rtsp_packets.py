@@ -30,7 +30,7 @@ def test_a_packet_is_read_without_sources_extension_and_padding() -> None:
 
 @pytest.mark.parametrize("data", [b"", b"\x80" * 11, b"\x40" + bytes(20), b"\x9f" + bytes(12), b"\xb0" * 13])
 def test_what_is_no_packet_is_left_out(data: bytes) -> None:
-    assert rtp_packet(data) is None or len(rtp_packet(data).payload) <= len(data)  # type: ignore[union-attr]
+    assert rtp_packet(data) is None
 
 
 def test_a_sender_report_is_found_behind_other_reports() -> None:
