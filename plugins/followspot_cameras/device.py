@@ -13,7 +13,7 @@ from pydantic import field_validator
 from followspot import Field, InputDevice, StageParams
 from followspot.errors import InputError, Mistake
 from followspot.room import Member, Room
-from followspot_cameras.live import Capture, LiveCamera
+from followspot_cameras.live import Capture, CaptureCamera
 
 NUMBERS = range(100)
 """Numbers of cameras; OpenCV gives greater numbers another meaning."""
@@ -21,7 +21,7 @@ OLDEST = 1_000_000_000
 """A capture time so long before the picture came, ns, is by another clock than the monotonic one."""
 
 
-class Device(LiveCamera):
+class Device(CaptureCamera):
     """Grab from a USB or built-in camera; connects again when it is unplugged and comes back.
 
     The capture time is the driver's (V4L2): when the first data of the picture came from the camera.
@@ -56,7 +56,7 @@ class Device(LiveCamera):
         return [Mistake(None, f"device: {wrong.text}", wrong.help)] if wrong else []
 
     @property
-    def origin(self) -> str:  # type: ignore[override]  # read-only here
+    def origin(self) -> str:
         """The device as the user wrote it."""
         return f"camera {self.params.device}"
 

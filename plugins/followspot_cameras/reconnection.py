@@ -1,26 +1,59 @@
-"""Sessions with a device that vanishes and comes back."""
+"""Live cameras that vanish and come back: the base of their sources."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
+from functools import cached_property
 from threading import Event
-from typing import TypeVar
+from typing import ClassVar, TypeVar
+
+from followspot import Source, Stage
+from followspot.tracking import Frame
 
 FIRST_WAIT, LONGEST_WAIT = 0.2, 1.0
 """Pause before connecting again, s; it doubles with every failure."""
 T = TypeVar("T")
 
 
-def sessions(
-    session: Callable[[], Iterator[T]],
-    lost: type[Exception],
-    stopped: Event,
-    say: Callable[[str], None],
-) -> Iterator[T]:
+class LiveCamera(Stage, ABC):
+    """Base of live sources: a subclass names its camera and takes pictures from one connection to it."""
+
+    live: ClassVar[bool] = True
+    per_camera: ClassVar[bool] = True
+
+    @property
+    @abstractmethod
+    def origin(self) -> str:
+        """The camera as users know it, without secrets."""
+
+    @abstractmethod
+    def session(self) -> Iterator[Frame]:
+        """Frames of one connection, until `stopped` is set. Raises ConnectionError if the camera is gone."""
+
+    @cached_property
+    def stopped(self) -> Event:
+        """Ends the waiting when it is set."""
+        return Event()
+
+    def process(self) -> Source[Frame]:
+        """Frames as they come; connects again when the camera is gone. Raises what `session` raises else."""
+        yield from sessions(self.session, self.stopped, self.say)
+
+    def say(self, text: str) -> None:
+        """Tell the user about the camera."""
+        self.context.warn(f"{self.origin}: {text}")
+
+    def close(self) -> None:
+        """End the waiting, also from another thread."""
+        self.stopped.set()
+
+
+def sessions(session: Callable[[], Iterator[T]], stopped: Event, say: Callable[[str], None]) -> Iterator[T]:
     """What one session after the other gives, with exponential back-off between them, until `stopped` is set.
 
-    lost: raised by a session whose device is gone; say: tells the user once that it is, and once when it is
-    back.
+    A session whose device is gone raises ConnectionError. say: tells the user once that it is gone, and once
+    when it is back.
     """
     wait, gone = FIRST_WAIT, False
     while not stopped.is_set():
@@ -30,7 +63,7 @@ def sessions(
                     say("is back")
                 wait, gone = FIRST_WAIT, False
                 yield item
-        except lost as error:
+        except ConnectionError as error:
             if not gone and not stopped.is_set():
                 say(f"{error}; connecting again until it answers")
             gone = True

@@ -8,12 +8,12 @@ import cv2
 from pydantic import field_validator
 
 from followspot import Field, InputAddress, StageParams
-from followspot_cameras.live import Capture, LiveCamera
+from followspot_cameras.live import Capture, CaptureCamera
 
 SCHEMES = ("rtsp", "rtsps", "http", "https", "udp", "tcp")
 
 
-class Stream(LiveCamera):
+class Stream(CaptureCamera):
     """Play a network stream (RTSP, HTTP, UDP, TCP); connects again when it breaks."""
 
     class Params(StageParams):
@@ -35,7 +35,7 @@ class Stream(LiveCamera):
     params: Params
 
     @property
-    def origin(self) -> str:  # type: ignore[override]  # read-only here
+    def origin(self) -> str:
         """The address without user name, password and query."""
         return public_address(self.params.url)
 

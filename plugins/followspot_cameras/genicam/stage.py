@@ -5,11 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import closing
-from functools import cached_property
-from threading import Event
-from typing import ClassVar
 
-from followspot import Field, InputAddress, Source, Stage, StageParams, at
+from followspot import Field, InputAddress, Source, StageParams, at
 from followspot.errors import InputError
 from followspot.tracking import Frame
 from followspot_cameras.genicam import features
@@ -18,21 +15,18 @@ from followspot_cameras.genicam.camera import CameraGone, Picture, VisionCamera
 from followspot_cameras.genicam.capture_times import CaptureTimes
 from followspot_cameras.genicam.frame_numbers import FrameNumbers
 from followspot_cameras.genicam.picture import as_frame
-from followspot_cameras.reconnection import sessions
+from followspot_cameras.reconnection import LiveCamera
 
 LONGEST_LOOK = 0.2
 """Longest wait for a picture before the stage looks whether the run ends, s."""
 
 
-class Genicam(Stage):
+class Genicam(LiveCamera):
     """Pictures of a GigE Vision or USB3 Vision camera, each with the camera's own time and number.
 
     Pictures that lost packets on the way, that the host dropped, or that the camera's numbers skip stand in
     the ledger as lost at the source. The stage connects again to a camera that is gone.
     """
-
-    live: ClassVar[bool] = True
-    per_camera: ClassVar[bool] = True
 
     class Params(StageParams):
         camera: InputAddress = Field(
@@ -58,11 +52,6 @@ class Genicam(Stage):
 
     params: Params
 
-    @cached_property
-    def stopped(self) -> Event:
-        """Ends the waiting when it is set."""
-        return Event()
-
     @property
     def origin(self) -> str:
         """The camera as the user named it."""
@@ -71,13 +60,10 @@ class Genicam(Stage):
     def process(self) -> Source[Frame]:
         """Whole pictures as they come. Raises InputError for features that the camera has not."""
         self._numbers = FrameNumbers()
-        yield from sessions(self._session, CameraGone, self.stopped, self.say)
+        yield from super().process()
 
-    def say(self, text: str) -> None:
-        """Tell the user about the camera."""
-        self.context.warn(f"{self.origin}: {text}")
-
-    def _session(self) -> Iterator[Frame]:
+    def session(self) -> Iterator[Frame]:
+        """Whole pictures of one connection. Raises CameraGone; InputError for features that it has not."""
         with closing(self._connected()) as camera:
             yield from self._frames(camera)
 
@@ -130,7 +116,3 @@ class Genicam(Stage):
         lost("gap", missing - given_up)
         lost("packet_loss", int(picture.missing_packets > 0))
         return not picture.missing_packets
-
-    def close(self) -> None:
-        """End the waiting, also from another thread."""
-        self.stopped.set()

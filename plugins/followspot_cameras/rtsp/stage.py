@@ -5,17 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import closing
-from functools import cached_property
-from threading import Event
-from typing import ClassVar
 from urllib.parse import urlsplit
 
 from pydantic import field_validator
 
-from followspot import Field, InputAddress, Source, Stage, StageParams, at
+from followspot import Field, InputAddress, Source, StageParams, at
 from followspot.tracking import Frame
 from followspot_cameras.picture import as_frame
-from followspot_cameras.reconnection import sessions
+from followspot_cameras.reconnection import LiveCamera
 from followspot_cameras.rtsp.access_units import AccessUnit, AccessUnits
 from followspot_cameras.rtsp.connection import PORTS, ConnectionLost, RtspConnection
 from followspot_cameras.rtsp.decoder import Decoder
@@ -33,15 +30,12 @@ PICTURES, REPORTS = 0, 1
 """Channels of RTP and RTCP."""
 
 
-class Rtsp(Stage):
+class Rtsp(LiveCamera):
     """Pictures of a network camera (H.264 or H.265 over RTSP and TCP), connected again when it vanishes.
 
     The camera's sender reports tell when each picture was captured by the camera's clock; their arrival tells
     how far that clock is off.
     """
-
-    live: ClassVar[bool] = True
-    per_camera: ClassVar[bool] = True
 
     class Params(StageParams):
         url: InputAddress = Field(
@@ -68,26 +62,18 @@ class Rtsp(Stage):
 
     params: Params
 
-    @cached_property
-    def stopped(self) -> Event:
-        """Ends the waiting when it is set."""
-        return Event()
-
     @property
     def origin(self) -> str:
         """The address without user name, password and query."""
         return public_address(self.params.url)
 
-    def say(self, text: str) -> None:
-        """Tell the user about the camera."""
-        self.context.warn(f"{self.origin}: {text}")
-
     def process(self) -> Source[Frame]:
         """Pictures as they come, with capture times by this computer's clock."""
         self._times = ReportTimes(round(self.params.wait_for_report * 1e9), self.say)
-        yield from sessions(self._session, ConnectionLost, self.stopped, self.say)
+        yield from super().process()
 
-    def _session(self) -> Iterator[Frame]:
+    def session(self) -> Iterator[Frame]:
+        """Pictures of one connection, with capture times by this computer's clock. Raises ConnectionLost."""
         p = self.params
         with closing(RtspConnection(p.url, p.open_timeout, p.read_timeout)) as connection:
             video = _playing(connection)
@@ -132,10 +118,6 @@ class Rtsp(Stage):
             captured = None if source.damaged else self._times.capture_time(source)
             if captured is not None:
                 yield at(captured, as_frame(image, self.camera, self.context.loan, self.origin))
-
-    def close(self) -> None:
-        """End the waiting, also from another thread."""
-        self.stopped.set()
 
 
 def _playing(connection: RtspConnection) -> Video:

@@ -13,9 +13,9 @@ from pydantic import ValidationError
 from tests.plugins.cameras.recordings import context, numbers, picture, record
 
 from followspot import InputError
-from followspot_cameras import live
+from followspot_cameras import reconnection
 from followspot_cameras.device import Device, driver_time
-from followspot_cameras.live import Capture, LiveCamera
+from followspot_cameras.live import Capture, CaptureCamera
 from followspot_cameras.stream import Stream, public_address
 
 
@@ -38,7 +38,7 @@ class Unplugged:
         """Nothing to release."""
 
 
-class Replugged(LiveCamera):
+class Replugged(CaptureCamera):
     """A camera that plays a video, is then gone for two attempts, and plays again."""
 
     origin = "camera 7"
@@ -56,7 +56,7 @@ class Replugged(LiveCamera):
 
 @pytest.fixture(autouse=True)
 def _short_waits(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(live, "FIRST_WAIT", 0.001)
+    monkeypatch.setattr(reconnection, "FIRST_WAIT", 0.001)
 
 
 def test_lost_camera_comes_back_and_both_are_reported_once(tmp_path: Path) -> None:
@@ -66,8 +66,8 @@ def test_lost_camera_comes_back_and_both_are_reported_once(tmp_path: Path) -> No
     assert [numbers(next(frames).pixels) for _ in range(6)] == [0, 1, 2, 0, 1, 2]
     frames.close()
     assert warnings == [
-        "camera 7 gives no pictures; connecting again until it does",
-        "camera 7 is back",
+        "camera 7: no picture came; connecting again until it answers",
+        "camera 7: is back",
     ]
 
 
@@ -92,18 +92,18 @@ def test_waits_double_up_to_a_limit_and_start_anew_after_a_picture(tmp_path: Pat
                 self.set()
             return self.is_set()
 
-    attempts = iter([Unplugged(), Unplugged(), cv2.VideoCapture(str(record(tmp_path / "a.mkv", frames=1)))])
-    stopped = Clock()
-    pictures = list(live.grabs(lambda: next(attempts, Unplugged()), stopped, lambda text: None))
-    assert len(pictures) == 1
-    assert stopped.waits == [0.001, 0.002, 0.001, 0.002, 0.004, 0.008]
+    camera = Replugged(context(), path=record(tmp_path / "a.mkv", frames=1))
+    camera.attempts = iter([Unplugged(), Unplugged(), next(camera.attempts)])
+    camera.stopped = clock = Clock()
+    assert len(list(camera.process())) == 1
+    assert clock.waits == [0.001, 0.002, 0.001, 0.002, 0.004, 0.008]
 
 
 def test_close_from_another_thread_ends_the_wait_for_a_lost_camera(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(live, "FIRST_WAIT", 600.0)
+    monkeypatch.setattr(reconnection, "FIRST_WAIT", 600.0)
     lost = threading.Event()
 
-    class Gone(LiveCamera):
+    class Gone(CaptureCamera):
         origin = "camera 7"
 
         def connect(self) -> Capture:
