@@ -26,6 +26,15 @@ def cut_off(path: Path) -> str:
     return f" (the file is cut off: {actual} of {declared} bytes)" if declared > actual else ""
 
 
+def is_matroska(path: Path) -> bool:
+    """Whether a file is Matroska or WebM, whose containers do not count their frames."""
+    try:
+        with open_regular(path, None) as file:
+            return file.read(4) == EBML
+    except OSError:
+        return False
+
+
 def declared_size(file: BinaryIO) -> int:
     """Bytes that the file should have, after its own header (Matroska, AVI, MP4); 0 if it does not say."""
     head = file.read(12)

@@ -222,13 +222,23 @@ def test_timestamps_pair_pictures_by_their_order(tmp_path: Path) -> None:
     }
 
 
+def test_timestamps_need_no_frame_numbers(tmp_path: Path) -> None:
+    table = "sync_index,cam_id,frame_time\n8,0,1.1\n7,0,1.0\n7,1,1.0\n9,1,1.2\n"
+    (tmp_path / "t.csv").write_text(table)
+    assert read_timestamps(tmp_path / "t.csv", ["cam0", "cam1"]) == {
+        "cam0": {0: 7, 1: 8},
+        "cam1": {0: 7, 1: 9},
+    }
+
+
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
-        ("sync_index", "sync", "has no column sync_index"),
-        ("7,1,41", "7,1,x", r"t.csv:3: frame_index is 'x', not a whole number"),
-        ("7,1,41,1.0\n", "7,1\n", "t.csv:3: frame_index is ''"),
-        (",1,4", ",2,4", "has no line of camera cam_1\n.*cam_id"),
+        ("sync_index", "sync", "columns sync_index are missing"),
+        ("7,1,41", "7,1,x", r't.csv:3:\d+: "x" in column frame_index'),
+        ("7,1,41,1.0\n", "7,1\n", r"t.csv:3:1: 2 columns, 4 needed"),
+        ("8,0,41,1.1", "8,0,40,1.1", r"t.csv:4:1: frame_index does not rise from line 2"),
+        (",1,4", ",2,4", r"no row of camera cam_1(.|\n)*cam_id"),
     ],
 )
 def test_mistake_in_timestamps_is_told(tmp_path: Path, old: str, new: str, complaint: str) -> None:

@@ -7,11 +7,13 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 
 from followspot import Camera, Room
 from followspot.errors import InputError, Mistake, did_you_mean, writing
 from followspot.room import StageUse
 from followspot.room_file import save
+from followspot_cameras.recorded_times.beside import TABLE, spread_of_moments, times_beside
 from followspot_cameras.recordings import POSE_TRUTH, find_recordings
 from followspot_room.calibration import read_calibration
 from followspot_room.format import Calibration
@@ -19,6 +21,9 @@ from followspot_room.moving import moved
 from followspot_room.recorded_size import as_recorded, picture_size
 
 TRUTH = "truth.csv"
+MILLISECOND = 1_000_000
+DEFAULT_TOLERANCE = 4 * MILLISECOND
+"""Difference of capture times up to which stages match messages if nothing else is said, ns."""
 POSES = "cameras.pose_truth_csv"
 """The stage that reads true poses of persons, which need no templates."""
 
@@ -44,7 +49,7 @@ def import_room(
     missing = [name for name in names if name not in recordings] if videos else []
     if videos and missing and not allow_missing:
         raise InputError([_no_recording(name, videos) for name in missing])
-    known = with_recorded_sizes(known, recordings)
+    known = with_spread(with_recorded_sizes(known, recordings), recordings)
     truth = find_truth(videos, names) if videos else None
     room = room_of(known, recordings, truth, output)
     with writing(output):
@@ -110,7 +115,8 @@ def room_of(
         if path is None:
             return camera
         stage = "cameras.images" if path.is_dir() else "cameras.video"
-        return replace(camera, source=_use(stage, path))
+        times = times_beside(camera.name, path)
+        return replace(camera, source=_use(stage, path, {} if times is None else {"times": str(times)}))
 
     room = Room(
         name=output.stem,
@@ -121,8 +127,24 @@ def room_of(
     return moved(room, output)
 
 
-def _use(stage: str, path: Path) -> StageUse:
-    return StageUse(stage, {"path": str(path)})
+def _use(stage: str, path: Path, more: Mapping[str, str] = MappingProxyType({})) -> StageUse:
+    return StageUse(stage, {"path": str(path), **more})
+
+
+def with_spread(calibration: Calibration, recordings: Mapping[str, Path]) -> Calibration:
+    """The calibration with a note on how far apart pictures of one moment were taken. Raises InputError."""
+    tables: dict[Path, list[str]] = {}
+    for name, path in recordings.items():
+        if (times := times_beside(name, path)) is not None and times.name == TABLE:
+            tables.setdefault(times, []).append(name)
+    spreads = ((table, spread_of_moments(table, names)) for table, names in tables.items())
+    notes = tuple(
+        f"by {table.name}, pictures of one moment were taken up to {-(-spread // MILLISECOND)} ms apart; "
+        f"stages match them with a tolerance of {-(-spread // MILLISECOND) / 1000:g} and more"
+        for table, spread in spreads
+        if spread > DEFAULT_TOLERANCE
+    )
+    return replace(calibration, notes=(*calibration.notes, *notes))
 
 
 def _no_recording(camera: str, videos: Path) -> Mistake:
