@@ -69,6 +69,13 @@ class Going:
         self.process = start(write_graph(folder, stages), self.out, *options)
         self.name = str(self.process.pid)
 
+    @classmethod
+    def of(cls, process: subprocess.Popen[str], out: Path) -> Going:
+        """The run of a process that was started elsewhere."""
+        run = cls.__new__(cls)
+        run.out, run.process, run.name = out, process, str(process.pid)
+        return run
+
     def values(self, file: str = "ticks.csv") -> list[int]:
         path = self.out / file
         lines = path.read_text().splitlines() if path.exists() else []
@@ -211,6 +218,13 @@ inputs: {{number: t.number}}
 outputs: {{number: t}}
 stages: {{t: {{uses: {uses}, with: {{step: {step}}}}}}}
 """
+OTHER = """\
+inputs: {number: u.number}
+outputs: {number: v}
+stages:
+  u: {uses: ticks.tally, with: {step: 10}}
+  v: {uses: ticks.add, in: {number: u}, with: {term: 5}}
+"""
 HALL = """
 hall: {graph: tally.yaml, in: {number: a}}
 far:  {uses: ticks.write, in: {number: hall}, with: {path: far.csv}}
@@ -254,6 +268,11 @@ def test_a_run_under_an_agent_is_changed_without_its_operator(tmp_path: Path) ->
         assert "run " in change("swap", f"hall={tmp_path / 'quick.yaml'}")
         assert "hall/t: step = 20000" in change("set", "hall.stride=20000")
         assert 'has no parameter "step"' in change("set", "hall.step=1")
+        (tmp_path / "other.yaml").write_text(OTHER)
+        assert "hall/t: left (ticks.tally)" in change("swap", f"hall={tmp_path / 'other.yaml'}")
+        assert wait_until(lambda: last("far.csv") % 10 == 5), "another inside"
+        assert "hall/v: term = 3" in change("set", "hall/v.term=3")
+        assert wait_until(lambda: last("far.csv") % 10 == 3)
         taps = [f"followspot/*/pc-left/{port}/out" for port in ("a", "b")]
         for numbers in heard_by_a_stranger(agent.endpoint, taps, more=20):
             assert numbers == sorted(set(numbers))

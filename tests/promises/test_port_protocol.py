@@ -220,7 +220,7 @@ class PortOfRun(RuleBasedStateMachine):
         self.output.attach(loose, ["loose"], [self.ledger.row(LOOSE)])
         join = Join((), lateness=LATENESS)
         runner = StageRunner("count", 0, lambda: Count(Context()), join, {"out": self.output})
-        self.sender = Worker([runner], [], [(ring, 0), (loose, 0)], Pace())
+        self.sender = Worker([runner], [], [(ring, runner), (loose, runner)], Pace())
         first = not self.number and not self.produced
         self.over, self.announced = False, -END
         self.unheard = deque()

@@ -54,8 +54,9 @@ def _swap(args: argparse.Namespace) -> int:
 
     The run builds a new stage beside the old one. The new stage takes over between two messages, with the
     state of the old one if both stages support that; no message is lost. If a new stage cannot be built, the
-    old stages go on, and the command says why. A sub-graph is replaced by another file with the same stages
-    and edges: all its stages are built first, then they take over, each worker between two of its messages.
+    old stages go on, and the command says why. A sub-graph is replaced by another file that offers the
+    outputs that are read. If its stages and edges are others, the sources wait until the old stages have
+    processed everything; in several workers, these start anew, and a replay refuses.
 
     Examples:
       followspot swap glowballs fuse=balls.mean

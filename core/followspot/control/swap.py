@@ -6,7 +6,7 @@ If one replacement cannot be built, none takes over.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from followspot.control.dispatch import Role, RunRequest
 from followspot.graph.plan import PlannedStage
@@ -19,6 +19,8 @@ ChangePhase = Literal["building", "built", "done", "failed"]
 class ChangeOrder(RunRequest):
     """One step of a change. id: of the change; stages: the replacements; fresh: whether they start without
     the state of the old stages; subgraphs: of the plan after the change, for the hosts.
+
+    plan: the plan after a change in which stages and edges come or go, all of them in `worker`; else None.
     """
 
     id: str
@@ -26,6 +28,8 @@ class ChangeOrder(RunRequest):
     stages: tuple[PlannedStage, ...]
     fresh: bool = False
     subgraphs: tuple[SubgraphUse, ...] | None = None
+    worker: str = ""
+    plan: dict[str, Any] | None = None
     roles: ClassVar[tuple[Role, ...]] = ("host", "worker")
 
 

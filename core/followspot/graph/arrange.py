@@ -36,11 +36,11 @@ def plan(
 ) -> Plan:
     """The plan of a graph without mistakes; its notes name every request that could not be met."""
     stages = {stage.instance.name: stage for stage in checked.stages}
-    planned = [_edge(edge, placed, edges) for edge in checked.edges]
+    planned = [planned_edge(edge, placed, edges) for edge in checked.edges]
     return Plan(
         graph=checked.name,
         room=checked.room,
-        stages=tuple(_stage(stages[name], placed, checked.room) for name in _order(checked)),
+        stages=tuple(planned_stage(stages[name], placed, checked.room) for name in _order(checked)),
         edges=tuple(planned),
         workers=placed.workers,
         seed=checked.seed if seed is None else seed,
@@ -80,7 +80,8 @@ def _order(checked: Checked) -> list[str]:
     return topological(successors(names, forward))
 
 
-def _stage(checked: CheckedStage, placed: Placed, room: Room) -> PlannedStage:
+def planned_stage(checked: CheckedStage, placed: Placed, room: Room) -> PlannedStage:
+    """The instance in its worker."""
     instance = checked.instance
     declared = instance.declared
     return PlannedStage(
@@ -109,7 +110,8 @@ def _rate(checked: CheckedStage, room: Room) -> float | None:
     return written or stage.nominal_rate(stage.Params(**checked.params))
 
 
-def _edge(edge: CheckedEdge, placed: Placed, choice: EdgeChoice) -> PlannedEdge:
+def planned_edge(edge: CheckedEdge, placed: Placed, choice: EdgeChoice = "auto") -> PlannedEdge:
+    """The edge between two workers, or within one."""
     wire = edge.wire
     kind = _kind(wire.source.name, wire.target.name, placed, choice)
     return PlannedEdge(

@@ -29,14 +29,19 @@ _BY_SET = Origin("--set", kept=True)
 
 @dataclass(frozen=True)
 class Change:
-    """The stages that change, in their new form, the origins of their parameters, and the sub-graphs then."""
+    """The stages that change, in their new form, the origins of their parameters, and the sub-graphs then.
+
+    rewired: the plan if stages or edges come or go, before the stages change.
+    """
 
     stages: tuple[PlannedStage, ...]
     origins: Mapping[str, Mapping[str, Origin]]
     subgraphs: tuple[SubgraphUse, ...]
+    rewired: Plan | None = None
 
     def applied(self, plan: Plan) -> Plan:
         """The plan after the change."""
+        plan = plan if self.rewired is None else self.rewired
         origins = {**plan.origins, **self.origins}
         return replace(with_stages(plan, self.stages, self.subgraphs), origins=origins)
 
@@ -51,18 +56,17 @@ def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change
     """
     mistakes: list[Mistake] = []
     wishes: dict[str, _Wish] = {}
-    subgraphs = plan.subgraphs
+    begun = plan
     for word in sorted(words, key=sets_parameter):
         override = read_override(spelled(word), mistakes)
         if override is None:
             continue
-        present = replace(plan, subgraphs=subgraphs)
-        if not uses_of(present, override.stage):
+        if not uses_of(plan, override.stage):
             _note(override, plan, wishes, mistakes)
         elif sets_parameter(word):
-            _note_parameter(override, present, wishes, mistakes)
+            _note_parameter(override, plan, wishes, mistakes)
         else:
-            subgraphs = _note_file(override, present, folder, wishes, mistakes)
+            plan = _note_file(override, plan, folder, wishes, mistakes)
     found = [_replacement(wish, plan, folder, mistakes) for wish in wishes.values()]
     changed = [stage for stage in found if stage is not None]
     if not mistakes:
@@ -70,7 +74,9 @@ def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change
     if mistakes:
         raise InputError(as_typed(told_once(mistakes), words))
     new = tuple(stage for stage in changed if stage != wishes[stage.name].old)
-    return Change(new, {stage.name: _present(wishes[stage.name].origins, stage) for stage in new}, subgraphs)
+    origins = {stage.name: _present(wishes[stage.name].origins, stage) for stage in new}
+    rewired = None if plan.numbers == begun.numbers and plan.edges == begun.edges else plan
+    return Change(new, origins, plan.subgraphs, rewired)
 
 
 def _present(origins: Mapping[str, Origin], stage: PlannedStage) -> Mapping[str, Origin]:
@@ -101,27 +107,29 @@ class _Wish:
 
 def _note_file(
     override: Override, plan: Plan, folder: Path, wishes: dict[str, _Wish], mistakes: list[Mistake]
-) -> tuple[SubgraphUse, ...]:
-    """Add a file for a sub-graph to the wishes for its instances. Returns the sub-graphs of the plan then."""
+) -> Plan:
+    """Add a file for a sub-graph to the wishes for its instances. Returns the plan with its sub-graphs, and
+    with its stages and edges if they are others.
+    """
     place, value = override.stage_place, override.value
     if not isinstance(value.value, str) or not value.value:
         mistakes.append(Mistake(value.place, "this is no graph file", f"write {override.stage}=FILE.yaml"))
-        return plan.subgraphs
+        return plan
     file = Node(str((folder / value.value).absolute()), place, place)
-    by_name = {stage.name: stage for stage in plan.stages}
     for use in uses_of(plan, override.stage):
         try:
-            changes, subgraphs = replaced(plan, use, file)
+            found_plan = replaced(plan, use, file)
         except InputError as error:
             mistakes += error.mistakes
-            return plan.subgraphs
-        plan = replace(plan, subgraphs=subgraphs)
-        for found in changes:
+            return plan
+        plan = found_plan.plan
+        by_name = {stage.name: stage for stage in plan.stages}
+        for found in found_plan.changes or ():
             wish = wishes.setdefault(found.name, _wish(by_name[found.name], place, plan))
             wish.uses = found.uses
             wish.params |= {key: node_of(value, place) for key, value in found.params.items()}
             wish.origins |= found.origins
-    return plan.subgraphs
+    return plan
 
 
 def _note_parameter(

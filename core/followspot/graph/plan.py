@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Annotated, Any, Literal
@@ -24,6 +24,8 @@ MAX_DELAY = 1000
 MAX_DEPTH = 10_000
 MAX_CONCURRENCY = 64
 MAX_SEED = (1 << 63) - 1
+MAX_NEW_EDGES = 1024
+"""Edges that a graph may get while it runs: the ledger has rows for them from the start."""
 DEPTHS: Mapping[str, int] = {"window": 1024, "nearest": 256}
 """Depths of edges to inputs of these kinds, if none is written: a second of a fast sensor, and as long as a
 stage may lag behind one in a live run."""
@@ -171,6 +173,23 @@ class Plan:
     """What the room's file says; only the operator has it."""
     origins: Mapping[str, Mapping[str, Origin]] = field(default_factory=dict, compare=False)
     """What gave each parameter that is no default its value, by stage and parameter; for the operator."""
+    numbers: tuple[int, ...] = ()
+    """Number of each edge, which it keeps while the run goes on; empty as long as they are 0, 1, 2, ..."""
+    former: tuple[tuple[int, PlannedEdge], ...] = ()
+    """Edges that have left the graph while it ran, with their numbers."""
+
+    def numbered(self) -> Iterable[tuple[int, PlannedEdge]]:
+        """Each edge with its number, which is its row in the ledger."""
+        return zip(self.numbers or range(len(self.edges)), self.edges, strict=True)
+
+    def edge(self, number: int) -> PlannedEdge:
+        """The edge of this number. Raises KeyError."""
+        return self._by_number[number]
+
+    @property
+    def rows(self) -> int:
+        """Rows of the ledger: more than the largest number of an edge that is or was."""
+        return 1 + max((number for number, _ in (*self.numbered(), *self.former)), default=-1)
 
     @property
     def live(self) -> bool:
@@ -193,6 +212,10 @@ class Plan:
         """The worker that runs this stage, with its host. Raises KeyError."""
         worker = self.worker_of(stage)
         return PlannedWorker(worker, self.host_of(worker))
+
+    @cached_property
+    def _by_number(self) -> Mapping[int, PlannedEdge]:
+        return dict(self.numbered())
 
     @cached_property
     def _workers(self) -> Mapping[str, str]:

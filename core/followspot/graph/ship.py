@@ -39,6 +39,8 @@ class _Data(pydantic.BaseModel):
     notes: tuple[str, ...]
     offered: dict[str, tuple[str, ...]] = {}
     subgraphs: tuple[SubgraphUse, ...] = ()
+    numbers: tuple[Annotated[int, pydantic.Field(ge=0)], ...] = ()
+    former: tuple[tuple[Annotated[int, pydantic.Field(ge=0)], PlannedEdge], ...] = ()
 
 
 def plan_to_data(plan: Plan) -> dict[str, Any]:
@@ -47,6 +49,8 @@ def plan_to_data(plan: Plan) -> dict[str, Any]:
     return {
         **({"offered": offered} if offered else {}),
         **({"subgraphs": _USES.dump_python(plan.subgraphs, mode="json")} if plan.subgraphs else {}),
+        **({"numbers": list(plan.numbers)} if plan.numbers else {}),
+        **({"former": [[number, asdict(edge)] for number, edge in plan.former]} if plan.former else {}),
         "version": VERSION,
         "graph": plan.graph,
         "room": to_data(plan.room),
@@ -85,6 +89,8 @@ def plan_from_data(data: Any) -> Plan:
         found.notes,
         found.offered,
         subgraphs=found.subgraphs,
+        numbers=found.numbers,
+        former=found.former,
     )
 
 
@@ -95,6 +101,13 @@ def _check_names(found: _Data) -> None:
         raise PlanDataError("this is no plan: a name stands for two stages or workers")
     strangers = {stage.worker for stage in found.stages} - workers
     strangers |= {end for edge in found.edges for end in (edge.from_stage, edge.to_stage)} - stages
+    taken = {*found.numbers, *(number for number, _ in found.former)}
+    if found.numbers and (
+        len(found.numbers) != len(found.edges) or len(taken) < len(found.numbers) + len(found.former)
+    ):
+        raise PlanDataError("this is no plan: each edge has a number of its own")
+    if max(taken, default=-1) >= len(found.edges) + len(found.former):
+        raise PlanDataError("this is no plan: the number of an edge is too large")
     if strangers:
         raise PlanDataError(
             f"this is no plan: it speaks of {', '.join(sorted(strangers))} without saying what it is"

@@ -1,25 +1,26 @@
 """`hall=other.yaml`: a graph file takes the place of another while the graph runs.
 
-Stages and edges of a running graph stay, so the new file must have the stages and edges of the old one; what
-differs is which plugin stages they are, and their parameters. The new file is composed where the old one
-stood, with what the graph feeds it and gives it; no other file of the graph is read again.
+The new file is composed where the old one stood, with what the graph feeds it and gives it; no other file of
+the graph is read again. If it has the stages and edges of the old one, only plugin stages and parameters
+change; else stages and edges come and go.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from followspot.document import Node
-from followspot.errors import InputError, Mistake, Place
+from followspot.errors import InputError, Mistake
 from followspot.graph.given import origin_of
+from followspot.graph.instances import CheckedStage
 from followspot.graph.override import is_set
 from followspot.graph.plan import Origin, Plan, PlannedStage
+from followspot.graph.rewiring import rewired
 from followspot.graph.subgraph_plan import GIVEN, Composed, composed_in
 from followspot.graph.subgraph_use import SubgraphUse
 
-_RESTART = "a running graph keeps its stages and edges: stop it, and run it with --set {name}.graph=FILE"
 BY_A_CHANGE = Origin("while it ran", kept=True)
 _Edge = tuple[str, str, str, str, int]
 
@@ -39,8 +40,20 @@ def uses_of(plan: Plan, name: str) -> list[SubgraphUse]:
     return [use for use in plan.subgraphs if name in use.names]
 
 
-def replaced(plan: Plan, use: SubgraphUse, file: Node) -> tuple[list[StageChange], tuple[SubgraphUse, ...]]:
-    """The stages that change with another file in the place of a use, and the sub-graphs of the plan then.
+@dataclass(frozen=True)
+class Replaced:
+    """A plan in which another file is in the place of a sub-graph.
+
+    changes: the stages that change, if the file has the stages and edges of the old one; None if it has
+    others: then all is in the plan already.
+    """
+
+    plan: Plan
+    changes: list[StageChange] | None
+
+
+def replaced(plan: Plan, use: SubgraphUse, file: Node) -> Replaced:
+    """What becomes of a plan with another file in the place of a use.
 
     file: its path. Raises InputError with every mistake.
     """
@@ -48,9 +61,31 @@ def replaced(plan: Plan, use: SubgraphUse, file: Node) -> tuple[list[StageChange
     found = composed_in(plan, use, file, mistakes)
     if mistakes or found is None:
         raise InputError(mistakes)
-    _check_same(plan, use, found, file.place)
-    kept = [other for other in plan.subgraphs if other != use and not use.holds(other.name)]
-    return _differing(plan, use, found), (*kept, *found.subgraphs)
+    kept = [
+        _passing_on(other, use, found)
+        for other in plan.subgraphs
+        if other != use and not use.holds(other.name)
+    ]
+    after = replace(plan, subgraphs=(*kept, *found.subgraphs))
+    if _is_alike(plan, use, found):
+        return Replaced(after, _differing(plan, use, found))
+    new = rewired(after, use, found, file.place)
+    origins = {name: dict(known) for name, known in plan.origins.items() if name not in _inside(plan, use)}
+    origins |= {stage.instance.name: _origins(plan, use, stage) for stage in found.stages}
+    return Replaced(replace(new, origins=origins), None)
+
+
+def _passing_on(outer: SubgraphUse, use: SubgraphUse, found: Composed) -> SubgraphUse:
+    """A use of a file with what its parameters set in the new file, if the replaced use is inside."""
+    new = next((one for one in found.subgraphs if one.name == use.name), None)
+    if new is None or not outer.holds(use.name):
+        return outer
+    leaves = {old: new.params.get(name, ()) for name, before in use.params.items() for old in before}
+    passed = {
+        name: tuple(dict.fromkeys(leaf for old in before for leaf in leaves.get(old, (old,))))
+        for name, before in outer.params.items()
+    }
+    return replace(outer, params={name: found for name, found in passed.items() if found})
 
 
 def _inside(plan: Plan, use: SubgraphUse) -> dict[str, PlannedStage]:
@@ -66,14 +101,21 @@ def _differing(plan: Plan, use: SubgraphUse, found: Composed) -> list[StageChang
         same = stage.instance.uses == was.uses
         params = {k: v for k, v in stage.params.items() if not (same and was.params.get(k) == v)}
         if params or not same:
-            before = plan.origins.get(name, {})
-            origins = {
-                parameter: _origin(node, use, tuned=parameter in stage.instance.tuned)
-                for parameter, node in stage.instance.params.items()
-            }
-            origins |= {k: before.get(k, BY_A_CHANGE) for k in was.kept if k in stage.params}
-            changes.append(StageChange(name, stage.instance.uses, params, origins))
+            changes.append(StageChange(name, stage.instance.uses, params, _origins(plan, use, stage)))
     return changes
+
+
+def _origins(plan: Plan, use: SubgraphUse, stage: CheckedStage) -> dict[str, Origin]:
+    """What gives the parameters of a stage of the file their values."""
+    name = stage.instance.name
+    was = next((old for old in plan.stages if old.name == name), None)
+    before = plan.origins.get(name, {})
+    origins = {
+        parameter: _origin(node, use, tuned=parameter in stage.instance.tuned)
+        for parameter, node in stage.instance.params.items()
+    }
+    kept = () if was is None else was.kept
+    return origins | {k: before.get(k, BY_A_CHANGE) for k in kept if k in stage.params}
 
 
 def _origin(node: Node, use: SubgraphUse, *, tuned: bool) -> Origin:
@@ -82,40 +124,27 @@ def _origin(node: Node, use: SubgraphUse, *, tuned: bool) -> Origin:
     return Origin(use.name if passed else origin_of(node, tuned=tuned), is_set(node))
 
 
-def _check_same(plan: Plan, use: SubgraphUse, found: Composed, place: Place) -> None:
-    """Raises InputError if the file has other stages, edges or policies in the place of the old one."""
+def _is_alike(plan: Plan, use: SubgraphUse, found: Composed) -> bool:
+    """True if the file has the stages, edges, outputs and policies of the old one."""
     old, new = _inside(plan, use), {stage.instance.name: stage.instance for stage in found.stages}
-    gone, added = sorted(old.keys() - new.keys()), sorted(new.keys() - old.keys())
-    if gone or added:
-        said = [f"lacks {', '.join(gone[:4])}"] if gone else []
-        said += [f"adds {', '.join(added[:4])}"] if added else []
-        _refuse(f'the file {" and ".join(said)} in sub-graph "{use.name}"', use, place)
-    edges = _edges(plan, old) ^ found.edges
-    if edges:
-        start, port, end, to, _ = min(edges)
-        _refuse(f'the file connects "{start}.{port}" and "{end}.{to}" in another way', use, place)
-    _check_outputs(plan, use, found, place)
-    for instance in new.values():
-        declared, was = instance.declared, old[instance.name]
-        policy = (declared.on_error, declared.tolerance, declared.deadline)
-        if policy != (was.on_error, was.tolerance, was.deadline):
-            text = f'on_error, tolerance or deadline of "{instance.name}" differ in the file'
-            _refuse(text, use, place)
-
-
-def _check_outputs(plan: Plan, use: SubgraphUse, found: Composed, place: Place) -> None:
-    """Raises InputError if an output that is read is missing, or another port than before."""
-    leaving = {f"{edge.from_stage}.{edge.from_port}" for edge in plan.edges if not use.holds(edge.to_stage)}
+    if old.keys() != new.keys() or _edges(plan, old) != found.edges:
+        return False
     for name, before in plan.offered.items():
-        subgraph, _, port = name.partition(".")
-        if not (subgraph == use.name or use.holds(subgraph)):
-            continue
-        after = found.outputs.get(name)
-        if after is None and leaving & set(before):
-            _refuse(f'sub-graph "{subgraph}" has no output "{port}" in the file', use, place)
-        if after is not None and after != before:
-            text = f'the output "{name}" is {", ".join(after)} in the file, and was {", ".join(before)}'
-            _refuse(text, use, place)
+        subgraph = name.partition(".")[0]
+        if (subgraph == use.name or use.holds(subgraph)) and found.outputs.get(name, before) != before:
+            return False
+    return _has_read_outputs(plan, use, found) and all(
+        (one.declared.on_error, one.declared.tolerance, one.declared.deadline)
+        == (old[one.name].on_error, old[one.name].tolerance, old[one.name].deadline)
+        for one in new.values()
+    )
+
+
+def _has_read_outputs(plan: Plan, use: SubgraphUse, found: Composed) -> bool:
+    """True if the file offers all outputs that something outside reads."""
+    read = {f"{edge.from_stage}.{edge.from_port}" for edge in plan.edges if not use.holds(edge.to_stage)}
+    own = {n: p for n, p in plan.offered.items() if n.partition(".")[0] == use.name and read & set(p)}
+    return own.keys() <= found.outputs.keys()
 
 
 def _edges(plan: Plan, inside: Mapping[str, PlannedStage]) -> set[_Edge]:
@@ -125,7 +154,3 @@ def _edges(plan: Plan, inside: Mapping[str, PlannedStage]) -> set[_Edge]:
         for edge in plan.edges
         if edge.to_stage in inside
     }
-
-
-def _refuse(text: str, use: SubgraphUse, place: Place) -> None:
-    raise InputError([Mistake(place, text, _RESTART.format(name=use.stage))])

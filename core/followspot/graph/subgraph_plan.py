@@ -10,7 +10,7 @@ from followspot.document import Node, node_of
 from followspot.errors import Mistake, Place
 from followspot.graph.check import check_inputs
 from followspot.graph.compose.in_place import InPlace, in_place
-from followspot.graph.connections import connect
+from followspot.graph.connections import CheckedEdge, connect
 from followspot.graph.declaration import StageDeclaration, read_stage
 from followspot.graph.expand import ROOM_SOURCE, Expanded, expand
 from followspot.graph.instances import CheckedStage, Instance
@@ -31,11 +31,12 @@ GIVEN = "(given by the graph)"
 
 @dataclass(frozen=True)
 class Composed:
-    """The file in its place. edges: into its stages; outputs: the ports behind each, SUBGRAPH.NAME."""
+    """The file in its place. edges, links: into its stages; outputs: the ports behind each, SUBGRAPH.NAME."""
 
     stages: tuple[CheckedStage, ...]
     edges: frozenset[tuple[str, str, str, str, int]]
     outputs: Mapping[str, tuple[str, ...]]
+    links: tuple[CheckedEdge, ...]
     subgraphs: tuple[SubgraphUse, ...]
 
 
@@ -96,12 +97,13 @@ def _checked(
             check_inputs(instance, stage, expanded.left_out, mistakes)
             params = _params(instance, stage, old.get(instance.name), mistakes)
             stages += [] if params is None else [CheckedStage(instance, stage, params)]
+    links = tuple(connect(expanded.wires, classes, mistakes))
     edges = {
         (edge.wire.source.name, edge.output, edge.wire.target.name, edge.wire.port, edge.wire.feed.delay)
-        for edge in connect(expanded.wires, classes, mistakes)
+        for edge in links
     }
     outputs = subgraph_ports(found.outputs, stages, plan.room)
-    return Composed(tuple(stages), frozenset(edges), outputs, found.subgraphs)
+    return Composed(tuple(stages), frozenset(edges), outputs, links, found.subgraphs)
 
 
 def _class(instance: Instance, mistakes: list[Mistake]) -> type[Stage] | None:

@@ -215,6 +215,9 @@ class Agent:
         own = {stage.name for stage in agent_run.run.plan.stages if stage.worker in agent_run.run.workers}
         if foreign := {stage.name for stage in order.stages} - own:
             raise FollowspotError(f"{', '.join(sorted(foreign))} of run {order.run[:8]} does not run here")
+        if order.plan is not None:
+            self._rewire(order, order.plan, agent_run)
+            return
         stages = unpacked_stages(order.stages, self.options.grants)
         agent_run.run.ask(order.model_copy(update={"stages": stages}))
         if order.step == "take_over":
@@ -222,6 +225,16 @@ class Agent:
             agent_run.order = replace(agent_run.order, plan=plan_to_data(plan))
             names = ", ".join(stage.name for stage in order.stages) or "what its sub-graphs offer"
             self.tell(f"run {order.run[:8]} of {agent_run.graph}: changed {names}")
+
+    def _rewire(self, order: ChangeOrder, data: dict[str, Any], agent_run: AgentRun) -> None:
+        """One step of a change in which stages of a worker here come or go. Raises FollowspotError."""
+        if order.worker not in agent_run.run.workers:
+            raise FollowspotError(f"worker {order.worker} of run {order.run[:8]} does not run here")
+        plan = unpacked(data, self.options.name, self.options.grants, self.options.plugin_files)
+        agent_run.run.ask(order.model_copy(update={"plan": plan}))
+        if order.step == "take_over":
+            agent_run.order = replace(agent_run.order, plan=data)
+            self.tell(f"run {order.run[:8]} of {agent_run.graph}: another file in the place of a sub-graph")
 
     def move(self, order: MoveOrder) -> None:
         """One step of a move of stages to or from this host. Raises FollowspotError."""

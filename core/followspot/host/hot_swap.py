@@ -43,13 +43,20 @@ class HostSwaps:
         """Take the answers of workers; restarted workers get the stages that have taken over."""
         for name, answer in answers:
             if self._change.heard(name, answer):
-                self._pool.change(self._change.orders[name].stages)
+                self._adopt(self._change.orders[name])
 
     def attend_deaths(self) -> None:
         """Note the workers that have ended or died in a change."""
         for worker in self._pool.workers.values():
             if not worker.busy and self._change.died(worker.name):
-                self._pool.change(self._change.orders[worker.name].stages)
+                self._adopt(self._change.orders[worker.name])
+
+    def _adopt(self, order: ChangeOrder) -> None:
+        """Let workers that start from now on begin with what has taken over."""
+        if order.plan is None:
+            self._pool.change(order.stages)
+        else:
+            self._pool.adopt(order.plan)
 
     def status(self) -> ChangeStatus:
         """The status of the newest change."""
@@ -60,13 +67,15 @@ class HostChange:
     """The newest step of the newest change on this host."""
 
     def __init__(self, order: ChangeOrder | None = None, plan: Plan | None = None) -> None:
-        """order: None before the first change; plan: says which worker has which stage."""
+        """order: None before the first change; plan: says which worker has which stage, before the change."""
         self.order = order
         self.orders: dict[str, ChangeOrder] = {}
         """The order for each worker."""
         self._answers: dict[str, ChangeStatus] = {}
         self._expires = time.monotonic() + _TIMEOUT
-        if order is not None and plan is not None:
+        if order is not None and order.plan is not None:
+            self.orders[order.worker] = order
+        elif order is not None and plan is not None:
             for worker in dict.fromkeys(plan.worker_of(stage.name) for stage in order.stages):
                 own = tuple(stage for stage in order.stages if plan.worker_of(stage.name) == worker)
                 self.orders[worker] = order.model_copy(update={"stages": own, "subgraphs": None})

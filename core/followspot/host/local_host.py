@@ -19,7 +19,8 @@ from followspot.control.move import MoveOrder
 from followspot.control.observation import GetHostStatus, GetLog, GetStates
 from followspot.control.swap import ChangeOrder, ChangeStatus
 from followspot.control.worker_orders import RELAYED, SetClock
-from followspot.graph.plan import Plan
+from followspot.errors import FollowspotError
+from followspot.graph.plan import MAX_NEW_EDGES, Plan
 from followspot.graph.ship import plan_from_data
 from followspot.host.clocks.host import HostClock, reference
 from followspot.host.hot_swap import HostSwaps
@@ -95,19 +96,19 @@ class LocalHost:
         """
         self.out = str(Path(order.out or ".").resolve())
         plan = plan_from_data(order.plan)
-        edges = len(plan.edges)
-        size = max(1, edges) * COLUMNS * 8
+        edges = plan.rows + MAX_NEW_EDGES
+        size = edges * COLUMNS * 8
         memory = self._memory = ledger_memory(ledger, size)
         self.ledger = Ledger(edges, memoryview(mmap.mmap(memory, size)).cast("q"))
         order = replace(order, out=self.out)
         self.pool = WorkerPool(self.name, order, memory, self.network, self.hub, self.log, self._in_process)
         self.supervisor = Supervisor(self.pool, self.clock, self.tell)
         self._swaps = HostSwaps(self.pool)
-        self.ask = self._dispatcher(self._swaps).dispatch
+        self.ask = self._dispatcher().dispatch
         self._follow_clock()
         self.supervisor.prepare()
 
-    def _dispatcher(self, swaps: HostSwaps) -> Dispatcher:
+    def _dispatcher(self) -> Dispatcher:
         """The handlers of requests for the workers here."""
         pool, supervisor = self.pool, self.supervisor
         return Dispatcher(
@@ -116,7 +117,7 @@ class LocalHost:
                 StartRun: lambda _: supervisor.start(),
                 StopRun: lambda _: supervisor.stop(),
                 EndWorkers: lambda request: pool.ended(request.workers),
-                ChangeOrder: swaps.obey,
+                ChangeOrder: self._change,
                 MoveOrder: self.move,
                 **dict.fromkeys(RELAYED, pool.relay),
                 GetHostStatus: lambda _: self.status(),
@@ -125,8 +126,20 @@ class LocalHost:
             },
         )
 
+    def _change(self, order: ChangeOrder) -> None:
+        """One step of a change. Raises FollowspotError; see `HostSwaps.obey`."""
+        assert self._swaps is not None
+        self._check_rows(order.plan)
+        self._swaps.obey(order)
+
+    def _check_rows(self, plan: dict[str, Any] | None) -> None:
+        """Raise FollowspotError if the ledger has no rows for the edges of a new plan."""
+        if plan is not None and plan_from_data(plan).rows > self.ledger.edges:
+            raise FollowspotError(f"the run has had {MAX_NEW_EDGES} new edges: start it anew for more")
+
     def move(self, order: MoveOrder) -> None:
-        """One step of a move; the next `attend` does it."""
+        """One step of a move; the next `attend` does it. Raises FollowspotError."""
+        self._check_rows(order.plan)
         if not order.trial:
             self._moves.append(order)
 
@@ -145,7 +158,7 @@ class LocalHost:
         """The newest status. Safe from any thread."""
         return HostStatus(
             tuple(worker.status() for worker in tuple(self.workers.values())),
-            tuple(self.ledger.words.tolist()),
+            tuple(self._counts()),
             tuple(self.news),
             self.out,
             ChangeStatus() if self._swaps is None else self._swaps.status(),
@@ -153,6 +166,11 @@ class LocalHost:
             self.log.last,
             age_s=0.0,
         )
+
+    def _counts(self) -> list[int]:
+        """The rows of the ledger that the plan uses; none before the run is prepared."""
+        rows = self.plan.rows if hasattr(self, "pool") else 0
+        return self.ledger.words[: rows * COLUMNS].tolist()
 
     def fileno(self) -> int:
         """Descriptor that is readable when a worker has sent a message."""

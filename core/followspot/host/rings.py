@@ -40,7 +40,7 @@ class Rings:
 
     def rearrange(self, plan: Plan, workers: set[str]) -> None:
         """Take a new plan; new edges get their ends when one of their workers restarts."""
-        rings = ((number, plan.edges[number]) for number in ring_edges(plan))
+        rings = ((number, plan.edge(number)) for number in ring_edges(plan))
         ends = {n: (plan.worker_of(edge.from_stage), plan.worker_of(edge.to_stage)) for n, edge in rings}
         self._homes = {edge: pair for edge, pair in ends.items() if pair[0] in workers}
 

@@ -143,15 +143,24 @@ class WorkerPool:
         for stage in stages:
             self.states.pop(stage.name, None)
 
+    def adopt(self, plan: Mapping[str, Any]) -> None:
+        """Take a new plan whose stages are in the same workers, or new in one that has them already."""
+        self._plan_data, self.plan = dict(plan), plan_from_data(dict(plan))
+        there = {stage.name for stage in self.plan.stages}
+        self.states = {name: state for name, state in self.states.items() if name in there}
+        self._rings.rearrange(self.plan, set(self.names()))
+
     def rearrange(
         self, plan: Mapping[str, Any], states: Mapping[str, Any], left: Collection[str]
     ) -> list[str]:
         """Take a new plan; return the workers to start for it.
 
-        states: checkpoints of moved stages; left: workers that have left their old places.
+        states: checkpoints of moved and of replaced stages; left: workers that have left their old places.
         """
+        before = {stage.name: stage.uses for stage in self.plan.stages}
         self._plan_data, self.plan = dict(plan), plan_from_data(dict(plan))
-        self.states.update(states)
+        same = {stage.name for stage in self.plan.stages if before.get(stage.name) == stage.uses}
+        self.states = {name: state for name, state in self.states.items() if name in same} | dict(states)
         own = self.names()
         self._rings.rearrange(self.plan, set(own))
         self.workers = {name: worker for name, worker in self.workers.items() if name in own}

@@ -13,7 +13,8 @@ from followspot.graph.subgraph_change import BY_A_CHANGE
 
 @dataclass(frozen=True)
 class ChangedStage:
-    """A changed stage. before, uses: the old and the new plugin stage; params: parameters that differ now.
+    """A changed stage. before, uses: the old and the new plugin stage, "" for one that comes or goes; params:
+    parameters that differ now.
 
     origins: what gave these their values, of those that the change itself does not give.
     """
@@ -27,6 +28,10 @@ class ChangedStage:
     @property
     def text(self) -> str:
         """One line."""
+        if not self.uses:
+            return f"{self.stage}: left ({self.before})"
+        if not self.before:
+            return f"{self.stage}: came ({self.uses})"
         swapped = [f"{self.before} -> {self.uses}"] if self.uses != self.before else []
         values = [f"{name} = {value}{self._origin(name)}" for name, value in self.params.items()]
         return f"{self.stage}: " + ", ".join([*swapped, *values])
@@ -76,10 +81,17 @@ class Moved:
 def changed(run: str, plan: Plan, change: Change) -> Changed:
     """What a change makes of a plan."""
     old = {stage.name: stage for stage in plan.stages}
-    found = []
-    for stage in change.stages:
+    new = change.applied(plan)
+    there = {stage.name for stage in new.stages}
+    found = [ChangedStage(s.name, s.uses, "", {}) for s in plan.stages if s.name not in there]
+    for stage in new.stages:
+        if stage.name not in old:
+            found.append(ChangedStage(stage.name, "", stage.uses, {}))
+            continue
+        if (stage.uses, stage.params) == (old[stage.name].uses, old[stage.name].params):
+            continue
         params = _differing(old[stage.name], stage)
-        given = change.origins.get(stage.name, {})
+        given = new.origins.get(stage.name, {})
         origins = {name: given[name].text for name in params if name in given and given[name] != BY_A_CHANGE}
         found.append(ChangedStage(stage.name, old[stage.name].uses, stage.uses, params, origins))
     return Changed(run, plan.graph, tuple(found))

@@ -15,6 +15,7 @@ from followspot.graph.change import Change, change_of
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.operator.changed import Changed, changed, with_change
+from followspot.operator.rewire import rewire
 from followspot.operator.run_requests import ChangeStages
 
 if TYPE_CHECKING:
@@ -35,9 +36,12 @@ def change_stages(run: Coordinator, request: ChangeStages) -> Changed:
     with run.one_change():
         found = change_of(run.plan, request.words, request.folder)
         report = changed(run.name, run.plan, found)
-        if found.stages or found.subgraphs != run.plan.subgraphs:
+        new = with_change(run.plan, found)
+        if found.rewired is not None:
+            rewire(run, new, request.words[0].partition("=")[0], fresh=request.fresh)
+        elif found.stages or found.subgraphs != run.plan.subgraphs:
             change_hosts(run.plan, run.hosts, found, fresh=request.fresh)
-        run.plan = with_change(run.plan, found)
+        run.plan = new
         return report
 
 

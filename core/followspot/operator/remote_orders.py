@@ -124,6 +124,11 @@ class RemoteOrders:
     def _change(self, order: ChangeOrder) -> None:
         """One step of a hot swap; an agent that restarts resumes with the stages as they are then."""
         assert self.order is not None
+        if order.plan is not None:
+            data = packed(plan_from_data(order.plan), self._host, self._media)
+            self._send(order.model_copy(update={"plan": data}))
+            self.order = replace(self.order, plan=data) if order.step == "take_over" else self.order
+            return
         stages = packed_stages(order.stages, self._media)
         self._send(order.model_copy(update={"stages": stages}))
         if order.step == "take_over":

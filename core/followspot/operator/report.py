@@ -74,7 +74,7 @@ def edge_counts(
 
     restarts: number of restarts of each worker. Each death loses at most the messages that can be in flight:
     those sent ahead to the slowest reader, as many unread ones of an earlier writer, and those that a live
-    source has buffered.
+    source has buffered. Edges that left the graph come last.
     """
     ahead: dict[tuple[str, str], int] = {}
     for edge in plan.edges:
@@ -82,12 +82,17 @@ def edge_counts(
         ahead[port] = max(ahead.get(port, 0), edge.capacity)
     kept = {stage.name: stage.depth for stage in plan.stages}
     counted = []
-    for number, edge in enumerate(plan.edges):
+    for number, edge in plan.numbered():
         ends = {plan.worker_of(edge.from_stage), plan.worker_of(edge.to_stage)}
         deaths = sum(restarts.get(worker, 0) for worker in ends)
         under_way = 2 * ahead[edge.from_stage, edge.from_port] + kept[edge.from_stage] + 1
         counted.append((edge, ledger.count(number).with_lost(deaths * under_way)))
-    return tuple(counted)
+    return (*counted, *(_left(edge, ledger.count(number)) for number, edge in plan.former))
+
+
+def _left(edge: PlannedEdge, count: EdgeCount) -> tuple[PlannedEdge, EdgeCount]:
+    """An edge that left the graph: what was under way then is lost."""
+    return edge, count.with_lost(count.in_flight)
 
 
 def summed(counts: Sequence[Sequence[int]], edges: int) -> Ledger:

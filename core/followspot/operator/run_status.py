@@ -54,7 +54,7 @@ class RunStatus:
 
     def edges(self, plan: Plan) -> Iterator[tuple[PlannedEdge, EdgeCount]]:
         """Each edge with its counts."""
-        for number, edge in enumerate(plan.edges):
+        for number, edge in plan.numbered():
             row = self.counts[number * COLUMNS : (number + 1) * COLUMNS]
             if row:  # a status may have no counts yet
                 yield edge, tally(row)

@@ -110,7 +110,7 @@ class RunView:
         return f"host {host} does not answer" if old else "nothing is known of how it ended"
 
     def _ledger(self) -> Ledger:
-        return summed([status.counts for status in self.hosts.values()], len(self.plan.edges))
+        return summed([status.counts for status in self.hosts.values()], self.plan.rows)
 
     def _news(self) -> tuple[str, ...]:
         told = [(name, line) for name, status in self.hosts.items() for line in status.news]
@@ -119,7 +119,7 @@ class RunView:
 
     def _ledgers_left_out(self) -> Iterator[str]:
         """A line for each host whose ledger is not in the sum because it does not fit the plan."""
-        expected = COLUMNS * len(self.plan.edges)
+        expected = COLUMNS * self.plan.rows
         for name, status in self.hosts.items():
             if self.begun and status.age_s is not None and len(status.counts) != expected:
                 where = f"host {name}" if name else "this host"

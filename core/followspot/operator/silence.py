@@ -67,6 +67,8 @@ class _Run:
         self.out: Mapping[str, list[Counted]] = defaultdict(list)
         self.firing: Mapping[str, list[Counted]] = defaultdict(list)
         for edge, count in edges:
+            if not {edge.from_stage, edge.to_stage} <= self.stages.keys():
+                continue  # it left the graph while it ran
             self.out[edge.from_stage].append((edge, count))
             if not edge.delay and self._fires(edge):
                 self.firing[edge.to_stage].append((edge, count))

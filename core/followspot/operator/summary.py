@@ -133,7 +133,8 @@ def _ledger(report: RunReport) -> str:
     groups: dict[tuple[str, str], list[EdgeCount]] = {}
     group = {stage.name: stage.group for stage in report.plan.stages}
     for edge, count in report.edges:
-        name = f"{group[edge.from_stage]}.{edge.from_port} -> {group[edge.to_stage]}.{edge.to_port}"
+        name = f"{group.get(edge.from_stage, edge.from_stage)}.{edge.from_port} -> "
+        name += f"{group.get(edge.to_stage, edge.to_stage)}.{edge.to_port}"
         groups.setdefault((name, edge.kind), []).append(count)
     rows = [
         (name, kind, str(len(counts)), *(str(sum(getattr(c, column) for c in counts)) for column in COUNTS))

@@ -68,10 +68,10 @@ def build_worker(
     wiring: Wiring, name: str, ledger: Ledger, options: RunOptions, links: Links | None = None
 ) -> Worker:
     """The worker of that name with all its stages built, and none of them set up."""
-    return _Builder(wiring, name, ledger, options, links or NoLinks()).build()
+    return Builder(wiring, name, ledger, options, links or NoLinks()).build()
 
 
-class _Builder:
+class Builder:
     """Collects the parts of one worker while it builds the stages in order."""
 
     def __init__(self, wiring: Wiring, name: str, ledger: Ledger, options: RunOptions, links: Links) -> None:
@@ -84,7 +84,8 @@ class _Builder:
         self.mine = [stage for stage in self.plan.stages if stage.worker == name]
         self.names = {stage.name for stage in self.mine}
         self.queues: dict[int, InputQueue] = {}
-        self.writers: list[tuple[PortWriter, int]] = []
+        self.writers: dict[PortWriter, str] = {}
+        """Each with the stage that owns it."""
         self.runners: list[StageRunner] = []
         self.pace = Pace()
 
@@ -92,14 +93,21 @@ class _Builder:
         """Make input queues, then the stage runners that join them, then the calls that schedule those."""
         for stage in self.mine:
             for number in self.wiring.into[stage.name]:
-                self.queues[number] = self._queue(number)
+                self.queues[number] = self.queue(number)
         for rank, stage in enumerate(self.mine):
-            self.runners.append(self._runner(rank, stage))
+            self.runners.append(self.runner(rank, stage))
         remote = [queue for queue in self.queues.values() if queue.reader is not None]
-        worker = Worker(self.runners, remote, self.writers, self.pace)
+        runners = {runner.name: runner for runner in self.runners}
+        writers = [(writer, runners[name]) for writer, name in self.writers.items()]
+        worker = Worker(self.runners, remote, writers, self.pace)
+        self.schedule(worker)
+        return worker
+
+    def schedule(self, worker: Worker) -> None:
+        """Let what comes to the queues, and what leaves full ones, mark the stage runners."""
         ranks = {stage.name: rank for rank, stage in enumerate(self.mine)}
         for number, queue in self.queues.items():
-            edge = self.plan.edges[number]
+            edge = self.plan.edge(number)
             queue.wake = partial(worker.mark, ranks[edge.to_stage])
             if edge.kind == "reference":
                 queue.reopened = partial(worker.mark, ranks[edge.from_stage])
@@ -109,10 +117,9 @@ class _Builder:
             for queue in (queue for sampled in runner.join.sampled for queue in sampled.queues):
                 wake = partial(worker.mark_waiting, runner, queue)
                 queue.wake = wake if queue.keep is None else partial(_shed, queue, wake)
-        return worker
 
-    def _queue(self, number: int) -> InputQueue:
-        edge = self.plan.edges[number]
+    def queue(self, number: int) -> InputQueue:
+        edge = self.plan.edge(number)
         lateness = self.wiring.lateness[edge.from_stage]
         depth, keep = self._limits(edge)
         queue = InputQueue(
@@ -145,8 +152,8 @@ class _Builder:
             return edge.capacity, max(edge.capacity - AHEAD, edge.delay + 1)
         return edge.capacity, None
 
-    def _runner(self, rank: int, stage: PlannedStage) -> StageRunner:
-        outputs = self._outputs(rank, stage)
+    def runner(self, rank: int, stage: PlannedStage) -> StageRunner:
+        outputs = self._outputs(stage)
         warn = partial(self.options.warn, stage.name)
         for output in outputs.values():
             output.refused = warn
@@ -185,7 +192,7 @@ class _Builder:
             stage.name,
             rank,
             build,
-            self._join(stage),
+            self.join(stage),
             outputs,
             on_error=stage.on_error,
             deadline=deadline,
@@ -196,43 +203,43 @@ class _Builder:
             runner.concurrency = stage.concurrency
         return runner
 
-    def _outputs(self, rank: int, stage: PlannedStage) -> dict[str, OutputPort]:
+    def _outputs(self, stage: PlannedStage) -> dict[str, OutputPort]:
         outputs = {}
         for port in self.wiring.ports[stage.name].outputs:
             output = OutputPort(port.type, self.words, lateness=self.wiring.lateness[stage.name])
-            numbers = [n for n in self.wiring.out_of[stage.name] if self.plan.edges[n].from_port == port.name]
+            numbers = [n for n in self.wiring.out_of[stage.name] if self.plan.edge(n).from_port == port.name]
             for _, group in groupby(sorted(numbers, key=self._way), key=self._way):
-                self._attach(output, list(group), rank)
+                self._attach(output, list(group), stage.name)
             outputs[port.name] = output
         return outputs
 
-    def _attach(self, output: OutputPort, numbers: list[int], rank: int) -> None:
-        kind = self.plan.edges[numbers[0]].kind
+    def _attach(self, output: OutputPort, numbers: list[int], stage: str) -> None:
+        kind = self.plan.edge(numbers[0]).kind
         if kind == "reference":
             for number in numbers:
                 self._count_lost(number)
             output.connect([self.queues[n] for n in numbers])
             return
         writer = self.links.writer(numbers, kind)
-        names = [self.plan.edges[n].name for n in numbers]
+        names = [self.plan.edge(n).name for n in numbers]
         output.attach(writer, names, [self.ledger.row(n) for n in numbers])
-        self.writers.append((writer, rank))
+        self.writers[writer] = stage
 
     def _count_lost(self, number: int) -> None:
         """Count messages that were in flight within the worker when it died before as lost."""
         self.words[self.ledger.row(number) + LOST] += self.ledger.count(number).in_flight
 
-    def _join(self, stage: PlannedStage) -> Join:
+    def join(self, stage: PlannedStage) -> Join:
         by_port: Mapping[str, list[int]] = defaultdict(list)
         for number in self.wiring.into[stage.name]:
-            by_port[self.wiring.input_port(self.plan.edges[number]).name].append(number)
+            by_port[self.wiring.input_port(self.plan.edge(number)).name].append(number)
         input_ports = [self._input(port, by_port[port.name]) for port in self.wiring.ports[stage.name].inputs]
         closing = self.wiring.closing[stage.name]
         return Join(input_ports, lateness=closing, lag=None if self.wiring.live else self.wiring.lag)
 
     def _input(self, port: InputSpec, numbers: Iterable[int]) -> JoinInput:
         numbers = list(numbers)
-        if numbers and self.wiring.sampled(self.plan.edges[numbers[0]]):
+        if numbers and self.wiring.sampled(self.plan.edge(numbers[0])):
             return JoinInput(port.name, joined=False, sampled=self._sampled(port, numbers))
         members = tuple(self.queues[n] for n in numbers)
         return JoinInput(port.name, joined=port.several, members=members)
@@ -241,7 +248,7 @@ class _Builder:
         queues = [self.queues[n] for n in numbers]
         if port.kind == "window":
             return WindowInput(queues)
-        edge = self.plan.edges[numbers[0]]
+        edge = self.plan.edge(numbers[0])
         if port.kind == "nearest":
             return NearestInput(queues[0], tolerance=self.wiring.tolerance(edge))
         initial = seal(self.wiring.message_type(edge).empty()) if edge.delay else None
@@ -249,7 +256,7 @@ class _Builder:
 
     def _way(self, number: int) -> str:
         """What edges must have in common to share a writer; an edge that drops has its own."""
-        edge = self.plan.edges[number]
+        edge = self.plan.edge(number)
         return f"{edge.way}, {number}" if edge.drops and edge.kind != "reference" else edge.way
 
 

@@ -15,15 +15,15 @@ from followspot.worker.stage_runner import StageRunner
 class EdgeEnds:
     """Polls the descriptors of a worker's edges, and reconnects edges to workers that were started again.
 
-    runners: by rank; readers: input queues that other workers feed; writers: each with the rank of the stage
-    runner that owns it; mark: schedules the stage runner of a rank.
+    readers: input queues that other workers feed; writers: each with the stage runner that owns it; mark:
+    schedules the stage runner of a rank.
     """
 
     def __init__(
         self,
         runners: Sequence[StageRunner],
         readers: Sequence[InputQueue],
-        writers: Sequence[tuple[PortWriter, int]],
+        writers: Sequence[tuple[PortWriter, StageRunner]],
         mark: Callable[[int], None],
     ) -> None:
         self.runners = runners
@@ -36,9 +36,9 @@ class EdgeEnds:
         for queue in self.readers:
             assert queue.reader is not None
             self.watch(queue.reader.fileno(), queue.poll)
-        for writer, rank in self.writers:
+        for writer, runner in self.writers:
             for fd in writer.filenos():
-                self.watch(fd, partial(self._credited, fd, writer, rank))
+                self.watch(fd, partial(self._credited, fd, writer, runner))
 
     def watch(self, fd: int, callback: Callable[[], bool]) -> None:
         """Call back when the descriptor is readable, until the callback returns True."""
@@ -60,12 +60,12 @@ class EdgeEnds:
 
     def adopt_link(self, writer: PortWriter, fd: int) -> None:
         """Watch `fd` for credit: the worker that reads from `writer` was started again."""
-        rank = next(rank for known, rank in self.writers if known is writer)
-        self.watch(fd, partial(self._credited, fd, writer, rank))
-        for _, output in self.runners[rank].outputs:
+        runner = next(owner for known, owner in self.writers if known is writer)
+        self.watch(fd, partial(self._credited, fd, writer, runner))
+        for _, output in runner.outputs:
             output.update_readers()
             output.returned(writer)
-        self._mark(rank)
+        self._mark(runner.rank)
 
     def give_up(self, rows: Container[int]) -> None:
         """Wait no longer for workers at the other ends of these edges: one that is away stays away.
@@ -89,12 +89,11 @@ class EdgeEnds:
     def credit_came(self) -> bool:
         """Ask the readers of blocked stages for a wake-up; True if credit has come already."""
         came = False
-        for writer, rank in self.writers:
-            runner = self.runners[rank]
+        for writer, runner in self.writers:
             if runner.blocked:
                 writer.want_credit()
                 if runner.has_room():
-                    self._mark(rank)
+                    self._mark(runner.rank)
                     runner.blocked = False
                     came = True
         return came
@@ -114,9 +113,9 @@ class EdgeEnds:
         if self.watched.pop(fd, None) is not None:
             self._poll.unregister(fd)
 
-    def _credited(self, fd: int, writer: PortWriter, rank: int) -> bool:
+    def _credited(self, fd: int, writer: PortWriter, runner: StageRunner) -> bool:
         writer.drain()
-        for _, output in self.runners[rank].outputs:
+        for _, output in runner.outputs:
             output.update_readers()
-        self._mark(rank)
+        self._mark(runner.rank)
         return fd not in writer.filenos()

@@ -59,7 +59,7 @@ class EdgeLinks:
 
     def reader(self, edge: int, kind: type[Message]) -> PortReader:
         """The reading end of one edge."""
-        planned = self.plan.edges[edge]
+        planned = self.plan.edge(edge)
         if planned.kind == "ring":
             return self._ring_reader(edge, self.receiving[edge], kind)
         from followspot.transport.zenoh.edge import ZenohReader
@@ -80,7 +80,7 @@ class EdgeLinks:
 
     def writer(self, edges: Sequence[int], kind: EdgeKind) -> PortWriter:
         """The writing end of all edges of one output port that have the same kind, codec and policy."""
-        planned = [self.plan.edges[edge] for edge in edges]
+        planned = [self.plan.edge(edge) for edge in edges]
         drops = planned[0].drops and self.plan.live
         if kind == "ring":
             ring: RingWriter | DroppingWriter = RingWriter(
@@ -92,7 +92,7 @@ class EdgeLinks:
         from followspot.transport.zenoh.edge import ZenohWriter
 
         assert self.session is not None
-        readers = {str(edge): self.plan.host_of_stage(self.plan.edges[edge].to_stage) for edge in edges}
+        readers = {str(edge): self.plan.host_of_stage(self.plan.edge(edge).to_stage) for edge in edges}
         writer = ZenohWriter(
             self.session,
             self._key(edges[0]),
@@ -108,7 +108,7 @@ class EdgeLinks:
         """Connect a ring edge through `sock`: the worker at the other end was started again."""
         if edge in self._ring_readers:
             old, kind = self._ring_readers[edge]
-            self._refused[self.plan.edges[edge].name] += old.strangers
+            self._refused[self.plan.edge(edge).name] += old.strangers
             worker.ends.adopt_reader(old, self._ring_reader(edge, sock, kind))
         else:
             ring, index = self._ring_writers[edge]
@@ -146,9 +146,9 @@ class EdgeLinks:
         for name, end in self._zenoh_ends:
             found[name] += end.strangers
         for edge, (reader, _) in self._ring_readers.items():
-            found[self.plan.edges[edge].name] += reader.strangers
+            found[self.plan.edge(edge).name] += reader.strangers
         for edge, (writer, index) in self._ring_writers.items():
-            found[self.plan.edges[edge].name] += 0 if index else writer.strangers
+            found[self.plan.edge(edge).name] += 0 if index else writer.strangers
         return {name: count for name, count in found.items() if count}
 
     def close(self) -> None:
@@ -165,7 +165,7 @@ class EdgeLinks:
 
     def _key(self, edge: int) -> str:
         """Key of the edge's port; an edge that drops has its own key, for it carries fewer messages."""
-        planned = self.plan.edges[edge]
+        planned = self.plan.edge(edge)
         host = self.plan.host_of_stage(planned.from_stage)
         port = port_key(self.run, host, planned.from_stage, planned.from_port)
         return f"{port}/{planned.policy}/{edge}" if planned.drops else port
@@ -183,12 +183,12 @@ def uses_zenoh(plan: Plan, worker: str | None = None) -> bool:
 def rows_of(plan: Plan, workers: Collection[str]) -> set[int]:
     """Ledger rows of the edges to and from these workers."""
     theirs = {stage.name for stage in plan.stages if stage.worker in workers}
-    return {n * COLUMNS for n, e in enumerate(plan.edges) if e.from_stage in theirs or e.to_stage in theirs}
+    return {n * COLUMNS for n, e in plan.numbered() if e.from_stage in theirs or e.to_stage in theirs}
 
 
 def ring_edges(plan: Plan) -> list[int]:
     """Numbers of the edges that need a socket pair."""
-    return [number for number, edge in enumerate(plan.edges) if edge.kind == "ring"]
+    return [number for number, edge in plan.numbered() if edge.kind == "ring"]
 
 
 def socket_pair() -> tuple[socket.socket, socket.socket]:

@@ -9,17 +9,20 @@ from followspot.control.dispatch import Handlers
 from followspot.control.stage_status import StageStatus
 from followspot.control.worker_orders import HoldSources
 from followspot.transport.token import END
+from followspot.worker.live_source import LiveSourceRunner
 from followspot.worker.source import SourceRunner
 from followspot.worker.stage_runner import StageRunner
 
 
 class SourceHold:
-    """Decides which sources of a worker send nothing because the operator holds them."""
+    """Decides which sources of a worker send nothing: the operator holds them, or they come to rest."""
 
-    def __init__(self, sources: Sequence[SourceRunner]) -> None:
+    def __init__(self) -> None:
+        self.sources: Sequence[SourceRunner] = ()
         self.order: HoldSources | None = None
         """The order that holds the sources, None if they are free."""
-        self._sources = sources
+        self._aligned_at: int | None = None
+        """Capture time, ns, from which on a source holds while the worker comes to rest; else None."""
         self._hold_at = 0
         """Messages of the source that the order names, after which it holds."""
 
@@ -31,11 +34,15 @@ class SourceHold:
     def holds(self, source: SourceRunner) -> bool:
         """True if this source sends nothing now."""
         order = self.order
+        if self._aligned_at is not None and (
+            isinstance(source, LiveSourceRunner) or source.watermark >= self._aligned_at
+        ):
+            return True
         if order is None:
             return False
         if source.name == order.source:
             return source.yielded >= self._hold_at
-        here = (other.watermark for other in self._sources if other.name == order.source)
+        here = (other.watermark for other in self.sources if other.name == order.source)
         return source.watermark >= max(here, default=order.until)
 
     def shown(self, runner: StageRunner, status: StageStatus) -> StageStatus:
@@ -47,12 +54,26 @@ class SourceHold:
             return replace(status, time=runner.watermark if runner.watermark < END else -1)
         return replace(status, state="paused", on=(), time=runner.watermark, hold=order.id)
 
+    @property
+    def holding(self) -> bool:
+        """True if anything holds sources."""
+        return self.order is not None or self._aligned_at is not None
+
+    def align(self) -> None:
+        """Hold each source as soon as it has reached the newest capture time of any; live ones at once."""
+        replayed = [s.watermark for s in self.sources if not (s.done or isinstance(s, LiveSourceRunner))]
+        self._aligned_at = max(replayed, default=-1)
+
+    def set_free(self) -> None:
+        """Hold sources only as the operator says."""
+        self._aligned_at = None
+
     def release(self) -> None:
         """Let all sources go on."""
         self.order = None
 
     def _obey(self, order: HoldSources) -> None:
         if order.held and (self.order is None or self.order.id != order.id):
-            yielded = (source.yielded for source in self._sources if source.name == order.source)
+            yielded = (source.yielded for source in self.sources if source.name == order.source)
             self._hold_at = sum(yielded) + order.count
         self.order = order if order.held else None

@@ -1,45 +1,42 @@
-"""Hot swap: replacements are built beside the stages that work, and put in between two firings."""
+"""Hot swap: what is new is built beside the stages that work, and put in between two firings."""
 
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 from followspot.control.swap import ChangeOrder, ChangeStatus
 from followspot.errors import FollowspotError
-from followspot.graph.plan import PlannedStage
-from followspot.plugins.registry import load_stage
-from followspot.stage import Stage
-from followspot.worker.scheduler import Worker
-from followspot.worker.stage_runner import StageRunner
+from followspot.worker.replacement import Replacement, discarded, dry_run, prepared, take_over
+from followspot.worker.rewiring import Rewiring
+from followspot.worker.scheduler import Rest, Worker
 
-
-@dataclass(frozen=True)
-class Replacement:
-    """A stage that is set up and ready to replace the one in a stage runner."""
-
-    runner: StageRunner
-    stage: Stage
-    build: Callable[[], Stage]
-
-
+_REST_TIMEOUT = 20.0
+"""Seconds in which the stages of a replay must come to rest before its graph changes."""
+_LIVE_REST_TIMEOUT = 2.0
+"""Seconds after which a live graph changes all the same: its sources wait meanwhile, and drop what comes."""
 Answer = Callable[[ChangeStatus], None]
 """Called with what became of a step, from any thread."""
+Rewire = Callable[[dict[str, Any]], Rewiring]
+"""Builds what a plan, in JSON types, adds to the worker. Raises FollowspotError."""
 
 
 class HotSwap:
     """The change that a worker is in: at most one at a time.
 
-    Replacements are built in a thread beside the work; the rest happens between two firings.
+    What is new is built in a thread beside the work; the rest happens between two firings.
     """
 
-    def __init__(self, worker: Worker, answer: Answer) -> None:
+    def __init__(self, worker: Worker, answer: Answer, rewire: Rewire) -> None:
         self.worker = worker
         self.answer = answer
+        self._rewire = rewire
         self._id = ""
         self._built: Sequence[Replacement] = ()
+        self._rewiring: Rewiring | None = None
 
     def obey(self, order: ChangeOrder) -> None:
         """Do one step; call between two firings, in the worker's thread."""
@@ -57,15 +54,20 @@ class HotSwap:
         self._give_up()
 
     def _build(self, order: ChangeOrder) -> None:
+        built: Sequence[Replacement] = ()
+        rewiring: Rewiring | None = None
         try:
-            built = prepared(self.worker, order.stages)
+            if order.plan is None:
+                built = prepared(self.worker, order.stages)
+            else:
+                rewiring = self._rewire(order.plan)
         except FollowspotError as error:
             self.answer(ChangeStatus(order.id, "failed", str(error)))
             return
         if order.id != self._id:
-            discarded(built)
+            _discard(built, rewiring)
             return
-        self._built = built
+        self._built, self._rewiring = built, rewiring
         self.worker.between_firings(partial(self._try_on, order))
 
     def _try_on(self, order: ChangeOrder) -> None:
@@ -73,14 +75,21 @@ class HotSwap:
         if order.id != self._id:
             return
         try:
-            dry_run([] if order.fresh else self._built)
+            if not order.fresh:
+                dry_run(self._built)
+                if self._rewiring is not None:
+                    self._rewiring.try_on()
         except FollowspotError as error:
-            self._built = ()
+            self._built, self._rewiring = (), None
             self.answer(ChangeStatus(order.id, "failed", str(error)))
         else:
             self.answer(ChangeStatus(order.id, "built"))
 
     def _take_over(self, order: ChangeOrder) -> None:
+        if self._rewiring is not None:
+            patience = _LIVE_REST_TIMEOUT if self._rewiring.wiring.live else _REST_TIMEOUT
+            self.worker.at_rest(Rest(partial(self._rewire_at, order), time.monotonic() + patience))
+            return
         built, self._built, self._id = self._built, (), ""
         try:
             take_over(self.worker, built, fresh=order.fresh)
@@ -89,79 +98,29 @@ class HotSwap:
         else:
             self.answer(ChangeStatus(order.id, "done"))
 
+    def _rewire_at(self, order: ChangeOrder, rests: bool) -> None:
+        """Put new stages and edges in. rests: whether all that the sources sent has been processed."""
+        rewiring = self._rewiring
+        if rewiring is None or order.id != self._id:
+            return
+        self._rewiring, self._id = None, ""
+        try:
+            if not (rests or rewiring.wiring.live):
+                rewiring.discard()
+                raise FollowspotError(f"the stages did not come to rest within {_REST_TIMEOUT:.0f} s")
+            rewiring.take_over(fresh=order.fresh)
+        except FollowspotError as error:
+            self.answer(ChangeStatus(order.id, "failed", str(error)))
+        else:
+            self.answer(ChangeStatus(order.id, "done"))
+
     def _give_up(self) -> None:
         built, self._built, self._id = self._built, (), ""
-        discarded(built)
+        rewiring, self._rewiring = self._rewiring, None
+        _discard(built, rewiring)
 
 
-def prepared(worker: Worker, stages: Sequence[PlannedStage]) -> list[Replacement]:
-    """Build and set up replacements for stages of a worker, in any thread, while the old ones work on.
-
-    Raises FollowspotError with the reason if one cannot be built; all are closed then.
-    """
-    runners = {runner.name: runner for runner in worker.runners}
-    replacements: list[Replacement] = []
-    for planned in stages:
-        runner = runners[planned.name]
-        try:
-            context = replace(runner.stage.context, resumed=True)
-            build = partial(load_stage(planned.uses), context, **planned.params)
-            stage = build()
-            replacements.append(Replacement(runner, stage, build))
-            stage.setup()
-        except Exception as error:
-            discarded(replacements)
-            reason = str(error) if isinstance(error, FollowspotError) else f"{type(error).__name__}: {error}"
-            raise FollowspotError(
-                f"stage {planned.name} ({planned.uses}) cannot be built: {reason}"
-            ) from error
-    return replacements
-
-
-def dry_run(replacements: Sequence[Replacement]) -> None:
-    """Let replacements restore checkpoints that the old stages make now, to see whether they can.
-
-    Call between two firings, in the worker's thread. Raises FollowspotError; all are closed then.
-    """
-    try:
-        for replacement in replacements:
-            _restore_checkpoint(replacement)
-    except FollowspotError:
-        discarded(replacements)
-        raise
-
-
-def take_over(worker: Worker, replacements: Sequence[Replacement], *, fresh: bool) -> None:
-    """Put the replacements into their stage runners; call between two firings, in the worker's thread.
-
-    fresh: begin without checkpoints; else a replacement restores that of the old stage, if both classes can.
-    Raises FollowspotError if one cannot; all old stages go on then.
-    """
-    while worker.fire_waiting():
-        pass
-    dry_run([] if fresh else replacements)
-    for replacement in replacements:
-        old = replacement.runner.stage
-        replacement.runner.replace_stage(replacement.stage, replacement.build)
-        replacement.runner.retire(old)
-    worker.regroup()
-
-
-def discarded(replacements: Sequence[Replacement]) -> None:
-    """Close replacements that will not take over."""
-    for replacement in replacements:
-        replacement.runner.retire(replacement.stage)
-
-
-def _restore_checkpoint(replacement: Replacement) -> None:
-    if type(replacement.stage).restore is Stage.restore:
-        return
-    try:
-        state = replacement.runner.stage.state()
-        if state is not None:
-            replacement.stage.restore(state)
-    except Exception as error:
-        raise FollowspotError(
-            f"stage {replacement.runner.name} cannot carry on from the state of the one before "
-            f"({type(error).__name__}: {error}); --fresh begins without it"
-        ) from error
+def _discard(built: Sequence[Replacement], rewiring: Rewiring | None) -> None:
+    discarded(built)
+    if rewiring is not None:
+        rewiring.discard()

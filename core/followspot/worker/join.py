@@ -75,6 +75,23 @@ class Join:
         join.closed, join.in_time, join._reach = self.closed, self.in_time, self._reach
         return join
 
+    def carry_on(self, old: Join) -> None:
+        """Go on from where the former join of the stage is; sampled inputs of the same edges stay."""
+        self.closed, self.in_time, self._reach = old.closed, old.in_time, old._reach
+        known = {port.name: port for port in old.ports if port.sampled is not None}
+        kept = []
+        for port in self.ports:
+            was = known.get(port.name)
+            same = (
+                was is not None
+                and was.sampled is not None
+                and port.sampled is not None
+                and was.sampled.queues == port.sampled.queues
+            )
+            kept.append(was if same and was is not None else port)
+        self.ports = tuple(kept)
+        self.sampled = tuple(port.sampled for port in self.ports if port.sampled is not None)
+
     def ready(self, *, overdue: bool = False) -> int | None:
         """Capture time, ns, of the next firing, or None while it is not certain.
 

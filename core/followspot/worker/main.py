@@ -9,10 +9,10 @@ from __future__ import annotations
 import signal
 import socket
 import sys
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from followspot.control.checkpoint import state_from_data
 from followspot.control.dispatch import Handlers
@@ -30,6 +30,7 @@ from followspot.control.worker_orders import (
     TakeRing,
 )
 from followspot.errors import FollowspotError
+from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
 from followspot.log.collector import LogCollector, collecting
 from followspot.plugins.registry import use_plugin_files
@@ -38,12 +39,17 @@ from followspot.worker.clock import Clock
 from followspot.worker.edge_links import EdgeLinks, rows_of, uses_zenoh
 from followspot.worker.host_reporter import HostReporter
 from followspot.worker.hot_swap import HotSwap
-from followspot.worker.ledger import COLUMNS, Ledger
+from followspot.worker.ledger import Ledger
 from followspot.worker.orders import Orders
 from followspot.worker.report import Warnings, missing, worker_report
+from followspot.worker.rewiring import Rewiring
 from followspot.worker.scheduler import Worker
+from followspot.worker.stage_runner import StageRunner
 from followspot.worker.taps import WorkerTaps
 from followspot.worker.wiring import RunOptions, Wiring
+
+if TYPE_CHECKING:
+    from followspot.worker.published_ports import PublishedPort
 
 _REMINDER = 0.5
 """Seconds between two announcements, at the barrier, that the ends of edges here exist."""
@@ -66,6 +72,7 @@ class WorkerMain:
         self.taps: WorkerTaps | None = None
         self.restart = False
         self.reporter = HostReporter(channel, self.log, self.warnings)
+        self.published: list[PublishedPort] = []
         self._early: list[Received] = []
         """Orders that came before the start."""
 
@@ -136,10 +143,9 @@ class WorkerMain:
     def _build(self, order: BuildWorker, memory: int, links: EdgeLinks) -> Worker:
         """Build the stages. memory: file descriptor of the ledger's memory."""
         use_plugin_files(links.plan.plugin_files)
-        edges = len(links.plan.edges)
-        ledger = Ledger(edges, _shared_words(memory, edges))
+        self.ledger = Ledger(links.plan.rows, _shared_words(memory))
         self.clock = Clock(*order.clock)
-        options = RunOptions(
+        self.options = options = RunOptions(
             Path(order.out),
             order.frames,
             self.warnings.add,
@@ -147,7 +153,7 @@ class WorkerMain:
             self.clock,
             resumed=order.incarnation > 0,
         )
-        return build_worker(Wiring(links.plan), order.worker, ledger, options, links)
+        return build_worker(Wiring(links.plan), order.worker, self.ledger, options, links)
 
     def _started(self) -> bool:
         """Wait at the barrier for the start; False if the run is stopped before."""
@@ -166,8 +172,8 @@ class WorkerMain:
         if self.links.session is not None:
             from followspot.worker.published_ports import published
 
-            self.published = published(self.worker, self.links)
-        self.change = HotSwap(self.worker, self.reporter.send_change)
+            self.published = published(self.links, self.worker, self.worker.runners)
+        self.change = HotSwap(self.worker, self.reporter.send_change, self._rewiring)
         handlers = self._handlers(self.worker, self.links)
         orders = Orders(
             self.channel, self.worker, handlers, in_process=self._in_process, restart=self.restart
@@ -193,6 +199,25 @@ class WorkerMain:
             LeaveRun: self._leave_run,
             ChangeOrder: self.change.obey,
         }
+
+    def _rewiring(self, data: dict[str, Any]) -> Rewiring:
+        """What a new plan adds to the worker. Raises FollowspotError."""
+        assert self.worker is not None
+        assert self.links is not None
+        name, links = self.log.worker, self.links
+        return Rewiring(
+            self.worker, Wiring(plan_from_data(data)), name, self.ledger, self.options, links, self._rewired
+        )
+
+    def _rewired(self, plan: Plan, new: Sequence[StageRunner]) -> None:
+        """Have a new plan from now on. new: stages that it adds here."""
+        assert self.worker is not None
+        assert self.links is not None
+        self.links.plan = plan
+        if self.links.session is not None:
+            from followspot.worker.published_ports import published
+
+            self.published += published(self.links, self.worker, new)
 
     def _set_clock(self, order: SetClock) -> None:
         self.clock.captured, self.clock.steady = order.correction
@@ -222,10 +247,11 @@ class WorkerMain:
                     )
 
 
-def _shared_words(fd: int, edges: int) -> memoryview:
+def _shared_words(fd: int) -> memoryview:
+    """All rows of the ledger: also those for edges that the graph may yet get."""
     import mmap
 
-    return memoryview(mmap.mmap(fd, max(1, edges) * COLUMNS * 8)).cast("q")
+    return memoryview(mmap.mmap(fd, 0)).cast("q")
 
 
 def run_worker(descriptor: int) -> int:

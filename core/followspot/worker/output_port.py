@@ -92,6 +92,12 @@ class OutputPort:
         self._all_rows += rows
         self._fill(rows)
 
+    def reconnect(self, queues: Sequence[InputQueue]) -> None:
+        """Have these readers in the same worker, instead of the former ones."""
+        self.queues = list(queues)
+        self._all_rows = [queue.row for queue in queues] + [row for rows in self.rows for row in rows]
+        self._fill(self._all_rows)
+
     def attach(self, writer: PortWriter, names: Sequence[str], rows: list[int]) -> None:
         """Add the edges to other workers that one writer serves; names, rows: of its readers in turn."""
         if isinstance(writer, DroppingWriter):

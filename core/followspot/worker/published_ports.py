@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 
 import zenoh
@@ -15,6 +16,7 @@ from followspot.transport.zenoh.terms import has_subscriber
 from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.output_port import OutputPort
 from followspot.worker.scheduler import Worker
+from followspot.worker.stage_runner import StageRunner
 
 
 class PublishedPort:
@@ -45,17 +47,17 @@ class PublishedPort:
             self._output.tap(self)
 
 
-def published(worker: Worker, links: EdgeLinks) -> list[PublishedPort]:
-    """Publish the ports of a worker whose messages no edge puts on their key already; none without a session.
+def published(links: EdgeLinks, worker: Worker, runners: Sequence[StageRunner]) -> list[PublishedPort]:
+    """Publish those ports of some stages whose messages no edge puts on their key already.
 
-    They end with the session of the links.
+    There are none without a session; they end with that of the links.
     """
     if links.session is None:
         return []
     taken = _on_their_keys(links.plan)
     return [
         PublishedPort(links.session, port_key(links.run, host, runner.name, port), output, worker)
-        for runner, host in ((runner, links.plan.host_of_stage(runner.name)) for runner in worker.runners)
+        for runner, host in ((runner, links.plan.host_of_stage(runner.name)) for runner in runners)
         for port, output in runner.outputs
         if (runner.name, port) not in taken
     ]

@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from heapq import heappop, heappush
 from operator import attrgetter
+from typing import NamedTuple
 
 from followspot.control.dispatch import Handlers
 from followspot.control.lifecycle import StopRun
@@ -44,35 +45,76 @@ _ALL = range(sys.maxsize)
 _watermark = attrgetter("watermark")
 
 
+class Rest(NamedTuple):
+    """What to do once a worker is at rest. act: gets whether it is; deadline: s, monotonic, to act anyway."""
+
+    act: Callable[[bool], None]
+    deadline: float
+
+
 class Worker:
     """Runs the stage runners of one process.
 
-    runners: in topological order; readers: input queues that other workers feed; writers: each with the rank
-    of the stage runner that owns it; pace: the sources wait with it.
+    runners: in topological order; readers: input queues that other workers feed; writers: each with the stage
+    runner that owns it; pace: the sources wait with it.
     """
 
     def __init__(
         self,
         runners: Sequence[StageRunner],
         readers: Sequence[InputQueue],
-        writers: Sequence[tuple[PortWriter, int]],
+        writers: Sequence[tuple[PortWriter, StageRunner]],
         pace: Pace,
     ) -> None:
-        self.runners = tuple(runners)
-        self.sources = tuple(runner for runner in runners if isinstance(runner, SourceRunner))
-        self.live = tuple(runner for runner in self.sources if isinstance(runner, LiveSourceRunner))
         self.pace = pace
-        self.hold = SourceHold(self.sources)
-        self.regroup()
-        self._ready: list[int] = []
-        self._marked = [False] * len(runners)
+        self.hold = SourceHold()
+        self._arrange(runners)
         self._stopping = False
+        self._rest: Rest | None = None
         self._actions: deque[Callable[[], None]] = deque()
         self.ends = EdgeEnds(self.runners, readers, writers, self.mark)
         self._wakeup = WakeupEvent()
         self.ends.watch(self._wakeup.fileno(), self._clear_wakeup)
         for source in self.live:
             source.notify = self.wake
+
+    def _arrange(self, runners: Sequence[StageRunner]) -> None:
+        """Run these from now on; none is scheduled yet."""
+        self.runners = tuple(runners)
+        self.sources = tuple(runner for runner in runners if isinstance(runner, SourceRunner))
+        self.live = tuple(runner for runner in self.sources if isinstance(runner, LiveSourceRunner))
+        self.hold.sources = self.sources
+        self._ready: list[int] = []
+        self._marked = [False] * len(runners)
+        self.regroup()
+
+    def rearrange(self, runners: Sequence[StageRunner]) -> None:
+        """Run other stage runners from now on, which are set up and connected; call between two firings.
+
+        New live sources begin. The ends of edges to other workers stay as they are.
+        """
+        begun = self.live
+        self._arrange(runners)
+        self.ends.runners = self.runners
+        for source in self.live:
+            if source not in begun:
+                source.notify = self.wake
+                source.start()
+        for runner in self.runners:
+            self.mark(runner.rank)
+
+    def at_rest(self, rest: Rest) -> None:
+        """Hold the sources at one capture time, and act once all that they sent has been processed.
+
+        Call between two firings, in the worker's thread. Another call takes the place of the last.
+        """
+        self._rest = rest
+        self.hold.align()
+
+    def drain(self) -> None:
+        """Fire what is ready until nothing is; no source sends anything. Raises StageError."""
+        while self._ready or self.fire_waiting():
+            self._fire(len(self._ready))
 
     @property
     def handlers(self) -> Handlers:
@@ -180,24 +222,46 @@ class Worker:
 
     def _turn(self) -> bool:
         """Fire what is ready, receive, and pull a source or sleep; False when all streams have ended."""
-        for _ in range(_FIRINGS_PER_TURN):
-            if not self._ready:
-                break
-            rank = -heappop(self._ready)
-            self._marked[rank] = False
-            self._steps[rank]()
+        self._fire(_FIRINGS_PER_TURN)
         if len(self.ends.watched) > 1:  # more than the wake-up event
             self.ends.receive(0)
         while self._actions:
             self._actions.popleft()()
         if self._stopping:
             self._stop_sources()
+        if self._rest is not None:
+            self._rests(self._rest, idle=False)
         if self._ready or self._pull() or self.fire_waiting():
+            return True
+        if self._rest is not None:
+            self._rests(self._rest, idle=True)
             return True
         if self._finished():
             return False
         self._wait()
         return True
+
+    def _fire(self, most: int) -> None:
+        """Let up to so many stage runners step that are scheduled."""
+        for _ in range(most):
+            if not self._ready:
+                break
+            rank = -heappop(self._ready)
+            self._marked[rank] = False
+            self._steps[rank]()
+
+    def _rests(self, rest: Rest, *, idle: bool) -> None:
+        """Act if the worker is at rest, or has not come to rest in time; else sleep if it is idle."""
+        still = all(source.done or self.hold.holds(source) for source in self.sources)
+        reached = idle and still and not any(runner.asks for runner in self.runners)
+        if reached or time.monotonic() >= rest.deadline:
+            self._rest = None
+            try:
+                rest.act(reached)
+            finally:
+                self.hold.set_free()
+        elif idle:
+            self._wait()
 
     def _pull(self) -> bool:
         """Pull the source with the earliest watermark, then those that are earliest; False if none yields.
@@ -231,7 +295,7 @@ class Worker:
         deadlines += [
             s.not_before / 1e9 for s in self.sources if s.early and not s.done and not self.hold.holds(s)
         ]
-        others = deadlines or self.ends.readers or self.ends.writers or self.live or self.hold.order
+        others = deadlines or self.ends.readers or self.ends.writers or self.live or self.hold.holding
         if not (others or any(runner.asks for runner in self.runners)):
             raise StuckError(self.runners)
         if not deadlines:
@@ -250,6 +314,7 @@ class Worker:
     def _stop_sources(self) -> None:
         self._stopping = False
         self.hold.release()
+        self.hold.set_free()
         self.ends.give_up(_ALL)
         for source in self.sources:
             if not source.done:

@@ -54,7 +54,7 @@ class Wiring:
         self.live = plan.live
         self.into: dict[str, list[int]] = defaultdict(list)
         self.out_of: dict[str, list[int]] = defaultdict(list)
-        for number, edge in enumerate(plan.edges):
+        for number, edge in plan.numbered():
             self.into[edge.to_stage].append(number)
             self.out_of[edge.from_stage].append(number)
         self._circular = cyclic([(edge.from_stage, edge.to_stage) for edge in plan.edges])
@@ -69,7 +69,7 @@ class Wiring:
 
     def received_types(self, stage: str) -> tuple[type[Message], ...]:
         """Types of the messages on the edges that lead to a stage, each once."""
-        return tuple(dict.fromkeys(self.message_type(self.plan.edges[n]) for n in self.into[stage]))
+        return tuple(dict.fromkeys(self.message_type(self.plan.edge(n)) for n in self.into[stage]))
 
     def input_port(self, edge: PlannedEdge) -> InputSpec:
         """The declaration of the port that an edge leads to."""
@@ -96,7 +96,7 @@ class Wiring:
 
     def window(self, stage: PlannedStage) -> int:
         """Largest difference in capture time within the stage's join, ns; 0 for a single input."""
-        edges = [self.plan.edges[n] for n in self.into[stage.name]]
+        edges = [self.plan.edge(n) for n in self.into[stage.name]]
         members = [self.tolerance(edge) for edge in edges if not self.sampled(edge)]
         return max(members) if len(members) > 1 else 0
 
@@ -110,7 +110,7 @@ class Wiring:
         closing: dict[str, int] = {}
         lateness: dict[str, int] = {}
         for stage in self.plan.stages:
-            edges = [self.plan.edges[n] for n in self.into[stage.name]]
+            edges = [self.plan.edge(n) for n in self.into[stage.name]]
             inherited = [lateness[e.from_stage] for e in edges if not self.sampled(e)]
             closing[stage.name] = self.window(stage) + max(inherited, default=0)
             timed = self.ports[stage.name].gives in ("several", "lagged")
@@ -126,7 +126,7 @@ class Wiring:
         """
         lag: dict[str, int] = {}
         for stage in self.plan.stages:
-            edges = [edge for n in self.into[stage.name] if not (edge := self.plan.edges[n]).delay]
+            edges = [edge for n in self.into[stage.name] if not (edge := self.plan.edge(n)).delay]
             near = [self.tolerance(edge) for edge in edges if self.input_port(edge).kind == "nearest"]
             lagging = _ANY_LAG if self.ports[stage.name].gives == "lagged" else 0
             ahead = max(2 * self.window(stage), *near, lagging)
@@ -141,7 +141,7 @@ class Wiring:
         """
         deadline: dict[str, float] = {}
         for stage in self.plan.stages:
-            edges = [self.plan.edges[n] for n in self.into[stage.name]]
+            edges = [self.plan.edge(n) for n in self.into[stage.name]]
             awaited = [deadline[e.from_stage] for e in edges if self._awaited(e)]
             own = stage.deadline if len(awaited) > 1 else 0.0
             deadline[stage.name] = own + max(awaited, default=0.0)

@@ -102,7 +102,6 @@ def test_paths_are_relative_to_the_folder_of_who_asks(plan: Plan, tmp_path: Path
 
 
 NOTHING = ("", "")
-PAIR = "{uses: toy.pair, in: {blobs: detect}}"
 HALL = """\
 graph: building
 room: room.yaml
@@ -139,9 +138,6 @@ def test_a_parameter_of_an_interface_changes_the_stages_behind_it_alone(tmp_path
     ("word", "change", "text"),
     [
         ("hall=gone.yaml", NOTHING, "gone.yaml: No such file"),
-        ("hall=quick.yaml", ("  pair:", f"  more: {PAIR}\n  pair:"), "adds hall/more"),
-        ("hall=quick.yaml", (", forecast: {from: track.forecast, delay: 1}", ""), "in another way"),
-        ("hall=quick.yaml", ("constant}", "constant}, on_error: skip"), "on_error, tolerance"),
         ("hall=quick.yaml", ("tracks: track.tracks", "track: track.tracks"), 'has no output "tracks"'),
         ("hall.levle=1", NOTHING, 'has no parameter "levle"'),
         ("hall.level=7", NOTHING, "cannot be 7"),

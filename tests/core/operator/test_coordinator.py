@@ -90,5 +90,5 @@ def test_a_status_is_available_while_workers_start() -> None:
         return WorkerStatus("a", "starting")
 
     workers["a"] = SimpleNamespace(status=status)
-    host.pool = SimpleNamespace(workers=workers)  # type: ignore[assignment]
+    host.pool = SimpleNamespace(workers=workers, plan=SimpleNamespace(rows=0))  # type: ignore[assignment]
     assert [worker.name for worker in host.status().workers] == ["a"]

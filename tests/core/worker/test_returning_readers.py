@@ -41,7 +41,7 @@ def test_a_writer_that_was_started_again_counts_what_it_sends_to_readers_that_it
         while not all([writer.matched(), reader.matched()]) and time.monotonic() < deadline:
             time.sleep(0.005)
         runner = SourceRunner("count", 0, lambda: Count(Context()), Join((), lateness=0), {"out": output})
-        worker = Worker([runner], [], [(writer, 0)], Pace())
+        worker = Worker([runner], [], [(writer, runner)], Pace())
         worker.setup()
         thread = threading.Thread(target=worker.run, daemon=True)
         thread.start()
@@ -66,7 +66,7 @@ def test_what_was_on_its_way_to_a_reader_that_is_not_reached_again_is_lost_at_th
         while not all([writer.matched(), reader.matched()]) and time.monotonic() < deadline:
             time.sleep(0.005)
         runner = SourceRunner("count", 0, lambda: Count(Context()), Join((), lateness=0), {"out": output})
-        worker = Worker([runner], [], [(writer, 0)], Pace())
+        worker = Worker([runner], [], [(writer, runner)], Pace())
         worker.setup()
         while runner.pull():
             pass

@@ -1,0 +1,49 @@
+"""What differs between two plans of one run: stages that come, go or change, and the workers that notice."""
+
+from __future__ import annotations
+
+from followspot.graph.plan import Plan
+
+
+def differing_stages(old: Plan, new: Plan) -> set[str]:
+    """The stages that are in one of the plans only, or otherwise in the other."""
+    before = {stage.name: stage for stage in old.stages}
+    after = {stage.name: stage for stage in new.stages}
+    return {name for name in before.keys() | after.keys() if before.get(name) != after.get(name)}
+
+
+def workers_of(plan: Plan, stages: set[str]) -> set[str]:
+    """The workers of those of the stages that the plan has."""
+    return {stage.worker for stage in plan.stages if stage.name in stages}
+
+
+def differing_workers(old: Plan, new: Plan) -> set[str]:
+    """The workers, of either plan, with stages that differ or with an end of an edge that differs."""
+    found: set[str] = set()
+    for plan, other in ((old, new), (new, old)):
+        found |= workers_of(plan, differing_stages(old, new))
+        same = dict(other.numbered())
+        for number, edge in plan.numbered():
+            if number not in same or _way(plan, number) != _way(other, number):
+                found |= {plan.worker_of(edge.from_stage), plan.worker_of(edge.to_stage)}
+    return found
+
+
+def only_worker(old: Plan, new: Plan) -> str | None:
+    """The worker in which all that differs is, all new and former edges included; None if there is none."""
+    found = differing_workers(old, new)
+    pairs = ((old, dict(new.numbered())), (new, dict(old.numbered())))
+    for plan, other in pairs:
+        if any(edge.kind != "reference" for number, edge in plan.numbered() if number not in other):
+            return None
+    same = {stage.name: stage.worker for stage in old.stages}
+    if len(found) != 1 or any(same.get(stage.name, stage.worker) != stage.worker for stage in new.stages):
+        return None
+    return next(iter(found))
+
+
+def _way(plan: Plan, number: int) -> tuple[str, ...]:
+    """The kind of an edge, and the hosts that it joins if it goes over the network."""
+    edge = plan.edge(number)
+    ends = (edge.from_stage, edge.to_stage) if edge.kind == "zenoh" else ()
+    return (edge.kind, *map(plan.host_of_stage, ends))

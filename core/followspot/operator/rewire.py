@@ -1,0 +1,116 @@
+"""Another graph file in the place of a sub-graph, with other stages and edges, while the run goes on.
+
+If all that differs is in one worker, that worker builds what is new, comes to rest, and goes on with the new
+plan: nothing is lost. Else, in a live run, the workers that differ restart with the new plan, as in a move.
+"""
+
+from __future__ import annotations
+
+import time
+from contextlib import suppress
+from typing import TYPE_CHECKING
+from uuid import uuid4
+
+from followspot.control.host import Host
+from followspot.control.move import MoveOrder
+from followspot.control.swap import ChangeOrder, ChangePhase
+from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.graph.difference import differing_workers, only_worker
+from followspot.graph.plan import Plan
+from followspot.graph.ship import plan_to_data
+from followspot.operator.move import move_hosts
+from followspot.worker.wiring import Wiring
+
+if TYPE_CHECKING:
+    from followspot.operator.coordinator import Coordinator
+
+_TIMEOUT = 60.0
+"""Seconds in which new stages must be built, and again to take over."""
+_POLL_INTERVAL = 0.01
+"""Seconds between two polls of the host."""
+_APART = "run it in one worker, or stop it and start it with --set {name}.graph=FILE"
+
+
+def rewire(run: Coordinator, new: Plan, name: str, *, fresh: bool) -> None:
+    """Bring a run from its plan to one with other stages and edges. name: of the sub-graph, for messages.
+
+    Raises InputError if it is a replay in which more than one worker would have to change, FollowspotError if
+    a host refuses or a stage cannot be built: the run goes on as it was.
+    """
+    old = run.plan
+    worker = only_worker(old, new)
+    if worker is not None and not _others_notice(old, new, worker):
+        _in_place(run, new, worker, fresh=fresh)
+        return
+    if not old.live:
+        apart = ", ".join(sorted(differing_workers(old, new) | _noticing(old, new)))
+        text = f'stages of "{name}" come and go in the workers {apart}, and a replay would lose messages'
+        raise InputError([Mistake(None, text, _APART.format(name=name))])
+    move_hosts(old, new, run.hosts, differing_workers(old, new) | _noticing(old, new), fresh=fresh)
+
+
+def _noticing(old: Plan, new: Plan) -> set[str]:
+    """The workers of stages that stay, but wait otherwise than before: joins upstream look ahead further."""
+    before, after = Wiring(old), Wiring(new)
+    found = set()
+    for stage in new.stages:
+        known = stage.name in before.closing
+        for of, then, now in (
+            (stage.name, before.closing, after.closing),
+            (stage.name, before.lateness, after.lateness),
+            (stage.name, before.deadline, after.deadline),
+        ):
+            if known and then[of] != now[of]:
+                ends = {new.edge(number).to_stage for number in after.out_of[stage.name]}
+                found |= {stage.worker, *(new.worker_of(end) for end in ends)}
+    return found
+
+
+def _others_notice(old: Plan, new: Plan, worker: str) -> bool:
+    return bool(_noticing(old, new) - {worker})
+
+
+def _in_place(run: Coordinator, new: Plan, worker: str, *, fresh: bool) -> None:
+    """Let the worker take the new plan while it works; then tell the other hosts."""
+    host = next(found for found in run.hosts if found.name == new.host_of(worker))
+    data = plan_to_data(new)
+    identity = uuid4().hex
+
+    def order(step: str) -> ChangeOrder:
+        return ChangeOrder.model_validate(
+            {"id": identity, "step": step, "stages": (), "fresh": fresh, "worker": worker, "plan": data}
+        )
+
+    try:
+        _step(host, order("build"), "built")
+    except FollowspotError:
+        with suppress(FollowspotError):
+            host.ask(order("discard"))
+        raise
+    try:
+        _step(host, order("take_over"), "done")
+    except FollowspotError:
+        with suppress(FollowspotError):
+            host.ask(MoveOrder(plan=plan_to_data(run.plan)))
+        raise
+    for other in run.hosts:
+        if other is not host:
+            other.ask(MoveOrder(plan=data))
+
+
+def _step(host: Host, order: ChangeOrder, phase: ChangePhase) -> None:
+    """Do one step and wait until it is done. Raises FollowspotError."""
+    host.ask(order)
+    deadline = time.monotonic() + _TIMEOUT
+    while True:
+        status = host.status()
+        mine = status.change.id == order.id
+        if mine and status.change.phase == "failed":
+            raise FollowspotError(status.change.error)
+        if mine and status.change.phase == phase:
+            return
+        if status.all("over"):
+            raise FollowspotError("the run has ended")
+        if time.monotonic() > deadline:
+            raise FollowspotError(f"the change was not made within {_TIMEOUT:.0f} s")
+        time.sleep(_POLL_INTERVAL)

@@ -1,0 +1,224 @@
+"""Stages and edges that come and go in a worker while it runs: built beside those that work, then connected.
+
+Stages that stay keep their state, their outputs and what waits for them. All changed edges are within the
+worker.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from followspot.errors import FollowspotError
+from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
+from followspot.plugins.registry import load_stage
+from followspot.ports import ports
+from followspot.worker.build import Builder, Links
+from followspot.worker.error_policy import StageError
+from followspot.worker.input_queue import InputQueue
+from followspot.worker.ledger import COLUMNS, LOST, Ledger
+from followspot.worker.live_source import LiveSourceRunner
+from followspot.worker.replacement import Replacement, discarded, dry_run, prepared
+from followspot.worker.scheduler import Worker
+from followspot.worker.stage_runner import StageRunner
+from followspot.worker.tapping import Tap
+from followspot.worker.wiring import RunOptions, Wiring
+
+
+class Rewiring:
+    """What becomes of a worker: the stage runners that come, those that stay, and those that go.
+
+    wiring: of the new plan; ledger: with rows for its edges; rewired: gets the plan and the new stages once
+    they have taken over.
+    """
+
+    def __init__(
+        self,
+        worker: Worker,
+        wiring: Wiring,
+        name: str,
+        ledger: Ledger,
+        options: RunOptions,
+        links: Links,
+        rewired: Callable[[Plan, Sequence[StageRunner]], None] = lambda plan, new: None,
+    ) -> None:
+        """Build and set up all that is new, in any thread, while the worker works on.
+
+        Raises FollowspotError with the reason; what was built is closed then.
+        """
+        self.worker = worker
+        self.wiring = wiring
+        self._words = ledger.words
+        self._rewired = rewired
+        self._builder = Builder(wiring, name, ledger, replace(options, resumed=True), links)
+        self._builder.pace = worker.pace
+        present = {runner.name: runner for runner in worker.runners}
+        self._stays = {
+            stage.name: present[stage.name]
+            for stage in self._builder.mine
+            if stage.name in present and _can_stay(present[stage.name], stage)
+        }
+        self.gone = [runner for runner in worker.runners if runner.name not in self._stays]
+        self._queues = {queue.row // COLUMNS: queue for runner in worker.runners for queue in _queues(runner)}
+        self.replacements: list[Replacement] = []
+        self.new: list[StageRunner] = []
+        try:
+            self._build()
+        except FollowspotError:
+            self.discard()
+            raise
+
+    def try_on(self) -> None:
+        """Find out whether replacements can carry on from the stages that work. Raises FollowspotError."""
+        try:
+            dry_run(self.replacements)
+        except FollowspotError:
+            self.discard()
+            raise
+
+    def take_over(self, *, fresh: bool) -> None:
+        """Put the new stages and edges in; call at rest, in the worker's thread.
+
+        fresh: begin replacements without checkpoints. Raises FollowspotError if one cannot restore that of
+        the stage before; nothing has changed then.
+        """
+        if not fresh:
+            self.try_on()
+        self._finish_those_that_go()
+        for found in self.replacements:
+            old = found.runner.stage
+            found.runner.replace_stage(found.stage, found.build)
+            found.runner.retire(old)
+        runners = []
+        for rank, stage in enumerate(self._builder.mine):
+            runner = self._stays.get(stage.name) or next(new for new in self.new if new.name == stage.name)
+            runner.rank = rank
+            if stage.name in self._stays:
+                self._reconnect(runner, stage)
+            runners.append(runner)
+        self._count_what_was_left()
+        self._builder.runners = runners
+        self._builder.schedule(self.worker)
+        self.worker.rearrange(runners)
+        self._rewired(self.wiring.plan, self.new)
+
+    def discard(self) -> None:
+        """Close what was built."""
+        discarded(self.replacements)
+        for runner in self.new:
+            runner.retire(runner.stage)
+        self.replacements, self.new = [], []
+
+    def _build(self) -> None:
+        builder = self._builder
+        for stage in builder.mine:
+            for number in self.wiring.into[stage.name]:
+                builder.queues[number] = self._queues.get(number) or builder.queue(number)
+        for rank, stage in enumerate(builder.mine):
+            if stage.name not in self._stays:
+                self._add(rank, stage)
+        changed = [
+            stage
+            for stage in builder.mine
+            if stage.name in self._stays and not _is_same(self._stays[stage.name], stage)
+        ]
+        self.replacements = prepared(self.worker, changed)
+
+    def _add(self, rank: int, stage: PlannedStage) -> None:
+        """Build and set up a new stage. Raises FollowspotError."""
+        try:
+            runner = self._builder.runner(rank, stage)
+            self.new.append(runner)
+            runner.setup()
+        except StageError as error:
+            why = error.__cause__ or error
+            text = f"stage {stage.name} ({stage.uses}) cannot be built: {type(why).__name__}: {why}"
+            raise FollowspotError(text) from error
+
+    def _finish_those_that_go(self) -> None:
+        """Fire what waits for partners that will not come any more, then close the stages."""
+        for runner in self.gone:
+            if type(runner) is StageRunner:
+                _fire_the_rest(runner)
+            self.worker.drain()
+        for runner in self.gone:
+            _end_taps(runner)
+            try:
+                runner.stop() if isinstance(runner, LiveSourceRunner) else runner.close()
+            except StageError as error:
+                runner.stage.context.warn(f"the stage left the graph and did not close: {error}")
+
+    def _reconnect(self, runner: StageRunner, stage: PlannedStage) -> None:
+        """Give a stage that stays the inputs and readers of the new plan."""
+        wiring = self.wiring
+        runner.on_error = stage.on_error
+        runner.deadline = wiring.deadline[stage.name] if wiring.live and runner.join.ports else None
+        for port, output in runner.outputs:
+            output.lateness = wiring.lateness[stage.name]
+            numbers = [n for n in wiring.out_of[stage.name] if wiring.plan.edge(n).from_port == port]
+            local = [self._builder.queues[n] for n in numbers if wiring.plan.edge(n).kind == "reference"]
+            for queue in local:
+                if queue not in output.queues:
+                    queue.watermark = output.announced
+            output.reconnect(local)
+        if runner.join.ports:
+            for number in wiring.into[stage.name]:
+                self._adapt(self._builder.queues[number], wiring.plan.edge(number))
+            join = self._builder.join(stage)
+            join.carry_on(runner.join)
+            runner.join = join
+
+    def _adapt(self, queue: InputQueue, edge: PlannedEdge) -> None:
+        """Let a queue know what the new plan says of its stream."""
+        queue.lateness = self.wiring.lateness[edge.from_stage]
+        queue.answers = self.wiring.circular(edge)
+        queue.window = self.wiring.tolerance(edge)
+
+    def _count_what_was_left(self) -> None:
+        """Count as lost what still waits on edges that go."""
+        stay = set(self._builder.queues)
+        for number, queue in self._queues.items():
+            if number not in stay:
+                self._words[queue.row + LOST] += len(queue.messages)
+                queue.messages.clear()
+
+
+def _end_taps(runner: StageRunner) -> None:
+    """Close the taps of a stage that goes."""
+    taps = [tap for _, output in runner.outputs for tap in output.taps if isinstance(tap, Tap)]
+    if taps:
+        runner.stage.context.warn("the stage left the graph: who listened to it hears no more")
+    for tap in taps:
+        tap.detach()
+        tap.close()
+
+
+def _can_stay(runner: StageRunner, stage: PlannedStage) -> bool:
+    """Whether the stage, or a replacement in the same runner, can do what the plan says."""
+    before, after = ports(type(runner.stage)), ports(load_stage(stage.uses))
+    alike = (before.source, before.gives, type(runner.stage).live) == (
+        after.source,
+        after.gives,
+        load_stage(stage.uses).live,
+    )
+    given = {(port.name, port.type) for port in before.outputs}
+    same = given == {(port.name, port.type) for port in after.outputs}
+    return alike and same and runner.stage.context.member == stage.member
+
+
+def _is_same(runner: StageRunner, stage: PlannedStage) -> bool:
+    """Whether the stage that works is the planned one already."""
+    now = runner.stage
+    return type(now) is load_stage(stage.uses) and now.params == type(now).Params(**stage.params)
+
+
+def _queues(runner: StageRunner) -> list[InputQueue]:
+    """The queues of all edges into a stage."""
+    return [*runner.join.members, *(queue for sampled in runner.join.sampled for queue in sampled.queues)]
+
+
+def _fire_the_rest(runner: StageRunner) -> None:
+    """Fire with what is there: at rest, the partners of a message do not come any more."""
+    while runner.has_room() and (fire_at := runner.join.ready(overdue=True)) is not None:
+        firing = runner.take(fire_at)
+        runner.deliver(runner.run(firing), firing.header)

@@ -1,0 +1,165 @@
+"""A sub-graph is swapped for a file with other stages and edges while the graph runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from tests.integration.hosts import near_agent
+from tests.integration.running import balanced, finish, start, write_graph
+from tests.integration.test_swap import Going, going, wait_until
+
+from followspot.errors import FollowspotError
+from followspot.operator.run_handle import run_here
+
+SLOW = """\
+inputs: {number: [b.number, t.number]}
+outputs: {number: sum}
+stages:
+  b:   {uses: ticks.add, with: {term: 2, sleep: 0.01}}
+  t:   {uses: ticks.tally}
+  odd_b: {uses: ticks.odd, in: {number: b}}
+  odd_t: {uses: ticks.odd, in: {number: t}}
+  sum: {uses: ticks.sum, in: {numbers: [b, t, odd_b, odd_t]}, tolerance: 0.001}
+"""
+"""Gives n + 2, n + 1, and again the odd one of the two: a firing always waits until the other cannot come."""
+QUICK = """\
+inputs: {number: [t.number, odd.number, late.left]}
+outputs: {number: late}
+stages:
+  t:    {uses: ticks.tally}
+  odd:  {uses: ticks.add, with: {term: 1000}}
+  all:  {uses: ticks.sum, in: {numbers: [t, odd]}, tolerance: 0.001}
+  late: {uses: ticks.both, in: {right: all}, tolerance: 0.001}
+"""
+"""Gives n * 1000 + (n + 1 + n + 1000) for n: the tally, which stays, has counted to n + 1."""
+WHOLE = """
+a:    {uses: ticks.count, with: {count: 1200}}
+hall: {graph: part.yaml, in: {number: a}}
+save: {uses: ticks.write, in: {number: hall}}
+side: {uses: ticks.both, in: {left: a, right: hall}, tolerance: 0.001}
+keep: {uses: ticks.write, in: {number: side}, with: {path: kept.csv}}
+"""
+LIVE = WHOLE.replace("ticks.count, with: {count: 1200}", "ticks.live, with: {count: 1000000, period: 0.02}")
+
+FAR = """
+placement: far
+workers:
+  far: {host: pc-left, stages: [hall]}
+"""
+
+
+def files(folder: Path) -> tuple[str, str]:
+    """Words that put the quick file in the place of the slow one, and back."""
+    (folder / "part.yaml").write_text(SLOW)
+    (folder / "quick.yaml").write_text(QUICK)
+    return f"hall={folder / 'quick.yaml'}", f"hall={folder / 'part.yaml'}"
+
+
+def slow(n: int) -> int:
+    return 2 * n + 3 + (n + 1 if n % 2 == 0 else n + 2)
+
+
+def quick(n: int) -> int:
+    return n * 1000 + n + 1 + n + 1000
+
+
+def test_a_replay_goes_on_with_another_inside_and_loses_nothing(tmp_path: Path) -> None:
+    there, _ = files(tmp_path)
+    with going(tmp_path, WHOLE, 1) as run:
+        report = run_here(run.name).change([there])
+        assert [(s.stage, s.before, s.uses) for s in report.stages] == [
+            ("hall/b", "ticks.add", ""),
+            ("hall/odd_b", "ticks.odd", ""),
+            ("hall/odd_t", "ticks.odd", ""),
+            ("hall/sum", "ticks.sum", ""),
+            ("hall/odd", "", "ticks.add"),
+            ("hall/all", "", "ticks.sum"),
+            ("hall/late", "", "ticks.both"),
+        ]
+        finished = finish(run.process, run.out)
+    assert finished.code == 0, finished.errors
+    values = finished.values()
+    first = next(n for n, value in enumerate(values) if value != slow(n))
+    assert first > 5
+    assert values == [*map(slow, range(first)), *map(quick, range(first, 1200))], "the tally counted on"
+    kept = finished.values("kept.csv")
+    assert kept == [n * 1000 + value for n, value in enumerate(values)], "outside, all met as ever"
+    assert balanced(finished.summary)
+    lost = {name: finished.edge("", "")[name] for name in ("dropped", "late", "unmatched", "invalid", "lost")}
+    assert set(lost.values()) == {0}
+    assert finished.edge("hall/b", "hall/sum")["delivered"] == first, "edges that left are in the ledger"
+    assert finished.edge("hall/all", "hall/late")["delivered"] == 1200 - first
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_live_run_goes_on_with_another_inside_and_back(tmp_path: Path, workers: int) -> None:
+    """In two workers, one has hall/b: both start anew, and the tally counts on from its checkpoint."""
+    there, back = files(tmp_path)
+    with going(tmp_path, LIVE, workers, "hall/b") as run:
+        run_here(run.name).change([there])
+        assert is_reached(run, quick=True)
+        run_here(run.name).change([back])
+        assert is_reached(run, quick=False)
+        finished = run.stopped()
+    assert finished.code == 0, finished.errors
+    assert balanced(finished.summary)
+    assert finished.summary["workers"]
+
+
+def is_reached(run: Going, *, quick: bool) -> bool:
+    """Wait until the quick file's numbers are written, or the slow one's."""
+    found = (lambda value: value > 20_000) if quick else (lambda value: 0 < value < 20_000)
+    return wait_until(lambda: found((run.values() or [0])[-1]))
+
+
+def test_a_replay_in_two_workers_refuses_and_goes_on(tmp_path: Path) -> None:
+    there, _ = files(tmp_path)
+    with going(tmp_path, WHOLE, 2, "hall/b") as run:
+        with pytest.raises(FollowspotError) as refused:
+            run_here(run.name).change([there])
+        assert 'stages of "hall" come and go in the workers main, other, and a replay' in str(refused.value)
+        finished = finish(run.process, run.out)
+    assert finished.values() == [slow(n) for n in range(1200)]
+
+
+def test_a_stage_that_cannot_be_built_leaves_the_graph_as_it_was(tmp_path: Path) -> None:
+    there, _ = files(tmp_path)
+    broken = QUICK.replace("ticks.add, with: {term: 1000}", "ticks.tally, with: {broken: true}")
+    (tmp_path / "quick.yaml").write_text(broken)
+    with going(tmp_path, LIVE, 1) as run:
+        with pytest.raises(FollowspotError) as refused:
+            run_here(run.name).change([there])
+        assert str(refused.value).startswith("stage hall/odd (ticks.tally) cannot be built: RuntimeError")
+        run.grows()
+        assert run.values()[-1] < 20_000
+        finished = run.stopped()
+    assert finished.code == 0, finished.errors
+    assert all(not e["from"].startswith("hall/odd.") for e in finished.summary["edges"])
+
+
+@pytest.mark.thorough
+def test_a_sub_graph_on_another_host_begins_anew_with_another_inside(tmp_path: Path) -> None:
+    """The edges from the desk to the new stages are other edges, so both workers start anew."""
+    there, back = files(tmp_path)
+    agent = near_agent("pc-left", tmp_path)
+    (tmp_path / "far.yaml").write_text(FAR)
+    out = tmp_path / "out"
+    options = ("--placement", str(tmp_path / "far.yaml"), "--connect", agent.endpoint)
+    process = start(write_graph(tmp_path, LIVE), out, *options)
+    run = Going.of(process, out)
+    try:
+        run.grows()
+        run_here(run.name).change([there])
+        assert is_reached(run, quick=True)
+        run_here(run.name).change([back])
+        assert is_reached(run, quick=False)
+        finished = run.stopped()
+    finally:
+        process.kill()
+        agent.process.kill()
+        agent.process.communicate()
+    assert finished.code == 0, finished.errors
+    assert balanced(finished.summary)
+    assert finished.edge("a", "hall/b")["delivered"] > 0
+    assert finished.edge("a", "hall/odd.")["delivered"] > 0
