@@ -12,7 +12,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from tests.integration.running import COMMAND, STAGES
+from tests.commands import COMMAND
+from tests.integration.running import STAGES
 
 PORT = 7450
 

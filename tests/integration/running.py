@@ -6,15 +6,15 @@ import json
 import os
 import re
 import subprocess
-import sys
 import time
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tests.commands import COMMAND, command
+
 STAGES = Path(__file__).parent.parent / "stages" / "ticks.py"
-COMMAND = [sys.executable, "-m", "followspot.cli.main"]
 
 
 @dataclass(frozen=True)
@@ -60,21 +60,30 @@ def write_graph(folder: Path, stages: str, name: str = "graph") -> Path:
 
 def start(graph: Path, out: Path, *options: str) -> subprocess.Popen[str]:
     """Start `followspot run`."""
-    command = [*COMMAND, "run", str(graph), "--plugin", str(STAGES), "--out", str(out), "--json", *options]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    words = [*COMMAND, *words_of(graph, out, *options)]
+    return subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def words_of(graph: Path, out: Path, *options: str) -> list[str]:
+    return ["run", str(graph), "--plugin", str(STAGES), "--out", str(out), "--json", *options]
 
 
 def finish(process: subprocess.Popen[str], out: Path) -> Finished:
     """Wait for the end of a started run."""
     stdout, stderr = process.communicate(timeout=90)
+    return finished(process.returncode, stdout, stderr, out)
+
+
+def finished(code: int, stdout: str, stderr: str, out: Path) -> Finished:
     summary = json.loads(stdout.splitlines()[-1]) if stdout.strip() else {}
-    return Finished(process.returncode, summary, stderr, out)
+    return Finished(code, summary, stderr, out)
 
 
 def run(graph: Path, *options: str, out: str = "out") -> Finished:
     """Run `followspot run` to its end."""
     folder = graph.parent / out
-    return finish(start(graph, folder, *options), folder)
+    done = command(*words_of(graph, folder, *options), timeout=90)
+    return finished(done.returncode, done.stdout, done.stderr, folder)
 
 
 def children(pid: int) -> list[int]:

@@ -11,9 +11,9 @@ from threading import Timer
 from typing import Any
 
 import pytest
+from tests.commands import COMMAND, command
 from tests.integration.hosts import Agent, free_port, near_agent
 from tests.integration.running import (
-    COMMAND,
     STAGES,
     Finished,
     alive,
@@ -82,12 +82,6 @@ def room(tmp_path: Path) -> Iterator[Room]:
     made.agent("pc-right")
     yield made
     made.close()
-
-
-def command(*words: str | Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [*COMMAND, *map(str, words)], capture_output=True, text=True, check=False, timeout=90
-    )
 
 
 def values(path: Path) -> list[int]:

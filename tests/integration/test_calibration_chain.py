@@ -6,7 +6,6 @@ Needs `../shared/data/glowballs-dev`: ray-traced recordings, a waved bulb, dots 
 from __future__ import annotations
 
 import json
-import subprocess
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from tests.integration.running import COMMAND, balanced
+from tests.commands import command
+from tests.integration.running import balanced
 
 from followspot import Room
 from followspot.messages import Array
@@ -39,8 +39,8 @@ class Chain(NamedTuple):
     wand: dict[str, Any]
 
 
-def command(*words: str | Path, code: int = 0) -> str:
-    done = subprocess.run([*COMMAND, *map(str, words)], capture_output=True, text=True, check=False)
+def told(*words: str | Path, code: int = 0) -> str:
+    done = command(*words)
     assert done.returncode == code, done.stderr + done.stdout
     return done.stdout
 
@@ -51,14 +51,14 @@ def chain(tmp_path_factory: pytest.TempPathFactory) -> Chain:
     folder = tmp_path_factory.mktemp("chain")
     true, made = folder / "true.yaml", folder / "made.yaml"
     for room in (true, made):
-        command("room", "import", DATA / "calibration.json", "--videos", DATA / SEQUENCES[0], "-o", room)
+        told("room", "import", DATA / "calibration.json", "--videos", DATA / SEQUENCES[0], "-o", room)
     cameras = load(made).cameras
     lost = {name: replace(c, rotation=np.eye(3), translation=-c.center) for name, c in cameras.items()}
     update(made, cameras=lost, planes={})
-    wand = command("calibrate", "wand", "--points", POINTS, "--targets", CLIPS, "--room", made, "--json")
-    command("calibrate", "planes", "--points", DOTS, "--room", made)
+    wand = told("calibrate", "wand", "--points", POINTS, "--targets", CLIPS, "--room", made, "--json")
+    told("calibrate", "planes", "--points", DOTS, "--room", made)
     for room in (true, made):
-        command("calibrate", "targets", "--clips", CLIPS, "--room", room)
+        told("calibrate", "targets", "--clips", CLIPS, "--room", room)
     return Chain(true, made, json.loads(wand))
 
 
@@ -104,7 +104,7 @@ def runs(chain: Chain, tmp_path_factory: pytest.TempPathFactory) -> Mapping[str,
 
 def track(room: Path, out: Path, fusion: str) -> dict[str, Any]:
     graph = ROOT / "graphs/glowballs.yaml"
-    said = command(
+    said = told(
         "run", graph, "--room", room, "--set", f"fuse.uses={fusion}", "--out", out, "--json", "--quiet"
     )
     summary = json.loads(said)
@@ -128,17 +128,17 @@ def test_tracking_is_within_1_3_times_the_error_with_the_true_calibration(
 
 @pytest.mark.thorough
 def test_the_check_finds_the_new_room_good_and_a_camera_that_was_moved_since(chain: Chain) -> None:
-    said = json.loads(command("calibrate", "check", "--room", chain.made, "--points", POINTS, "--json"))
+    said = json.loads(told("calibrate", "check", "--room", chain.made, "--points", POINTS, "--json"))
     assert said["failures"] == []
     moved = turned(load(chain.made), "cam3", 0.5)
     room = chain.made.with_stem("moved")
     room.write_text(chain.made.read_text())
     update(room, cameras=moved.cameras)
-    said = command("calibrate", "check", "--room", room, "--points", POINTS, code=1)
+    said = told("calibrate", "check", "--room", room, "--points", POINTS, code=1)
     assert "look at cam3" in said
     assert all(f"look at {name}" not in said for name in moved.cameras if name != "cam3")
-    command("calibrate", "wand", "--points", POINTS, "--targets", CLIPS, "--room", room)
-    assert "good" in command("calibrate", "check", "--room", room, "--points", POINTS)
+    told("calibrate", "wand", "--points", POINTS, "--targets", CLIPS, "--room", room)
+    assert "good" in told("calibrate", "check", "--room", room, "--points", POINTS)
 
 
 def turned(room: Room, name: str, degrees: float) -> Room:

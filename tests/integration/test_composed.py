@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import subprocess
 from pathlib import Path
 
-from tests.integration.running import COMMAND
+from tests.commands import command
 
 GRAPHS = Path(__file__).parents[2] / "graphs"
 BUILDING = f"""\
@@ -28,15 +27,14 @@ FRAMES = "24"
 
 def tracks(graph: Path, out: Path, *options: str) -> list[bytes]:
     """The files that both instances write."""
-    words = ["run", str(graph), "--frames", FRAMES, "--out", str(out), "--quiet", *options]
-    subprocess.run([*COMMAND, *words], check=True, timeout=300)
+    command("run", graph, "--frames", FRAMES, "--out", out, "--quiet", *options, check=True)
     return [(out / name).read_bytes() for name in ("hall.csv", "stage.csv")]
 
 
 def test_sub_graphs_and_the_flat_graph_give_the_same_bytes(tmp_path: Path) -> None:
     nested, flat = tmp_path / "building.yaml", tmp_path / "flat.yaml"
     nested.write_text(BUILDING)
-    flat.write_bytes(subprocess.check_output([*COMMAND, "graph", str(nested), "--flat"]))
+    flat.write_text(command("graph", nested, "--flat").stdout)
     found = tracks(nested, tmp_path / "nested")
     assert all(text.count(b"\n") > int(FRAMES) for text in found), "balls are tracked in both"
     assert found[0] != found[1]

@@ -6,13 +6,13 @@ One agent is named, the other one is found.
 from __future__ import annotations
 
 import json
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from tests.commands import command
 from tests.integration.hosts import Hosts, namespaces_are_permitted
-from tests.integration.running import COMMAND, balanced
+from tests.integration.running import balanced
 
 ROOT = Path(__file__).parent.parent.parent
 GRAPH = ROOT / "graphs" / "glowballs.yaml"
@@ -39,10 +39,6 @@ def hosts(tmp_path: Path) -> Iterator[Hosts]:
         yield made
 
 
-def command(*words: str | Path) -> None:
-    subprocess.run([*COMMAND, *map(str, words)], capture_output=True, text=True, check=True)
-
-
 def spread(room: Path, to: Path) -> Path:
     """The room with four of its cameras on other hosts, by one more line for each."""
     lines = []
@@ -56,7 +52,7 @@ def spread(room: Path, to: Path) -> Path:
 
 
 def tracks_in_one_process(room: Path, out: Path) -> bytes:
-    command("run", GRAPH, "--room", room, "--frames", FRAMES, "--out", out, "--quiet")
+    command("run", GRAPH, "--room", room, "--frames", FRAMES, "--out", out, "--quiet", check=True)
     return (out / "tracks.csv").read_bytes()
 
 
@@ -89,8 +85,8 @@ def test_a_simulated_room_on_three_hosts_gives_the_tracks_of_one_process(
 @pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/glowballs-dev")
 def test_a_recording_on_three_hosts_gives_the_tracks_of_one_process(hosts: Hosts, tmp_path: Path) -> None:
     room = tmp_path / "imported.yaml"
-    command("room", "import", DATA / "calibration.json", "--videos", RECORDING, "-o", room)
-    command("calibrate", "targets", "--room", room, "--clips", DATA / "templates")
+    command("room", "import", DATA / "calibration.json", "--videos", RECORDING, "-o", room, check=True)
+    command("calibrate", "targets", "--room", room, "--clips", DATA / "templates", check=True)
     placement = tmp_path / "placement.yaml"
     placement.write_text(PLACEMENT)
     hosts.agent("pc-left", "--media", RECORDING)

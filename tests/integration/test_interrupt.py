@@ -7,7 +7,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from tests.integration.running import COMMAND, STAGES, Finished, finish, run, start, wait_until, write_graph
+from tests.commands import COMMAND
+from tests.integration.running import STAGES, Finished, finish, run, start, wait_until, write_graph
 
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import csv
 import json
-import subprocess
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pytest
-from tests.integration.running import COMMAND
+from tests.commands import command
 
 from followspot.geometry import project
 from followspot.messages import Array
@@ -47,10 +46,8 @@ class Result(NamedTuple):
     overlay_px: Array
 
 
-def command(*words: str | Path) -> str:
-    done = subprocess.run([*COMMAND, *map(str, words)], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr + done.stdout
-    return done.stdout
+def told(*words: str | Path) -> str:
+    return command(*words, check=True).stdout
 
 
 @pytest.fixture(scope="module")
@@ -59,8 +56,8 @@ def rooms(tmp_path_factory: pytest.TempPathFactory) -> Rooms:
     folder = tmp_path_factory.mktemp("rooms")
     found = Rooms(folder / "true.yaml", folder / "corrected.yaml")
     for path, name in zip(found, ("calibration.json", "calibration_noisy.json"), strict=True):
-        command("room", "import", DATA / name, "--videos", DATA / MADE, "-o", path)
-    said = command("calibrate", "targets", "--room", found.corrected, "--clips", DATA / "templates", "--json")
+        told("room", "import", DATA / name, "--videos", DATA / MADE, "-o", path)
+    said = told("calibrate", "targets", "--room", found.corrected, "--clips", DATA / "templates", "--json")
     assert json.loads(said)["correction"]["places"] == 120
     update(found.true, targets=load(found.corrected).targets)
     return found
@@ -71,7 +68,7 @@ def tracked(room: Path, sequence: str, fusion: str, out: Path) -> Result:
     other = out.with_suffix(".yaml")
     other.write_text(room.read_text().replace(MADE, sequence))
     graph, choice = ROOT / "graphs/glowballs.yaml", f"fuse.uses={fusion}"
-    said = command("run", graph, "--room", other, "--set", choice, "--out", out, "--json", "--quiet")
+    said = told("run", graph, "--room", other, "--set", choice, "--out", out, "--json", "--quiet")
     targets = {name: one for name, one in json.loads(said)["targets"].items() if one["frames"]}
     for one in targets.values():
         assert one["coverage"] >= 0.99

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import signal
-import subprocess
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from tests.commands import command
 from tests.integration.hosts import near_agent
-from tests.integration.running import COMMAND, STAGES, finish, start, write_graph
+from tests.integration.running import STAGES, finish, start, write_graph
 
 import followspot as fs
 from followspot.control.stage_status import StageStatus
@@ -58,10 +58,8 @@ def until(condition: Callable[[], bool]) -> None:
         time.sleep(0.02)
 
 
-def command(*words: object) -> str:
-    done = subprocess.run([*COMMAND, *map(str, words)], capture_output=True, text=True, timeout=90)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+def said(*words: object) -> str:
+    return command(*words, check=True).stdout
 
 
 def sources(run: RunHandle) -> dict[str, StageStatus]:
@@ -153,11 +151,11 @@ def test_a_paused_run_ends_at_once_and_well(
         return bool(found)
 
     until(is_there)
-    assert "is paused" in command("pause", process.pid)
+    assert "is paused" in said("pause", process.pid)
     (graph.parent / "out").mkdir(exist_ok=True)
     (graph.parent / "out" / "gate").touch()
     until(lambda: paused(found[0]))
-    assert "is paused at the capture time 0.0" in command("step", "2", "--source", "b", "--run", process.pid)
+    assert "is paused at the capture time 0.0" in said("step", "2", "--source", "b", "--run", process.pid)
     if end == "stop":
         found[0].stop()
     else:

@@ -7,12 +7,12 @@ detector that looks at every third picture, for speed; `docs/persons.md` has the
 from __future__ import annotations
 
 import json
-import subprocess
 from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.integration.running import COMMAND, balanced
+from tests.commands import command
+from tests.integration.running import balanced
 
 ROOT = Path(__file__).parent.parent.parent
 GRAPHS = ROOT / "graphs"
@@ -23,16 +23,14 @@ PERIOD = 3
 needs_recordings = pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/persons-dev")
 
 
-def command(*words: str | int | Path) -> str:
-    done = subprocess.run([*COMMAND, *map(str, words)], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr + done.stdout
-    return done.stdout
+def said(*words: str | int | Path) -> str:
+    return command(*words, check=True).stdout
 
 
 def room_of(tmp_path: Path, *cameras: str) -> Path:
     """A room file with some of the recordings."""
     room = tmp_path / "room.yaml"
-    command("room", "import", DATA / "calib.json", "--videos", DATA, "--only", *cameras, "-o", room)
+    said("room", "import", DATA / "calib.json", "--videos", DATA, "--only", *cameras, "-o", room)
     return room
 
 
@@ -40,7 +38,7 @@ def tracked(room: Path, graph: str, frames: int, out: Path, *options: str | Path
     """The summary of a run of the first `frames` frames."""
     files = (GRAPHS / graph, "--room", room, "--out", out)
     asked = ("--frames", frames, "--json", "--quiet", "--set", f"hog.frame_interval={PERIOD}", *options)
-    summary: dict[str, Any] = json.loads(command("run", *files, *asked))
+    summary: dict[str, Any] = json.loads(said("run", *files, *asked))
     assert balanced(summary)
     return summary
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 import re
 import shutil
-import subprocess
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -16,7 +15,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.integration.running import COMMAND, balanced
+from tests.commands import command
+from tests.integration.running import balanced
 
 ROOT = Path(__file__).parent.parent.parent
 DATA = ROOT.parent / "shared" / "data" / "glowballs-dev"
@@ -34,10 +34,6 @@ Score = Callable[[str, str], dict[str, Any]]
 """Figures of each target, by a sequence and a fusion."""
 
 pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/glowballs-dev")
-
-
-def command(*words: str | Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([*COMMAND, *map(str, words)], capture_output=True, text=True, check=False)
 
 
 def track(room: Path, out: Path, *options: str, graph: Path = GRAPH) -> dict[str, Any]:

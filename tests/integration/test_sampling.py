@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import subprocess
 from pathlib import Path
 
 import pytest
-from tests.integration.running import COMMAND, STAGES, run, write_graph
+from tests.commands import command
+from tests.integration.running import STAGES, run, write_graph
 
 CYCLE = """
 count: {uses: ticks.count, with: {count: 400}}
@@ -43,12 +43,6 @@ def test_a_sampled_input_is_exact_if_another_edge_of_its_cycle_has_a_delay(
     assert finished.values() == expected
 
 
-def followspot(*words: object) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [*COMMAND, *map(str, words)], capture_output=True, text=True, timeout=120, check=False
-    )
-
-
 @pytest.mark.thorough
 def test_a_live_run_warns_before_it_starts_and_its_replay_is_refused_unless_exact(
     tmp_path: Path,
@@ -56,26 +50,26 @@ def test_a_live_run_warns_before_it_starts_and_its_replay_is_refused_unless_exac
     graph = write_graph(tmp_path, LIVE)
     show = tmp_path / "show.mcap"
     plugin = ("--plugin", STAGES)
-    for command in ("check", "graph"):
-        said = followspot(command, graph, *plugin)
+    for verb in ("check", "graph"):
+        said = command(verb, graph, *plugin)
         assert said.returncode == 0
         assert "note: " in said.stdout
         assert "in the cycle later -> sum -> later" in said.stdout
-    ran = followspot("run", graph, *plugin, "--record", show, "--out", tmp_path / "out")
+    ran = command("run", graph, *plugin, "--record", show, "--out", tmp_path / "out")
     assert ran.returncode == 0, ran.stderr
     assert ran.stderr.startswith(f"note: {graph}:4:"), "before anything else"
 
-    for command in ("replay", "verify"):
-        refused = followspot(command, show, *plugin)
+    for verb in ("replay", "verify"):
+        refused = command(verb, show, *plugin)
         assert refused.returncode == 2, refused.stdout + refused.stderr
         assert "in the cycle later -> sum -> later" in refused.stderr
         assert "{from: later.out, delay: 1}" in refused.stderr
-    played = followspot("replay", show, *plugin, "--ports", "later.out", "--out", tmp_path / "played")
+    played = command("replay", show, *plugin, "--ports", "later.out", "--out", tmp_path / "played")
     assert played.returncode == 0, played.stderr
     delayed = write_graph(
         tmp_path, LIVE.replace("before: later", "before: {from: later, delay: 1}"), "delayed"
     )
-    again = followspot("replay", show, *plugin, "--graph", delayed, "--out", tmp_path / "again")
+    again = command("replay", show, *plugin, "--graph", delayed, "--out", tmp_path / "again")
     assert again.returncode == 0, again.stderr
-    same = followspot("replay", show, *plugin, "--graph", graph, "--out", tmp_path / "same")
+    same = command("replay", show, *plugin, "--graph", graph, "--out", tmp_path / "same")
     assert same.returncode == 2, "a graph file that samples is refused as well"

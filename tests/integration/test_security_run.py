@@ -7,26 +7,21 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from tests.commands import COMMAND, command
 from tests.integration.hosts import Agent, free_port
-from tests.integration.running import COMMAND, balanced
+from tests.integration.running import balanced
 
 ROOT = Path(__file__).parent.parent.parent
 GRAPH = ROOT / "graphs" / "glowballs.yaml"
 ROOM = ROOT / "graphs" / "rooms" / "simulated6.yaml"
 
 
-def command(*words: str | Path, check: bool = True) -> subprocess.CompletedProcess[str]:
-    done = subprocess.run([*COMMAND, *map(str, words)], capture_output=True, text=True, check=False)
-    assert not check or done.returncode == 0, done.stderr + done.stdout
-    return done
-
-
 @pytest.fixture
 def certs(tmp_path: Path) -> Path:
     folder = tmp_path / "certs"
-    command("certs", "init", "--dir", folder)
+    command("certs", "init", "--dir", folder, check=True)
     for name, role in (("desk", "operator"), ("pc-left", "camera"), ("pc-right", "camera")):
-        command("certs", "host", name, "--role", role, "--dir", folder)
+        command("certs", "host", name, "--role", role, "--dir", folder, check=True)
     return folder
 
 
@@ -55,14 +50,14 @@ def test_an_operator_runs_a_graph_over_tls_and_a_camera_host_may_not(certs: Path
     try:
         there = ["--connect", endpoint, "--certificates"]
         alone = tmp_path / "alone"
-        command("run", GRAPH, "--room", room, "--frames", "20", "--out", alone, "--quiet")
-        done = command(*run, *there, certs / "desk", "--out", tmp_path / "two")
+        command("run", GRAPH, "--room", room, "--frames", "20", "--out", alone, "--quiet", check=True)
+        done = command(*run, *there, certs / "desk", "--out", tmp_path / "two", check=True)
         summary = json.loads(done.stdout)
         assert balanced(summary)
         assert "zenoh" in {edge["kind"] for edge in summary["edges"]}
         assert (tmp_path / "two" / "tracks.csv").read_bytes() == (alone / "tracks.csv").read_bytes()
 
-        refused = command(*run, *there, certs / "pc-right", "--out", tmp_path / "no", check=False)
+        refused = command(*run, *there, certs / "pc-right", "--out", tmp_path / "no")
         assert refused.returncode != 0
         assert "camera pc-right may not prepare_run; operators may" in refused.stderr
         assert not (tmp_path / "no" / "tracks.csv").exists()
@@ -75,6 +70,6 @@ def test_an_operator_runs_a_graph_over_tls_and_a_camera_host_may_not(certs: Path
 
 
 def test_an_agent_does_not_pass_for_another_host(certs: Path) -> None:
-    done = command("agent", "--name", "pc-left", "--certificates", certs / "pc-right", check=False)
+    done = command("agent", "--name", "pc-left", "--certificates", certs / "pc-right")
     assert done.returncode == 1
     assert "the certificate is that of pc-right" in done.stderr

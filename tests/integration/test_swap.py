@@ -16,18 +16,10 @@ import msgpack
 import numpy as np
 import pytest
 import zenoh
+from tests.commands import command
 from tests.integration import running
 from tests.integration.hosts import near_agent
-from tests.integration.running import (
-    COMMAND,
-    STAGES,
-    Finished,
-    balanced,
-    finish,
-    start,
-    workers,
-    write_graph,
-)
+from tests.integration.running import STAGES, Finished, balanced, finish, start, workers, write_graph
 
 from followspot.errors import FollowspotError
 from followspot.operator.run_handle import run_here
@@ -302,7 +294,3 @@ def heard_by_a_stranger(endpoint: str, keys: list[str], more: int) -> list[list[
             session.declare_subscriber(key, lambda sample, into=into: take(sample, into))
         assert wait_until(lambda: all(len(into) > more for into in values))
     return values
-
-
-def command(*words: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([*COMMAND, *words], capture_output=True, text=True, check=False, timeout=60)

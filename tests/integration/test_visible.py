@@ -16,17 +16,9 @@ from typing import Any
 from urllib.request import urlopen
 
 import pytest
+from tests.commands import command
 from tests.integration.hosts import Agent, near_agent
-from tests.integration.running import (
-    COMMAND,
-    STAGES,
-    Finished,
-    finish,
-    start,
-    wait_until,
-    workers,
-    write_graph,
-)
+from tests.integration.running import STAGES, Finished, finish, start, wait_until, workers, write_graph
 from tests.tools.page.bundled import bundle
 
 from followspot.operator import remote_host
@@ -64,8 +56,7 @@ class Watched:
 
     def looked(self, *words: str) -> subprocess.CompletedProcess[str]:
         """The output of a command that reads the run."""
-        whole = [*COMMAND, *words]
-        return subprocess.run(whole, capture_output=True, text=True, check=False, timeout=PATIENCE)
+        return command(*words, timeout=PATIENCE)
 
     def top(self) -> dict[str, Any]:
         """The output of `followspot top` as data."""

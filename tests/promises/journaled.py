@@ -11,7 +11,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Self
 
-from tests.integration.running import COMMAND, Finished, alive, finish, wait_until, workers
+from tests.commands import COMMAND
+from tests.integration.running import Finished, alive, finish, wait_until, workers
 from tests.promises.books import Books, books_of, disagreements
 
 STAGES = Path(__file__).parent / "journal.py"

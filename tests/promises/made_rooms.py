@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import cv2
 import yaml
-from tests.promises.played import COMMAND
+from tests.commands import command
 
 GRAPHS = Path(__file__).parents[2] / "graphs"
 ROOMS = GRAPHS / "rooms"
@@ -33,7 +32,8 @@ def one_camera(folder: Path) -> Path:
 
 def videos(folder: Path) -> Path:
     """A video for each camera, and the truth as a table."""
-    followspot("simulate", "--room", ROOMS / "simulated.yaml", "--out", folder / "videos", "--frames", FRAMES)
+    words = ("simulate", "--room", ROOMS / "simulated.yaml", "--out", folder / "videos")
+    command(*words, "--frames", FRAMES, check=True)
     room = simulated()
     for name, camera in room["cameras"].items():
         camera["source"] = {"uses": "cameras.video", "with": {"path": f"videos/{name}.mkv"}}
@@ -61,7 +61,7 @@ def recording(folder: Path) -> Path:
     """One recording of the demo, of which each camera plays its port."""
     path = folder / "first.mcap"
     words = ("--frames", FRAMES, "--record", path, "--record-pictures", "raw", "--out", folder / "first")
-    followspot("run", GRAPHS / "glowballs.yaml", *words)
+    command("run", GRAPHS / "glowballs.yaml", *words, check=True)
     room = simulated()
     for name, camera in room["cameras"].items():
         port = {"path": path.name, "port": f"camera/{name}.out"}
@@ -90,9 +90,3 @@ def written(folder: Path, room: dict[str, Any]) -> Path:
     path = folder / "room.yaml"
     path.write_text(yaml.safe_dump(room))
     return path
-
-
-def followspot(*words: object) -> None:
-    """A command that must work."""
-    done = subprocess.run([*COMMAND, *map(str, words)], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from mcap.reader import make_reader
+from tests.commands import command
 
-COMMAND = [sys.executable, "-m", "followspot.cli.main"]
 COUNTS = (
     "produced",
     "away",
@@ -59,8 +59,7 @@ def play(graph: Path, folder: Path, *options: str, record: bool) -> Played:
     taps = (
         ["--record", recording, "--record-compression", "none", "--record-pictures", "raw"] if record else []
     )
-    command = [*COMMAND, "run", graph, "--out", out, "--json", "--quiet", *taps, *options]
-    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=1200, check=False)
+    done = command("run", graph, "--out", out, "--json", "--quiet", *taps, *options, timeout=1200)
     assert done.returncode == 0, f"{' '.join(map(str, options))}: {done.stderr}{done.stdout[-2000:]}"
     files = {}
     for path in sorted(out.rglob("*")):

@@ -12,8 +12,9 @@ from pathlib import Path
 from subprocess import PIPE
 
 import pytest
+from tests.commands import COMMAND
 from tests.integration.hosts import Agent, Hosts, free_port, namespaces_are_permitted, near_agent
-from tests.integration.running import COMMAND, Finished, alive, finish, start, wait_until, write_graph
+from tests.integration.running import Finished, alive, finish, start, wait_until, write_graph
 from tests.promises.books import books_of, impossible
 from tests.promises.journaled import FOREVER, STAGES, Journaled
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.promises.played import COMMAND
+from tests.commands import command
 
 STAGES = Path(__file__).parents[1] / "stages" / "rates.py"
 GRAPH = """
@@ -24,8 +23,7 @@ stages:
 
 def told(*words: object) -> dict[str, Any]:
     """What the command says at the end."""
-    command = [*COMMAND, *map(str, words), "--plugin", str(STAGES), "--json", "--quiet"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
+    done = command(*words, "--plugin", STAGES, "--json", "--quiet")
     assert done.returncode == 0, done.stderr + done.stdout[-2000:]
     return json.loads(done.stdout.splitlines()[-1])
 
