@@ -18,6 +18,8 @@ MAX_ITERATIONS = 100
 """Most iterations of the inversion of a lens model; it needs 5 to 20."""
 TOLERANCE = 1e-12
 """Step at which the inversion of a lens model stops, in focal lengths (fisheye) or px (pinhole)."""
+POLYNOMIAL = ("pinhole", "rational")
+"""Models with distortions that are polynomials of OpenCV, or quotients of them."""
 IDENTITY = np.eye(3)
 ORIGIN = np.zeros(3)
 
@@ -77,7 +79,7 @@ def undistort(camera: Camera, pixel: Array) -> Array:
 
     NaN for a pixel whose ray does not point forward (wide fisheye, panorama).
     """
-    if camera.model == "pinhole":
+    if camera.model in POLYNOMIAL:
         return _undistort_pinhole(camera, pixel)
     return _flatten(camera, _local_rays(camera, pixel))
 
@@ -262,6 +264,7 @@ def _project_cylinder(camera: Camera, local: Array) -> Array:
 
 _PROJECT: dict[str, Callable[[Camera, Array], Array]] = {
     "pinhole": _project_pinhole,
+    "rational": _project_pinhole,
     "fisheye": _project_fisheye,
     "cylinder": _project_cylinder,
 }
@@ -269,7 +272,7 @@ _PROJECT: dict[str, Callable[[Camera, Array], Array]] = {
 
 def _local_rays(camera: Camera, pixel: Array) -> Array:
     """Directions in camera coordinates, of any length: (N, 3)."""
-    if camera.model != "pinhole":
+    if camera.model not in POLYNOMIAL:
         x, y = _normalise(camera, pixel).T
         if camera.model == "cylinder":
             return np.column_stack([np.sin(x), y, np.cos(x)])

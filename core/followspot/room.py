@@ -12,7 +12,7 @@ import numpy as np
 
 from followspot.messages import Array
 
-Model = Literal["pinhole", "fisheye", "cylinder"]
+Model = Literal["pinhole", "rational", "fisheye", "cylinder"]
 
 
 Tags = Mapping[str, tuple[str, ...]]
@@ -54,7 +54,8 @@ class Camera:
     """A calibrated camera, OpenCV convention: x_cam = R X + t, z forward, pixel centres at integers.
 
     kind: a free word; those known here are color (three channels) and infrared (one).
-    matrix: (3, 3) px; distortion: (5,) k1 k2 p1 p2 k3, or (4,) for a fisheye; rotation: (3, 3);
+    matrix: (3, 3) px; distortion: (5,) k1 k2 p1 p2 k3, (8,) k1 k2 p1 p2 k3 k4 k5 k6 for a rational
+    lens (OpenCV), or (4,) for a fisheye; rotation: (3, 3);
     translation: (3,) m; size: width and height, px; clock_offset: time of exposure minus
     time stamp, s. Functions on cameras stand in `followspot.geometry`.
     """

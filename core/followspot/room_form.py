@@ -46,7 +46,12 @@ _CAMERA_KEYS = (
     "clock_offset", "tags",
 )  # fmt: skip
 _TARGET_KEYS = ("radius", "hue_histogram", "area", "gray", "tags")
-_COEFFICIENTS: dict[str, list[Shape]] = {"pinhole": [(5,), (4,)], "fisheye": [(4,)], "cylinder": [(0,), (5,)]}
+_COEFFICIENTS: dict[str, list[Shape]] = {
+    "pinhole": [(5,), (4,)],
+    "rational": [(8,)],
+    "fisheye": [(4,)],
+    "cylinder": [(0,), (5,)],
+}
 
 
 def room_of(root: Node, folder: str | None) -> Room:
@@ -115,7 +120,7 @@ def _camera(name: str, node: Node, folder: str | None, mistakes: list[Mistake]) 
     model = form.text("model", choices=tuple(_COEFFICIENTS)) or "pinhole"
     if kind == "depth" and model == "cylinder":
         text = "a depth camera cannot be a cylinder: depth is measured along the optical axis"
-        form.wrong(form.entries["model"], text, "model: pinhole, or fisheye")
+        form.wrong(form.entries["model"], text, "model: pinhole, rational, or fisheye")
     size = _size(form)
     matrix = _matrix(form)
     distortion = form.array("distortion", _COEFFICIENTS[model], most=_MOST_DISTORTION)

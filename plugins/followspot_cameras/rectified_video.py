@@ -22,10 +22,12 @@ Row = tuple[float, float, float]
 class Lens(StageParams):
     """The camera that took the video, as in a room file."""
 
-    model: Literal["pinhole", "fisheye"] = Field("pinhole", description="camera model")
+    model: Literal["pinhole", "rational", "fisheye"] = Field("pinhole", description="camera model")
     size: tuple[int, int] = Field(description="width and height of the video", unit="px")
     matrix: tuple[Row, Row, Row] = Field(description="camera matrix K", unit="px")
-    distortion: tuple[float, ...] = Field(description="k1 k2 p1 p2 k3, of a fisheye k1 k2 k3 k4", unit="1")
+    distortion: tuple[float, ...] = Field(
+        description="k1 k2 p1 p2 k3, and k4 k5 k6 if rational; of a fisheye k1 k2 k3 k4", unit="1"
+    )
     rotation: tuple[Row, Row, Row] = Field(description="from the room to the camera that took it", unit="1")
 
 

@@ -27,6 +27,7 @@ from followspot.room import Camera, Model
 K = np.array([[200.0, 0.0, 160.0], [0.0, 210.0, 120.0], [0.0, 0.0, 1.0]])
 LENS = {
     "pinhole": np.array([-0.26, 0.08, -0.0012, 0.0008, -0.004]),
+    "rational": np.array([0.54, -2.62, 0.0007, -0.0002, 1.53, 0.42, -2.43, 1.45]),
     "fisheye": np.array([0.05, -0.01, 0.004, -0.001]),
     "cylinder": np.zeros(0),
 }
@@ -55,7 +56,7 @@ pixels = st.lists(st.tuples(st.floats(0, 319), st.floats(0, 239)).map(list), min
     np.array
 )
 angles = st.tuples(*[st.floats(-0.6, 0.6)] * 3)
-models = st.sampled_from(["pinhole", "fisheye", "cylinder"])
+models = st.sampled_from(["pinhole", "rational", "fisheye", "cylinder"])
 
 
 def test_pinhole_projects_by_hand() -> None:

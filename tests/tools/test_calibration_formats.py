@@ -71,7 +71,7 @@ def test_short_distortion_is_filled_with_zeros(tmp_path: Path) -> None:
         ({"K": [[-1, 0, 160], [0, 200, 120], [0, 0, 1]]}, "K is no camera matrix"),
         ({"K": "K"}, "K is not made of numbers"),
         ({"t": [0, 0, float("nan")]}, "t has a number that is not finite"),
-        ({"dist": [0] * 8}, "dist needs k1, k2, p1, p2 and k3"),
+        ({"dist": [0] * 7}, "dist needs k1, k2, p1, p2 and k3"),
         ({"width": "wide"}, "width is 'wide', needs a number of pixels"),
         ({"kind": "thermal"}, "kind 'thermal', known: color"),
         ({"name": "../../etc/passwd"}, "has the name '../../etc/passwd'"),
@@ -101,7 +101,7 @@ def test_plane_that_is_none_is_refused(tmp_path: Path, planes: Any) -> None:
 def test_unknown_format_is_answered_with_the_known_ones(tmp_path: Path, text: str) -> None:
     with pytest.raises(InputError, match="is no calibration in a known format") as caught:
         read_calibration(written(tmp_path, text))
-    assert "K, dist, R and t" in str(caught.value)
+    assert "K, dist, and R and t" in str(caught.value)
 
 
 @needs_shared

@@ -71,7 +71,7 @@ def log_cameras(rerun: Any, stream: Any, room: Room) -> None:
     for camera in room.cameras.values():
         place = rerun.Transform3D(translation=camera.center, mat3x3=camera.rotation.T)
         stream.log(f"{ROOT}/{camera.name}", place, static=True)
-        if camera.model == "pinhole":
+        if camera.model in ("pinhole", "rational"):
             lens = rerun.Pinhole(image_from_camera=camera.matrix, resolution=camera.size)
             stream.log(f"{ROOT}/{camera.name}", lens, static=True)
 

@@ -140,7 +140,7 @@ def _css(hue: float) -> str:
 def _camera(camera: Camera, low: Array, high: Array) -> dict[str, Any]:
     width, height = camera.size
     corners = np.array([[0, 0], [width - 1, 0], [width - 1, height - 1], [0, height - 1]], float)
-    rays = ray(camera, corners) if camera.model == "pinhole" else np.zeros((0, 3))
+    rays = ray(camera, corners) if camera.model in ("pinhole", "rational") else np.zeros((0, 3))
     return {
         "name": camera.name,
         "kind": camera.kind,

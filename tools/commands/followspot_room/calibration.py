@@ -13,24 +13,28 @@ from followspot_room.format import Calibration, Texts
 from followspot_room.formats import (
     anipose,
     caliscope,
+    lenses_json,
     opencv_json,
     opencv_yaml,
     qualisys,
     svoboda,
+    tsai,
     typed_json,
 )
 
 FORMATS = (
     opencv_json.FORMAT,
     typed_json.FORMAT,
+    lenses_json.FORMAT,
     caliscope.FORMAT,
     anipose.FORMAT,
     qualisys.FORMAT,
     svoboda.FORMAT,
+    tsai.FORMAT,
     opencv_yaml.FORMAT,
 )
 """In the order in which they are tried."""
-IN_FOLDERS = ("*.rad", "*.Pmat.cal", "camera_order.txt", "Res.dat", "*.yml", "*.yaml")
+IN_FOLDERS = ("*.rad", "*.Pmat.cal", "camera_order.txt", "Res.dat", "*.xml", "*.yml", "*.yaml")
 """Files that are read from a folder; others are ignored."""
 NO_POSES = "the calibration has no camera poses: all cameras stand at the origin until you calibrate them"
 

@@ -18,6 +18,7 @@ MOST_CAMERAS = 1000
 LARGEST_SIDE = 1 << 15
 """px"""
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,63}")
+RATIONAL = 8
 COEFFICIENTS: dict[Model, tuple[int, ...]] = {"pinhole": (0, 4, 5), "fisheye": (4,)}
 
 
@@ -98,10 +99,22 @@ def distortion(value: Any, model: Model, where: str) -> Array:
     wanted = COEFFICIENTS[model]
     numbers = np.ravel(np.array(value, object)).tolist()
     if not isinstance(value, list) or len(numbers) not in wanted:
-        listed = "k1, k2, k3 and k4" if model == "fisheye" else "k1, k2, p1, p2 and k3"
-        raise Unfit(f"{where} needs {listed}", "calibrate without the rational, thin-prism or tilted model")
+        listed = "k1, k2, k3 and k4" if model == "fisheye" else "k1, k2, p1, p2 and k3, or eight coefficients"
+        raise Unfit(f"{where} needs {listed}", "calibrate without the thin-prism or tilted model")
     checked = array(numbers, (len(numbers),), where)
     return np.concatenate([checked, np.zeros(wanted[-1] - len(checked))])
+
+
+def lens(value: Any, model: Model, where: str) -> tuple[Model, Array]:
+    """Model and distortion: eight coefficients of a pinhole are OpenCV's rational model. Raises Unfit.
+
+    Without k4, k5 and k6 that is the pinhole itself.
+    """
+    numbers = np.ravel(np.array(value, object)).tolist()
+    if model != "pinhole" or not isinstance(value, list) or len(numbers) != RATIONAL:
+        return model, distortion(value, model, where)
+    checked = array(numbers, (RATIONAL,), where)
+    return ("rational", checked) if checked[5:].any() else ("pinhole", checked[:5])
 
 
 def unique(cameras: Sequence[Camera]) -> tuple[Camera, ...]:

@@ -54,13 +54,13 @@ def _camera(pictures: Mapping[str, type[Stage]]) -> Schema:
         {
             "kind": {**WORD, "description": "color, infrared, depth, or another word that graphs ask for"},
             "size": {**numbers(2, "width and height, px"), "items": {"type": "integer", "minimum": 1}},
-            "model": {"enum": ["pinhole", "fisheye", "cylinder"], "default": "pinhole"},
+            "model": {"enum": ["pinhole", "rational", "fisheye", "cylinder"], "default": "pinhole"},
             "matrix": matrix("[[fx, 0, cx], [0, fy, cy], [0, 0, 1]], px"),
             "distortion": {
                 "type": "array",
                 "items": {"type": "number"},
-                "maxItems": 5,
-                "description": "k1 k2 p1 p2 k3 of a pinhole, k1 k2 k3 k4 of a fisheye",
+                "maxItems": 8,
+                "description": "k1 k2 p1 p2 k3, and k4 k5 k6 if rational; k1 k2 k3 k4 of a fisheye",
             },
             "rotation": matrix("R of x_cam = R X + t"),
             "translation": numbers(3, "t of x_cam = R X + t, m"),

@@ -89,6 +89,8 @@ def moved(camera: Camera, step: Array, free: Free) -> Camera:
         turn, shift, rest = rest[:3], rest[3:6], rest[6:]
         rotation, translation = rotation_of(turn) @ camera.rotation, camera.translation + shift
         camera = replace(camera, rotation=rotation, translation=translation)
+    if not free.intrinsics:
+        return camera
     matrix = camera.matrix.copy()
     if free.focal:
         matrix[[0, 1], [0, 1]] *= np.exp(rest[0])
@@ -100,7 +102,7 @@ def moved(camera: Camera, step: Array, free: Free) -> Camera:
         matrix[:2, 2] += rest[:2]
         rest = rest[2:]
     distortion = camera.distortion + np.pad(rest, (0, 5 - len(rest)))
-    return replace(camera, matrix=matrix, distortion=distortion) if free.intrinsics else camera
+    return replace(camera, matrix=matrix, distortion=distortion)
 
 
 def rotation_of(vector: Array) -> Array:

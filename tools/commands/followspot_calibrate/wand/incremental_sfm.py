@@ -118,6 +118,8 @@ def _improved(placed: Mapping[int, Camera], pixel: Array, free: Free) -> Grown:
 
 def zoomed(camera: Camera, factor: float) -> Camera:
     """The camera with another focal length and a lens that bends rays at the same pixels alike."""
+    if factor == 1:
+        return camera
     matrix = camera.matrix.copy()
     matrix[[0, 1], [0, 1]] *= factor
     powers = np.array([2, 4, 1, 1, 6])

@@ -97,7 +97,7 @@ def solve(
         )
     if own is None:
         outcome: Outcome = "free"
-        settled = settle(cameras, timed.sightings.pixel, REFINED, rods, middle, progress)
+        settled = _with_unknown(timed.sightings, cameras, rods, middle, progress)
     else:
         settled, outcome = _with_known(timed.sightings, own, cameras, intrinsics == "auto", rods, progress)
         if planar:
@@ -118,6 +118,20 @@ def _begun(
         return timed, begin
     pairs = match(_straight(shifted.sightings, own), limit)
     return shifted, _begin(shifted.sightings, own, pairs, intrinsics, progress)
+
+
+def _with_unknown(
+    sightings: Sightings,
+    placed: Sequence[Camera],
+    rods: Rods | None,
+    middle: Middle | None,
+    progress: Progress | None,
+) -> Settled:
+    """The placed cameras with lenses that fit; their pixels are square unless others are clearly better."""
+    square = settle(placed, sightings.pixel, REFINED, rods, middle, progress)
+    free = replace(REFINED, aspect=True)
+    oblong = settle(square.cameras, sightings.pixel, free, rods, middle, progress)
+    return oblong if oblong.sigma < BETTER * square.sigma else square
 
 
 def _with_known(

@@ -15,7 +15,7 @@ from followspot_room.checks import (
     Unfit,
     array,
     camera_matrix,
-    distortion,
+    lens,
     name,
     rotation_or_vector,
     side,
@@ -57,12 +57,13 @@ def camera_of(table: Table, called: str) -> Camera:
     if not isinstance(size, list) or len(size) != 2:
         raise Unfit(f"{where}: size is {size!r}, needs width and height", "write size = [1280, 720]")
     model: Model = "fisheye" if table.get("fisheye") is True else "pinhole"
+    model, coefficients = lens(table.get("distortions", []), model, f"{where}: distortions")
     return Camera(
         name=called,
         kind="color",
         size=(side(size[0], f"{where}: width"), side(size[1], f"{where}: height")),
         matrix=camera_matrix(table["matrix"], f"{where}: matrix"),
-        distortion=distortion(table.get("distortions", []), model, f"{where}: distortions"),
+        distortion=coefficients,
         rotation=rotation_or_vector(table.get("rotation", [0, 0, 0]), f"{where}: rotation"),
         translation=_translation(table.get("translation", [0, 0, 0]), f"{where}: translation"),
         model=model,

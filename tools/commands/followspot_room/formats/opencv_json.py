@@ -6,13 +6,15 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from followspot.messages import Array
 from followspot.room import Camera
 from followspot_room.checks import (
     Unfit,
     array,
     camera_matrix,
-    distortion,
+    lens,
     name,
     plane,
     rotation,
@@ -31,12 +33,12 @@ KINDS: Mapping[str, str] = {
 
 
 def parse(files: Texts) -> Calibration | None:
-    """JSON whose cameras have K, R and t, and a name, or a name or number `camera`."""
+    """JSON whose cameras have K, R and t unless they are lenses alone, and a name, or a number `camera`."""
     document = json_object(files)
     listed = document.get("cameras")
     if not isinstance(listed, list) or not listed:
         return None
-    if not all(isinstance(one, dict) and {"K", "R", "t"} <= one.keys() for one in listed):
+    if not all(isinstance(one, dict) and "K" in one for one in listed):
         return None
     cameras = [_camera(one, f"cameras[{number}]") for number, one in enumerate(listed)]
     return Calibration(unique(cameras), _planes(document), _ball_radius(document))
@@ -79,16 +81,24 @@ def _camera(one: Mapping[str, Any], where: str) -> Camera:
 
 
 def pinhole(one: Mapping[str, Any], called: str, kind: str = "color") -> Camera:
-    """The camera of an object with width, height, K, R, t, and dist if its lens distorts. Raises Unfit."""
+    """The camera of an object with width, height, K, dist if its lens distorts, R and t. Raises Unfit.
+
+    Without R and t it stands at the origin.
+    """
     where = f"camera {called}"
+    if ("R" in one) != ("t" in one):
+        has, lacks = ("R", "t") if "R" in one else ("t", "R")
+        raise Unfit(f"{where} has {has} but no {lacks}", "a pose is both, a lens alone has neither")
+    model, coefficients = lens(one.get("dist", []), "pinhole", f"{where}: dist")
     return Camera(
         name=called,
         kind=kind,
         size=size(one, where),
         matrix=camera_matrix(one["K"], f"{where}: K"),
-        distortion=distortion(one.get("dist", []), "pinhole", f"{where}: dist"),
-        rotation=rotation(one["R"], f"{where}: R"),
-        translation=array(one["t"], (3,), f"{where}: t"),
+        distortion=coefficients,
+        rotation=rotation(one.get("R", np.eye(3)), f"{where}: R"),
+        translation=array(one.get("t", np.zeros(3)), (3,), f"{where}: t"),
+        model=model,
     )
 
 
@@ -97,4 +107,4 @@ def size(one: Mapping[str, Any], where: str) -> tuple[int, int]:
     return side(one.get("width"), f"{where}: width"), side(one.get("height"), f"{where}: height")
 
 
-FORMAT = Format("json", 'JSON with "cameras" that have K, dist, R and t (OpenCV convention)', parse)
+FORMAT = Format("json", 'JSON with "cameras" that have K, dist, and R and t if known (as OpenCV)', parse)

@@ -18,8 +18,8 @@ from followspot_room.checks import (
     Unfit,
     array,
     camera_matrix,
-    distortion,
     holds,
+    lens,
     name,
     rotation_or_vector,
     side,
@@ -52,7 +52,7 @@ def parse(files: Texts) -> Calibration | None:
 
 def write(cameras: Sequence[Camera]) -> Texts:
     """One file with a mapping per camera, which cv2.FileStorage reads. Raises Unfit."""
-    holds(cameras, ("pinhole", "fisheye"), "OpenCV", "leave it out of the room")
+    holds(cameras, ("pinhole", "rational", "fisheye"), "OpenCV", "leave it out of the room")
     return {"cameras.yml": "%YAML:1.0\n---\n" + "".join(map(_written, cameras))}
 
 
@@ -75,14 +75,15 @@ def _camera(one: Mapped, called: str) -> Camera:
     model: Model = "pinhole"
     if one.get("fisheye_model") in (1, True) or one.get("distortion_model") in FISHEYE:
         model = "fisheye"
-    lens, turn, shift = (_key(one, keys) for keys in (LENS, TURN, SHIFT))
-    flat = [] if lens is None else _flat(one[lens], f"{where}: {lens}")
+    bent, turn, shift = (_key(one, keys) for keys in (LENS, TURN, SHIFT))
+    flat = [] if bent is None else _flat(one[bent], f"{where}: {bent}")
+    model, coefficients = lens(flat, model, f"{where}: {bent}")
     return Camera(
         name=called,
         kind="color",
         size=(width, height),
         matrix=camera_matrix(_rows(one[str(_key(one, MATRIX))], f"{where}: camera_matrix"), where),
-        distortion=distortion(flat, model, f"{where}: {lens}"),
+        distortion=coefficients,
         rotation=rotation_or_vector(_rows(one[turn], where) if turn else [0, 0, 0], f"{where}: {turn}"),
         translation=array(_flat(one[shift], where) if shift else [0, 0, 0], (3,), f"{where}: {shift}"),
         model=model,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from followspot.messages import Array
 from followspot.room import Camera
 from followspot_room.checks import Unfit, array, camera_matrix, distortion, holds, name, side, unique
 from followspot_room.format import Calibration, Format, Texts
+from followspot_room.lens_fit import simplified, undistorted
 
 PMAT = re.compile(r"camera(\d{1,4})\.Pmat\.cal")
 RAD = re.compile(r"\D*(\d{1,4})\.rad")
@@ -22,8 +24,8 @@ RESOLUTION = "Res.dat"
 ORDER = "camera_order.txt"
 KEYS = tuple(f"K{row}{column}" for row in (1, 2, 3) for column in (1, 2, 3))
 LENS = ("kc1", "kc2", "kc3", "kc4")
-MOST_TURN = 0.01
-"""Deviation of K^-1 P from a rotation that is passed over, about the sine of an angle."""
+SAME = 1e-3
+"""Difference of two matrices that is passed over, px."""
 
 
 def parse(files: Texts) -> Calibration | None:
@@ -74,34 +76,30 @@ def decompose(P: Array) -> tuple[Array, Array, Array]:
 def _camera(
     called: str, size: tuple[int, int], pmat: str | None, rad: str | None, number: int
 ) -> tuple[Camera, str]:
-    """The camera, and a note if its two files contradict each other.
+    """The camera, and a note if its two files have different matrices.
 
-    The lens file was fitted last, so its matrix counts. The pose keeps the centre, with the least rotation.
+    The projection is P, whose pose and matrix were fitted last; the distortion is about the matrix of the
+    .rad file, by which the pixels were straightened before P was fitted to them.
     """
     where = f"camera{number}.Pmat.cal"
-    R, t, K, note = np.eye(3), np.zeros(3), np.eye(3), ""
-    lens = np.zeros(5)
-    if rad is not None:
-        K, lens = _lens(rad, f"the .rad file of camera {number}")
-    if pmat is not None:
-        P = array([row.split() for row in pmat.splitlines() if row.strip()], (3, 4), where)
-        try:
-            own, R, t = decompose(P)
-        except np.linalg.LinAlgError:
-            raise Unfit(f"{where} is no projection matrix: its left 3x3 part is singular") from None
-        K = K if rad is not None else camera_matrix(np.triu(own), where)
-        R, t, deviation = _pose(K, own, R, t)
-        if deviation > MOST_TURN:
-            note = f"camera {called}: {where} and its .rad file have different matrices; the .rad file counts"
-    return Camera(called, "color", size, K, lens, R, t), note
+    K, lens = (np.eye(3), np.zeros(5)) if rad is None else _lens(rad, f"the .rad file of camera {number}")
+    if pmat is None:
+        return Camera(called, "color", size, K, lens, np.eye(3), np.zeros(3)), ""
+    P = array([row.split() for row in pmat.splitlines() if row.strip()], (3, 4), where)
+    try:
+        own, R, t = decompose(P)
+    except np.linalg.LinAlgError:
+        raise Unfit(f"{where} is no projection matrix: its left 3x3 part is singular") from None
+    camera = Camera(called, "color", size, camera_matrix(np.triu(own), where), lens, R, t)
+    if rad is None:
+        return camera, ""
+    if np.abs(own - K).max() < SAME:
+        return replace(camera, matrix=K), ""
 
+    def directions(pixel: Array) -> Array:
+        return np.asarray(undistorted(K, lens, pixel) @ K.T @ np.linalg.inv(own).T)
 
-def _pose(K: Array, own: Array, R: Array, t: Array) -> tuple[Array, Array, float]:
-    """The rotation nearest to K^-1 K_own R, with the same centre, and how far it is from that."""
-    M = np.linalg.solve(K, own) @ R
-    U, scale, Vt = np.linalg.svd(M)
-    nearest = U @ Vt
-    return nearest, nearest @ (R.T @ t), float(np.abs(scale / scale.mean() - 1).max())
+    return simplified(camera, directions, f"lens, with different matrices in {where} and its .rad file,")
 
 
 def _lens(text: str, where: str) -> tuple[Array, Array]:
