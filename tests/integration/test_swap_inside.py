@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -92,13 +94,20 @@ def test_a_replay_goes_on_with_another_inside_and_loses_nothing(tmp_path: Path) 
     assert finished.edge("hall/all", "hall/late")["delivered"] == 1200 - first
 
 
-@pytest.mark.parametrize("workers", [1, 2])
-def test_a_live_run_goes_on_with_another_inside_and_back(tmp_path: Path, workers: int) -> None:
-    """In two workers, one has hall/b: both start anew, and the tally counts on from its checkpoint."""
+@pytest.mark.parametrize("apart", ["", "hall/b", "keep"])
+def test_a_live_run_goes_on_with_another_inside_and_back(tmp_path: Path, apart: str) -> None:
+    """With hall/b in a worker of its own both start anew, with keep in one the other goes on, and may die."""
     there, back = files(tmp_path)
-    with going(tmp_path, LIVE, workers, "hall/b") as run:
+    with going(tmp_path, LIVE, 2 if apart else 1, apart) as run:
+        before = run.workers()
         run_here(run.name).change([there])
         assert is_reached(run, quick=True)
+        assert (run.workers() == before) == (apart != "hall/b")
+        if apart == "keep":
+            lines = len(run.values())
+            os.kill(before[0], signal.SIGKILL)
+            assert wait_until(lambda: len(run.values()) < lines), "its file begins anew"
+            assert is_reached(run, quick=True)
         run_here(run.name).change([back])
         assert is_reached(run, quick=False)
         finished = run.stopped()

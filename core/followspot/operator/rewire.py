@@ -50,19 +50,19 @@ def rewire(run: Coordinator, new: Plan, name: str, *, fresh: bool) -> None:
 
 
 def _noticing(old: Plan, new: Plan) -> set[str]:
-    """The workers of stages that stay, but wait otherwise than before: joins upstream look ahead further."""
+    """The workers of stages that stay, but wait otherwise than before: joins upstream look ahead further.
+
+    A sink with one input fires for each message as it comes, whatever is upstream.
+    """
     before, after = Wiring(old), Wiring(new)
-    found = set()
+    found: set[str] = set()
     for stage in new.stages:
-        known = stage.name in before.closing
-        for of, then, now in (
-            (stage.name, before.closing, after.closing),
-            (stage.name, before.lateness, after.lateness),
-            (stage.name, before.deadline, after.deadline),
-        ):
-            if known and then[of] != now[of]:
-                ends = {new.edge(number).to_stage for number in after.out_of[stage.name]}
-                found |= {stage.worker, *(new.worker_of(end) for end in ends)}
+        name = stage.name
+        if name not in before.closing or before.waits(name) == after.waits(name):
+            continue
+        readers = {new.edge(number).to_stage for number in after.out_of[name]}
+        concerned = {one for one in (name, *readers) if after.out_of[one] or len(after.into[one]) > 1}
+        found |= {new.worker_of(one) for one in concerned}
     return found
 
 

@@ -8,12 +8,13 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from followspot.graph.plan import LIVE_DEPTH
 from followspot.messages import UNSTAMPED, Header
 from followspot.stage import Stage
+from followspot.worker.input_queue import InputQueue
 from followspot.worker.output_port import OutputPort
 from followspot.worker.source import NOTHING, SourceRunner
 
@@ -61,6 +62,13 @@ class LiveSourceRunner(SourceRunner):
         """Take frames from another device from now on; those that the old one still gives are dropped."""
         super().replace_stage(stage, build)
         self._begin()
+
+    def reconnect(self, readers: Mapping[str, Sequence[InputQueue]]) -> None:
+        """See `StageRunner.reconnect`; frames that wait for the worker go to the new readers."""
+        with self._lock:
+            for port, output in self.outputs:
+                waiting = sum(output in self._outputs_of(item) for item, _, _ in self._newest)
+                output.reconnect(readers[port], waiting)
 
     def _begin(self) -> None:
         self._error: Exception | None = None

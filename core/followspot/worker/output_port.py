@@ -92,10 +92,18 @@ class OutputPort:
         self._all_rows += rows
         self._fill(rows)
 
-    def reconnect(self, queues: Sequence[InputQueue]) -> None:
-        """Have these readers in the same worker, instead of the former ones."""
+    def reconnect(self, queues: Sequence[InputQueue], waiting: int = 0) -> None:
+        """Have these readers in the same worker, instead of the former ones.
+
+        waiting: messages that count as produced and are yet to be sent: to the new readers.
+        """
+        before = self._all_rows
         self.queues = list(queues)
         self._all_rows = [queue.row for queue in queues] + [row for rows in self.rows for row in rows]
+        for row in self._all_rows:
+            self.words[row + PRODUCED] += 0 if row in before else waiting
+        for row in before:
+            self.words[row + PRODUCED] -= 0 if row in self._all_rows else waiting
         self._fill(self._all_rows)
 
     def attach(self, writer: PortWriter, names: Sequence[str], rows: list[int]) -> None:

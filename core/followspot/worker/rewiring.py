@@ -153,6 +153,7 @@ class Rewiring:
         wiring = self.wiring
         runner.on_error = stage.on_error
         runner.deadline = wiring.deadline[stage.name] if wiring.live and runner.join.ports else None
+        readers = {}
         for port, output in runner.outputs:
             output.lateness = wiring.lateness[stage.name]
             numbers = [n for n in wiring.out_of[stage.name] if wiring.plan.edge(n).from_port == port]
@@ -160,7 +161,8 @@ class Rewiring:
             for queue in local:
                 if queue not in output.queues:
                     queue.watermark = output.announced
-            output.reconnect(local)
+            readers[port] = local
+        runner.reconnect(readers)
         if runner.join.ports:
             for number in wiring.into[stage.name]:
                 self._adapt(self._builder.queues[number], wiring.plan.edge(number))

@@ -17,6 +17,7 @@ from followspot.stage import Stage
 from followspot.transport.token import ABSENT, END
 from followspot.worker.clock import Clock
 from followspot.worker.error_policy import StageError, recover
+from followspot.worker.input_queue import InputQueue
 from followspot.worker.join import Join
 from followspot.worker.latency import PathLatencies
 from followspot.worker.output_port import OutputPort
@@ -196,6 +197,11 @@ class StageRunner:
         self._declare()
         self.join = self.join.read_by(found.inputs)
         self.outputs = tuple(named for named in self.outputs if found.output(named[0]) is not None)
+
+    def reconnect(self, readers: Mapping[str, Sequence[InputQueue]]) -> None:
+        """Have these readers in the same worker at each output, instead of the former ones."""
+        for port, output in self.outputs:
+            output.reconnect(readers[port])
 
     def retire(self, stage: Stage) -> None:
         """Close the stage that was replaced."""

@@ -100,6 +100,12 @@ class Wiring:
         members = [self.tolerance(edge) for edge in edges if not self.sampled(edge)]
         return max(members) if len(members) > 1 else 0
 
+    def waits(self, stage: str) -> tuple[int, int, float]:
+        """How long a stage does not fire after a firing, ns; how long nothing comes after a message, ns; its
+        deadline, s.
+        """
+        return self.closing[stage], self.lateness[stage], self.deadline[stage]
+
     def _latenesses(self) -> tuple[dict[str, int], dict[str, int]]:
         """For each stage the time, ns, for which it does not fire after a firing, and that for which nothing
         comes after a message: the same, but 0 for a stage that gives several messages for a firing, or lags.

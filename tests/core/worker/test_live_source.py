@@ -70,7 +70,7 @@ class Bench:
     """A live source with a reader for each port in the same worker."""
 
     def __init__(self, device: Device, *ports: str) -> None:
-        self.ledger = Ledger(len(ports))
+        self.ledger = Ledger(len(ports) + 1)
         self.queues = []
         outputs = {}
         for n, port in enumerate(ports):
@@ -117,6 +117,21 @@ def test_a_deep_source_keeps_as_many_as_it_says_while_the_graph_is_busy() -> Non
     assert (bench.count().produced, bench.count().dropped) == (501, 1)
     bench.pull_all()
     assert [message.number for message in bench.queues[0].messages][:100] == list(range(2, 102))  # type: ignore[attr-defined]
+    bench.runner.stop()
+
+
+def test_what_waits_while_readers_change_counts_for_the_new_reader_alone() -> None:
+    bench = Bench(Device(), "out")
+    new = InputQueue("new", bench.ledger.words, bench.ledger.row(1), depth=100, lateness=0)
+    bench.begin()
+    bench.device.make(5)
+    bench.runner.reconnect({"out": [new]})
+    bench.device.make(1)
+    bench.pull_all()
+    assert [message.number for message in new.messages] == [5, 6]  # type: ignore[attr-defined]
+    old, there = bench.count(0), bench.count(1)
+    assert (old.produced, old.dropped, old.in_flight) == (3, 3, 0)
+    assert (there.produced, there.dropped, there.in_flight, there.surplus) == (3, 1, 2, 0)
     bench.runner.stop()
 
 
