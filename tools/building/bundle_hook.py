@@ -1,4 +1,4 @@
-"""Build hook: wheels and source distributions get the page's bundle, editable installs do not."""
+"""Build hook: wheels get the bundle of the page and the graphs, source distributions the bundle."""
 
 from __future__ import annotations
 
@@ -21,3 +21,5 @@ class BundleHook(BuildHookInterface[Any]):
         if not (root / "PKG-INFO").exists():
             subprocess.run([sys.executable, root / "tools" / "bundle.py"], check=True)
         build_data["artifacts"].append("/tools/commands/followspot_page/static/")
+        if self.target_name == "wheel":
+            build_data["force_include"][str(root / "graphs")] = "followspot_graphs/shipped"

@@ -16,8 +16,13 @@ if TYPE_CHECKING:
 
 
 def add_graph_options(parser: argparse.ArgumentParser) -> None:
-    """Add GRAPH, --room, --placement, --set, --plugin, --edges, --seed, and the plan options of plugins."""
+    """Add GRAPH, and the options of `add_plan_options`."""
     parser.add_argument("graph", metavar="GRAPH", help="graph file, for example graphs/glowballs.yaml")
+    add_plan_options(parser)
+
+
+def add_plan_options(parser: argparse.ArgumentParser) -> None:
+    """Add --room, --placement, --set, --plugin, --edges, --seed, and the plan options of plugins."""
     parser.add_argument("--room", metavar="FILE", help="room file instead of the graph's own")
     parser.add_argument(
         "--placement",

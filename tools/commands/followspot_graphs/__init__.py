@@ -1,0 +1,1 @@
+"""The commands `followspot demo` and `followspot graphs`: the graphs that are installed with followspot."""

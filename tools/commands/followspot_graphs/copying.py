@@ -1,0 +1,28 @@
+"""Copies graphs with the files they need, so that they can be changed."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterable
+from pathlib import Path
+
+from followspot.errors import InputError
+from followspot_graphs.shipped import files_of, graph_file, graphs_folder
+
+
+def copy_graphs(names: Iterable[str], to: Path) -> list[Path]:
+    """Copy graphs and what they need into a folder; return the new files.
+
+    Files that are there already and say the same are left alone. Raises InputError, and copies nothing, if a
+    graph is unknown or a file there says something else.
+    """
+    source = graphs_folder()
+    wanted = {path: to / path.relative_to(source) for name in names for path in files_of(graph_file(name))}
+    new = {path: target for path, target in wanted.items() if not target.exists()}
+    for path, target in wanted.items():
+        if path not in new and (not target.is_file() or target.read_bytes() != path.read_bytes()):
+            raise InputError.of(f"{target} exists and says something else", "choose another folder with --to")
+    for path, target in new.items():
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(path, target)
+    return list(new.values())
