@@ -11,7 +11,7 @@ from followspot.tracking import Blobs, Forecast, Positions
 from followspot_balls.alignment import delays
 from followspot_balls.outline import unit_outline
 from followspot_balls.search import lost_targets, tracked_targets
-from followspot_balls.single_view import Sight, images, misfit, resting, settled
+from followspot_balls.single_view import Motions, Sight, images, misfit, resting, settled
 
 
 class Bridge(Stage):
@@ -57,7 +57,8 @@ class Bridge(Stage):
             0.03,
             ge=0,
             unit="m",
-            description="clearance up to which a target lies on a plane; 0: never; raising it bridges more",
+            description="clearance up to which a target lies on a plane, unless it rises; 0: never; raising "
+            "it bridges more",
         )
 
     params: Params
@@ -87,10 +88,10 @@ class Bridge(Stage):
         target = np.flatnonzero(wanting)
         sight, found = self.nearest(target, blobs, forecast)
         target = target[found]
-        place, radius = forecast.xyz[target], self.radius[target]
-        lying = resting(place, radius, self.planes, self.params.resting_clearance)
+        ball = Motions(forecast.xyz[target], forecast.velocity[target], forecast.covariance[target])
+        lying = resting(ball, self.radius[target], self.planes, self.params.resting_clearance)
         return with_predicted(
-            positions, target, *settled(place, sight.where(found), lying, self.params.blob_sigma)
+            positions, target, *settled(ball.place, sight.where(found), lying, self.params.blob_sigma)
         )
 
     def stray(self, positions: Positions, forecast: Forecast) -> Array:

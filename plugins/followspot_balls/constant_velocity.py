@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from followspot import Array
-from followspot_balls.motion import Motion, followed, initiated, predict
+from followspot_balls.motion import Motion, followed, initiated, predict, slowed
 from followspot_target_filter.motion_model import Estimate
 
 
@@ -41,7 +41,7 @@ class ConstantVelocity:
         self.motion = followed(self.motion, target, xyz, noise, sure, seconds, self.bounce_gate)
 
     def slow(self, target: Array, factor: float) -> None:
-        self.motion.state[target, 3:] *= factor
+        self.motion = slowed(self.motion, target, factor)
 
     def stop(self, target: Array, xyz: Array) -> None:
         self.motion.state[target, :3], self.motion.state[target, 3:] = xyz, 0.0

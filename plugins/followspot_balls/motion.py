@@ -8,7 +8,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from followspot.messages import Array
-from followspot_target_filter.manoeuvre import bounce_covariance
+from followspot_target_filter.manoeuvre import bounce_covariance, slowing_covariance
 
 
 class Motion(NamedTuple):
@@ -126,3 +126,14 @@ def followed(
         return corrected
     motion = manoeuvred(motion, target[sudden], xyz[sudden], noise[sudden], seconds, gate)
     return update(motion, target, xyz, noise)[0]
+
+
+def slowed(motion: Motion, target: Array, factor: float) -> Motion:
+    """The motion with the velocities of some targets multiplied, which may go on unslowed.
+
+    target: (M,) distinct; factor: at most 1.
+    """
+    state, covariance = motion.state.copy(), motion.covariance.copy()
+    covariance[target] += slowing_covariance(state[target], factor)
+    state[target, 3:] *= factor
+    return Motion(state, covariance)

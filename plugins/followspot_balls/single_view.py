@@ -13,6 +13,9 @@ OPEN = 1.0
 itself."""
 PLANE = 0.01
 """One sigma of the height of a ball that lies on a plane, m."""
+RISING = 0.15
+"""Speed away from a plane beyond which a ball does not lie on it, m/s: 99 % of the estimates of balls at rest
+are smaller, at 20 to 60 frames a second."""
 
 
 class Sight(NamedTuple):
@@ -51,19 +54,35 @@ def misfit(sight: Sight, covariance: Array, sigma: float) -> Array:
     return np.asarray((d * x * x - 2 * b * x * y + a * y * y) / (a * d - b * b))
 
 
-def resting(place: Array, radius: Array, planes: Array, reach: float) -> tuple[Array, Array]:
+class Motions(NamedTuple):
+    """Forecasts of M balls."""
+
+    place: Array
+    """(M, 3) m."""
+    velocity: Array
+    """(M, 3) m/s."""
+    covariance: Array
+    """(M, 3, 3) m^2, of the place."""
+
+
+def resting(ball: Motions, radius: Array, planes: Array, reach: float) -> tuple[Array, Array]:
     """The nearest planes of balls that lie on one: normals (M, 3), zero for others, and clearances (M,) m.
 
-    place: (M, 3) m; radius: (M,) m; planes: (K, 4); reach: clearance up to which a ball lies on it, m.
+    A ball that rises was picked up, and a forecast that is vague along the normal does not say that it lies.
+    radius: (M,) m; planes: (K, 4); reach: clearance up to which a ball lies on a plane, and half of the
+    largest sigma of it, m.
     """
     if not len(planes):
-        return np.zeros(place.shape), np.zeros(len(place))
-    distance = place @ planes[:, :3].T + planes[:, 3]
+        return np.zeros(ball.place.shape), np.zeros(len(ball.place))
+    distance = ball.place @ planes[:, :3].T + planes[:, 3]
     nearest = np.abs(distance).argmin(axis=1)
-    above = distance[np.arange(len(place)), nearest]
+    above = distance[np.arange(len(distance)), nearest]
     clearance = np.abs(above) - radius
     normal = planes[nearest, :3] * np.sign(above)[:, None]
-    return normal * (np.abs(clearance) <= reach)[:, None], clearance
+    variance = np.vecdot(normal, (ball.covariance @ normal[..., None])[..., 0])
+    lying = (np.abs(clearance) <= reach) & (variance <= (2 * reach) ** 2)
+    lying &= np.vecdot(ball.velocity, normal) <= RISING
+    return normal * lying[:, None], clearance
 
 
 def settled(place: Array, sight: Sight, lying: tuple[Array, Array], sigma: float) -> tuple[Array, Array]:

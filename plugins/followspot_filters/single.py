@@ -10,7 +10,7 @@ from filterpy.kalman import KalmanFilter
 from followspot import Array
 from followspot_filters.bank import FIRST_ORDER
 from followspot_filters.models import Model, transition
-from followspot_target_filter.manoeuvre import bounce_covariance
+from followspot_target_filter.manoeuvre import bounce_covariance, slowing_covariance
 
 
 def filter_of(model: Model) -> KalmanFilter:
@@ -76,6 +76,7 @@ class SingleModel:
         self.filter.P = (self.P + self.P.T) / 2
 
     def slow(self, factor: float) -> None:
+        self.filter.P = self.P + slowing_covariance(self.x[None], factor)[0]
         self.filter.x = np.concatenate([self.x[:3], self.x[3:] * factor])
 
     def stop(self, xyz: Array) -> None:

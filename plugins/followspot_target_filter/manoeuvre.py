@@ -48,3 +48,14 @@ def bounce_covariance(innovation: Array, squared: Array, seconds: float) -> Arra
     """
     place = innovation[:, :, None] * innovation[:, None] * (1 - 1 / squared)[:, None, None]
     return np.kron(jump(seconds), place)
+
+
+def slowing_covariance(state: Array, factor: float) -> Array:
+    """What the covariance gains as motions are multiplied by a factor of at most 1, (M, D, D).
+
+    A target that nothing shows may as well go on, so the second moment of its motion, P + w w^T, stays.
+    state: (M, D), the place in m, then its derivatives w by time.
+    """
+    motion = np.array(state)
+    motion[:, :3] = 0.0
+    return np.asarray((1 - factor**2) * motion[:, :, None] * motion[:, None])

@@ -54,7 +54,7 @@ class MotionModel(Protocol):
         """
 
     def slow(self, target: Array, factor: float) -> None:
-        """Multiply the velocity of some targets."""
+        """Multiply the velocity of some targets, which may go on unslowed."""
 
     def stop(self, target: Array, xyz: Array) -> None:
         """Put some targets to rest at places."""

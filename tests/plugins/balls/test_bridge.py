@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.plugins.balls.scene import RADIUS, blobs_of, forecast_at, make_room, positions_at
@@ -62,6 +64,17 @@ def test_a_ball_that_lies_on_the_floor_has_its_depth_from_there() -> None:
     found = bridged(UNMATCHED, seen_in("cam1", place), forecast_at([expected, FAR], sigma=0.05))
     assert np.linalg.norm(found.xyz[0] - place) < 0.005
     assert np.sqrt(np.linalg.eigvalsh(found.covariance[0])[2]) < 0.05
+
+
+@pytest.mark.parametrize(("rising", "sigma"), [(0.2, 0.02), (0.0, 0.07)])
+def test_a_ball_that_rises_or_may_be_anywhere_does_not_have_its_depth_from_the_floor(
+    rising: float, sigma: float
+) -> None:
+    place = (0.3, -0.2, RADIUS)
+    forecast = forecast_at([(place[0], place[1], RADIUS + 0.02), FAR], sigma=sigma)
+    forecast = replace(forecast, velocity=np.array([[0.0, 0.0, rising], [0.0, 0.0, 0.0]]))
+    found = bridged(UNMATCHED, seen_in("cam1", place), forecast)
+    assert np.sqrt(np.linalg.eigvalsh(found.covariance[0])[2]) == pytest.approx(1.0, rel=0.01)
 
 
 def test_a_target_with_a_position_keeps_it() -> None:
