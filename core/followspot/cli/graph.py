@@ -52,7 +52,7 @@ def _run(args: argparse.Namespace) -> int:
     elif args.json:
         print(json.dumps(plan_to_data(plan)))
     elif args.flat or args.origin:
-        composed = composed_graph(args.graph, room=args.room, overrides=args.overrides)
+        composed = composed_graph(args.graph, room=args.room, cameras=args.cameras, overrides=args.overrides)
         print(origin_text(composed) if args.origin else flat_text(composed, plan, args.room), end="")
     else:
         shown = show.mermaid if args.mermaid else show.text

@@ -25,6 +25,13 @@ def add_plan_options(parser: argparse.ArgumentParser) -> None:
     """Add --room, --placement, --set, --plugin, --edges, --seed, and the plan options of plugins."""
     parser.add_argument("--room", metavar="FILE", help="room file instead of the graph's own")
     parser.add_argument(
+        "--cameras",
+        type=_names,
+        default=(),
+        metavar="NAME,...",
+        help="cameras of the room that take part (default: all)",
+    )
+    parser.add_argument(
         "--placement",
         metavar="FILE|camera|stage",
         help="which worker runs which stage: a placement file, or one worker per camera or per stage",
@@ -80,6 +87,7 @@ def plan_of(args: argparse.Namespace, *, strict: bool = False) -> Plan:
     plan = compile_graph(
         args.graph,
         room=args.room,
+        cameras=args.cameras,
         placement=args.placement,
         overrides=args.overrides,
         plugin_files=args.plugin_files,
@@ -99,6 +107,7 @@ def checked_of(args: argparse.Namespace) -> Checked:
     return checked_graph(
         args.graph,
         room=args.room,
+        cameras=args.cameras,
         placement=args.placement,
         overrides=args.overrides,
         plugin_files=args.plugin_files,
@@ -110,6 +119,12 @@ def frame_count(text: str) -> int:
     from followspot.ranges import MAX_EXACT
 
     return _whole(text, 1, MAX_EXACT)
+
+
+def _names(text: str) -> tuple[str, ...]:
+    if not (names := tuple(name for name in map(str.strip, text.split(",")) if name)):
+        raise argparse.ArgumentTypeError("name at least one camera")
+    return names
 
 
 def seed_number(text: str) -> int:

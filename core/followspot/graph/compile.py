@@ -23,6 +23,7 @@ def compile_graph(
     path: str | Path,
     *,
     room: str | Path | None = None,
+    cameras: Sequence[str] = (),
     placement: str | Path | None = None,
     overrides: Sequence[str] = (),
     plugin_files: Sequence[str | Path] = (),
@@ -34,15 +35,17 @@ def compile_graph(
 ) -> Plan:
     """The plan of a graph file. Raises InputError with every mistake.
 
-    room: a room file instead of the graph's own; placement: "camera", "stage" or a placement file;
-    overrides: STAGE.KEY=VALUE; plugin_files: Python files that offer stages; seed: of all random numbers;
-    change: changes the declared stages before they are looked up; strict: treat everything that can make two
-    runs differ as a mistake; subscribed: STAGE.PORT that a script reads, which are not warned about.
+    room: a room file instead of the graph's own; cameras: those of the room that take part, all if there are
+    none; placement: "camera", "stage" or a placement file; overrides: STAGE.KEY=VALUE; plugin_files: Python
+    files that offer stages; seed: of all random numbers; change: changes the declared stages before they are
+    looked up; strict: treat everything that can make two runs differ as a mistake; subscribed: STAGE.PORT
+    that a script reads, which are not warned about.
     """
     files = tuple(str(Path(file).absolute()) for file in plugin_files)
     checked, placed = checked_graph(
         path,
         room=room,
+        cameras=cameras,
         placement=placement,
         overrides=overrides,
         plugin_files=files,
@@ -57,6 +60,7 @@ def checked_graph(
     path: str | Path,
     *,
     room: str | Path | None = None,
+    cameras: Sequence[str] = (),
     placement: str | Path | None = None,
     overrides: Sequence[str] = (),
     plugin_files: Sequence[str] = (),
@@ -68,7 +72,8 @@ def checked_graph(
     mistakes: list[Mistake] = []
     _use(plugin_files, mistakes)
     try:
-        loaded = load(path, mistakes, room=None if room is None else str(room), overrides=overrides)
+        file = None if room is None else str(room)
+        loaded = load(path, mistakes, room=file, cameras=cameras, overrides=overrides)
     except InputError as error:
         raise InputError(_ordered(error.mistakes)) from None
     expanded = expand(loaded if change is None else change(loaded), mistakes)

@@ -15,6 +15,7 @@ from followspot.graph.compose.optional_use import OptionalUse
 from followspot.graph.compose.promises import Promise
 from followspot.graph.declaration import StageDeclaration, read_stage
 from followspot.graph.override import read_override
+from followspot.graph.room_part import part_of
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.room import Room
 from followspot.room_form import room_of
@@ -52,13 +53,19 @@ class Loaded:
 
 
 def load(
-    path: str | Path, mistakes: list[Mistake], *, room: str | None = None, overrides: Sequence[str] = ()
+    path: str | Path,
+    mistakes: list[Mistake],
+    *,
+    room: str | None = None,
+    cameras: Sequence[str] = (),
+    overrides: Sequence[str] = (),
 ) -> Loaded:
     """Read a graph file; mistakes are noted.
 
+    cameras: of the room, those that take part; all if there are none.
     Raises InputError if the files cannot be put together, for then the graph is not known.
     """
-    composed, found, document = _composed(path, overrides, room, mistakes)
+    composed, found, document = _composed(path, overrides, room, cameras, mistakes)
     if not composed.complete:
         raise InputError(mistakes)
     nodes = composed.stages
@@ -92,17 +99,23 @@ def _empty(composed: Composed) -> str:
     return f"nothing is left of the graph: {reasons}" if reasons else "the graph has no stages"
 
 
-def composed_graph(path: str | Path, *, room: str | None = None, overrides: Sequence[str] = ()) -> Composed:
-    """The stages of a graph file and of all that it uses. Raises InputError."""
+def composed_graph(
+    path: str | Path, *, room: str | None = None, cameras: Sequence[str] = (), overrides: Sequence[str] = ()
+) -> Composed:
+    """The stages of a graph file and of all that it uses; see `load`. Raises InputError."""
     mistakes: list[Mistake] = []
-    composed, _, _ = _composed(path, overrides, room, mistakes)
+    composed, _, _ = _composed(path, overrides, room, cameras, mistakes)
     if mistakes:
         raise InputError(mistakes)
     return composed
 
 
 def _composed(
-    path: str | Path, overrides: Sequence[str], room: str | None, mistakes: list[Mistake]
+    path: str | Path,
+    overrides: Sequence[str],
+    room: str | None,
+    cameras: Sequence[str],
+    mistakes: list[Mistake],
 ) -> tuple[Composed, Room | None, Node | None]:
     """The composed graph; the room and its document: see `Loaded.room`, `Loaded.room_node`."""
     changes = [change for option in overrides if (change := read_override(option, mistakes)) is not None]
@@ -110,13 +123,15 @@ def _composed(
 
     def find_room(named: Node | None) -> tuple[Room | None, Node | None]:
         nonlocal found
-        found = _room(room, named, mistakes)
+        found = _room(room, named, cameras, mistakes)
         return found
 
     return compose(Path(path), changes, find_room, mistakes), *found
 
 
-def _room(option: str | None, node: Node | None, mistakes: list[Mistake]) -> tuple[Room | None, Node | None]:
+def _room(
+    option: str | None, node: Node | None, cameras: Sequence[str], mistakes: list[Mistake]
+) -> tuple[Room | None, Node | None]:
     """The room that the option names, else the graph: see `Loaded.room`, `Loaded.room_node`."""
     if option is not None:
         path, place = Path(option), Place("--room", 1, 1, max(1, len(option)), option)
@@ -131,6 +146,7 @@ def _room(option: str | None, node: Node | None, mistakes: list[Mistake]) -> tup
         return None, None
     try:
         document = read(path, at=place, remedy="check the path, or use --room FILE")
+        document = part_of(document, cameras, mistakes) if cameras else document
         return room_of(document, str(path.parent)), document
     except InputError as error:
         mistakes += error.mistakes

@@ -46,6 +46,7 @@ class PlanOptions(TypedDict, total=False):
     """Options of a plan besides the graph and its parameters, as `run` takes them."""
 
     room: str | Path | None
+    cameras: Sequence[str]
     placement: str | Path | None
     seed: int | None
     plugin_files: Sequence[str | Path]
@@ -75,7 +76,7 @@ def check(
     """Every mistake in a graph, its room and its placement, as data; nothing is started.
 
     A graph without mistakes can still have warnings (`Mistake.warning`): what can never come to anything.
-    set, ports, room, placement, seed, plugin_files, edges: as `run` takes them.
+    set, ports, room, cameras, placement, seed, plugin_files, edges: as `run` takes them.
     """
     try:
         return list(plan_of(graph, set, ports, **options).warnings)
@@ -87,6 +88,7 @@ def run(
     graph: str | Path | Graph,
     *,
     room: str | Path | None = None,
+    cameras: Sequence[str] = (),
     set: Mapping[str, Any] | None = None,  # noqa: A002  # as --set is called
     placement: str | Path | None = None,
     ports: Sequence[str] = (),
@@ -112,6 +114,7 @@ def run(
         set,
         ports,
         room=room,
+        cameras=cameras,
         placement=placement,
         seed=seed,
         plugin_files=plugin_files,

@@ -152,7 +152,7 @@ def _files(args: argparse.Namespace) -> dict[str, str]:
     graph = getattr(args, "graph", None)
     if graph is None:
         return {}
-    composed = composed_graph(graph, room=args.room)
+    composed = composed_graph(graph, room=args.room, cameras=args.cameras)
     found: dict[str, str] = {}
     for path in composed.files:
         text = _text(path)
