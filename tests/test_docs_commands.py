@@ -39,6 +39,7 @@ ELSEWHERE = {
     r"followspot calibrate": "tests/integration/test_calibration_chain.py",
     r"followspot room (import|export)": "tests/tools/test_calibration_formats.py",
     r"followspot room rectify": "tests/tools/test_room_rectify.py",
+    r"followspot room new|followspot calibrate targets .*--pick": "tests/tools/test_own_ball.py",
     r"followspot room guess": "tests/tools/test_room_guess.py",
     r"followspot compare": "tests/tools/test_compare.py",
     r"followspot sweep": "tests/tools/test_sweep.py",

@@ -31,6 +31,8 @@ LARGEST_INT = (1 << 63) - 1
 """Whole numbers fit into 64 bits."""
 _MAX_MISTAKES = 1000
 """A mistake in the YAML itself; the parser does not read the rest."""
+VIDEOS = frozenset({".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpg", ".webm"})
+"""Endings of files that no document has."""
 
 Scalar = str | int | float | bool | None
 _STR_TAG = "tag:yaml.org,2002:str"
@@ -63,9 +65,13 @@ class Node:
 def read(path: str | Path, *, at: Place | None = None, remedy: str = "check the path") -> Node:
     """The tree of a YAML file. Raises InputError with every mistake.
 
-    at, remedy: for a file that cannot be read: the place that names it, and advice.
+    at, remedy: for a file that cannot be read: the place that names it, and advice. A video, which people
+    give where a room is expected, has advice of its own.
     """
     file = str(path)
+    if Path(path).suffix.lower() in VIDEOS:
+        use = f"make a room of it: followspot room new --video {file} -o room.yaml"
+        raise InputError([Mistake(at, f"{file} is a video, not a graph, room or placement", use)])
     try:
         data = read_bytes(path, DOCUMENT)
     except OSError as error:

@@ -11,8 +11,9 @@ from followspot.plugins.hooks import Command, hookimpl
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
-    """The commands `room import`, `room export`, `room guess` and `room rectify`."""
+    """The commands `room new`, `room import`, `room export`, `room guess` and `room rectify`."""
     return [
+        Command("new", configure_new, run_new, parent="room"),
         Command("import", configure_import, run_import, parent="room"),
         Command("export", configure_export, run_export, parent="room"),
         Command("guess", configure_guess, run_guess, parent="room"),
@@ -23,6 +24,42 @@ def followspot_commands() -> Sequence[Command]:
 def _add_output(parser: argparse.ArgumentParser) -> None:
     help_text = "room file to write; an old file is replaced"
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="ROOM.yaml", help=help_text)
+
+
+def configure_new(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `room new`."""
+    add = parser.add_argument
+    video = "video, or folder of pictures; repeatable, one camera each"
+    add("--video", type=Path, action="append", default=[], metavar="FILE", help=video)
+    add("--webcam", metavar="DEVICE", help="number of a webcam, or its path, for example 0")
+    add("--size", default="640x480", metavar="WxH", help="of the webcam's pictures, px (default: 640x480)")
+    add("--field", type=float, default=60.0, metavar="DEG", help="horizontal field of view (default: 60)")
+    _add_output(parser)
+    add("--json", action="store_true", help="print the cameras as one JSON object")
+
+
+def run_new(args: argparse.Namespace) -> int:
+    """Make a room file for videos of your own, or a webcam, without a calibration.
+
+    The cameras are good for what is seen in the pictures: detections, image tracks, drawn videos. Nothing
+    is known of where they stand, so there are no places in space.
+
+    Examples:
+      followspot room new --video balls.mp4 -o room.yaml
+      followspot room new --webcam 0 --size 1280x720 -o desk.yaml
+    """
+    import re
+    from math import radians
+
+    from followspot.errors import InputError
+    from followspot_room.new_room import new_room
+
+    size = re.fullmatch(r"([1-9]\d{0,4})x([1-9]\d{0,4})", args.size)
+    if size is None or not 5.0 <= args.field <= 150.0:
+        text = f"--size {args.size} or --field {args.field:g} is wrong"
+        raise InputError.of(text, "a size is 640x480, a field 5 to 150 degrees")
+    pixels = (int(size[1]), int(size[2]))
+    return new_room(args.video, args.webcam, pixels, args.output, radians(args.field), as_json=args.json)
 
 
 def configure_import(parser: argparse.ArgumentParser) -> None:

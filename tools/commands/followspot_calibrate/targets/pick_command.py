@@ -1,0 +1,151 @@
+"""`followspot calibrate targets --pick`: targets from single pictures of a room's cameras."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from followspot import Camera, Context, Room, Target
+from followspot.errors import InputError, did_you_mean, writing
+from followspot.messages import Array
+from followspot.plugins.registry import load_stage
+from followspot.room_file import load, update
+from followspot_balls.hue import bhattacharyya
+from followspot_calibrate.targets.picked import Pick, Template, read_pick, template_of
+
+MOST_ALIKE = 0.8
+"""Similarity of two templates above which the detector, at its default, takes one ball for the other."""
+GRID = 100
+"""Distance of the lines in the picture to look at, px."""
+
+
+def pick_targets(args: argparse.Namespace, usual: float) -> int:
+    """Learn the picked targets and update the room file; returns the exit code. Raises InputError.
+
+    usual: radius, m, if neither the user nor the room file gives it.
+    """
+    room = load(args.room)
+    camera = _camera(room, args.camera)
+    picks = [read_pick(text) for text in args.pick]
+    for pick in picks:
+        if not pick.box:
+            print(_to_look_at(args.room, camera, pick))
+            return 0
+    found = {pick.name: template_of(picture_of(camera, pick.frame), pick) for pick in picks}
+    targets = dict(room.targets)
+    for name, template in found.items():
+        target = targets.get(name, Target(name, args.radius or usual))
+        targets[name] = taught(target, camera, template, args.radius)
+    with writing(args.room):
+        update(args.room, targets=targets)
+    alike = _alike(targets, list(found), camera.name)
+    print(_as_json(found, alike) if args.json else _summary(args.room, camera, found, alike))
+    return 0
+
+
+def taught(target: Target, camera: Camera, template: Template, radius: float | None) -> Target:
+    """The target with this template for a camera; what other cameras know of it stays."""
+    return replace(
+        target,
+        radius=target.radius if radius is None else radius,
+        hue_histogram={**target.hue_histogram, camera.name: template.histogram},
+        area={**target.area, camera.name: template.area},
+    )
+
+
+def picture_of(camera: Camera, frame: int | None) -> Array:
+    """A picture of the camera's recording, (H, W, 3) u8; None for the middle one. Raises InputError."""
+    if camera.source is None:
+        raise InputError.of(f"camera {camera.name} has no source", "name its video in the room file")
+    stage_class = load_stage(camera.source.uses)
+    if stage_class.live:
+        raise InputError.of(f"camera {camera.name} is a live camera", "record it: followspot record")
+    folder = Path(camera.source.folder)
+    params: dict[str, Any] = dict(camera.source.params)
+    params = {k: str(folder / v) if k in ("path", "times") else v for k, v in params.items()}
+    stage = stage_class(Context.serving(camera, name=camera.name), **params)
+    stage.setup()
+    try:
+        length = stage.length() or 1
+        wanted = length // 2 if frame is None else frame
+        frames = 0
+        for message in stage.process():
+            if frames == wanted:
+                return np.array(message.pixels)
+            frames += 1
+    finally:
+        stage.close()
+    raise InputError.of(f"{camera.name} has no frame {wanted}", f"it has {frames}, counted from 0")
+
+
+def _camera(room: Room, name: str | None) -> Camera:
+    """The named camera, or the only one in colour. Raises InputError."""
+    colored = [camera for camera in room.cameras.values() if camera.kind == "color"]
+    if name is not None and name not in room.cameras:
+        remedy = did_you_mean(name, room.cameras, "cameras")
+        raise InputError.of(f'--camera: there is no camera "{name}"', remedy)
+    chosen = [camera for camera in colored if name in (None, camera.name)]
+    if len(chosen) != 1:
+        known = ", ".join(camera.name for camera in colored) or "none in colour"
+        raise InputError.of("--pick needs one colour camera", f"name it by --camera; cameras: {known}")
+    return chosen[0]
+
+
+def _to_look_at(room_file: Path, camera: Camera, pick: Pick) -> str:
+    """Write a picture with coordinates, and say what to do with it."""
+    picture = picture_of(camera, pick.frame)
+    path = room_file.with_suffix(f".{camera.name}.png")
+    with writing(path):
+        path.write_bytes(cv2.imencode(".png", with_grid(picture))[1].tobytes())
+    at = "" if pick.frame is None else f"@{pick.frame}"
+    return (
+        f"look at {path}; is the ball there? then give its middle: "
+        f"followspot calibrate targets --room {room_file} --pick {pick.name}=X,Y{at}\n"
+        f"or its rectangle: --pick {pick.name}=X,Y,WIDTH,HEIGHT{at}; another picture: {pick.name}@FRAME"
+    )
+
+
+def with_grid(picture: Array) -> Array:
+    """The picture with a line every `GRID` px, and its coordinate."""
+    drawn = picture.copy()
+    height, width = picture.shape[:2]
+    for x in range(GRID, width, GRID):
+        cv2.line(drawn, (x, 0), (x, height), (255, 255, 255), 1)
+        cv2.putText(drawn, str(x), (x + 2, 12), cv2.FONT_HERSHEY_SIMPLEX, 0.4, (255, 255, 255), 1)
+    for y in range(GRID, height, GRID):
+        cv2.line(drawn, (0, y), (width, y), (255, 255, 255), 1)
+        cv2.putText(drawn, str(y), (2, y - 2), cv2.FONT_HERSHEY_SIMPLEX, 0.4, (255, 255, 255), 1)
+    return drawn
+
+
+def _alike(targets: dict[str, Target], picked: Sequence[str], camera: str) -> list[tuple[str, str, float]]:
+    """Pairs of a picked target and another whose colours the detector would confuse."""
+    known = {name: t.hue_histogram[camera] for name, t in targets.items() if camera in t.hue_histogram}
+    pairs = [(a, b) for a in picked for b in known if a != b and (b not in picked or a < b)]
+    found = [(a, b, round(float(bhattacharyya(known[a], known[b])), 2)) for a, b in pairs]
+    return [pair for pair in found if pair[2] >= MOST_ALIKE]
+
+
+def _summary(
+    room_file: Path, camera: Camera, found: dict[str, Template], alike: list[tuple[str, str, float]]
+) -> str:
+    lines = [
+        f"{name}: {template.pixels} px in {camera.name}, taken for it from {template.area[0]:.0f} "
+        f"to {template.area[1]:.0f} px"
+        for name, template in found.items()
+    ]
+    lines += [f"warning: {a} and {b} look alike (similarity {value})" for a, b, value in alike]
+    lines.append(f"written to {room_file}; next: followspot run graphs/single_camera.yaml --room {room_file}")
+    return "\n".join(lines)
+
+
+def _as_json(found: dict[str, Template], alike: list[tuple[str, str, float]]) -> str:
+    targets = {name: {"pixels": one.pixels, "area": list(one.area)} for name, one in found.items()}
+    return json.dumps({"targets": targets, "alike": [list(pair) for pair in alike]})

@@ -1,0 +1,107 @@
+"""A target in one picture, by a click or a rectangle: the pixels that show it, and a template of them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from followspot.errors import InputError
+from followspot.messages import Array
+from followspot_balls.hue import BINS, hue_bin, normalised
+from followspot_balls.template import VIVID
+
+ALIKE_HUE = 14
+"""Largest difference in hue of neighbouring pixels of a clicked target, of 256."""
+LARGEST_SHARE = 0.1
+"""Share of the picture above which a clicked colour has run over into the background."""
+LEAST_COLORED = 0.3
+"""Share of a target's pixels that must show a hue."""
+NEARER = 4.0
+"""How much larger or smaller than here the target may be seen, in area: at half or twice the distance."""
+_WORDS = re.compile(r"(?P<name>[A-Za-z0-9_-]+)(?:=(?P<numbers>-?\d+(?:,-?\d+)*))?(?:@(?P<frame>\d+))?")
+
+
+class Pick(NamedTuple):
+    """A target to learn. box: click x, y, or rectangle x, y, width, height, px; empty to look first."""
+
+    name: str
+    box: tuple[int, ...]
+    frame: int | None
+
+
+@dataclass(frozen=True)
+class Template:
+    """What a picked target looks like. histogram: (16,) normalised; pixels: how many show it."""
+
+    histogram: Array
+    pixels: int
+
+    @property
+    def area(self) -> tuple[float, float]:
+        """Smallest and largest area, px."""
+        return round(self.pixels / NEARER, 1), round(self.pixels * NEARER, 1)
+
+
+def read_pick(text: str) -> Pick:
+    """NAME, NAME=X,Y or NAME=X,Y,WIDTH,HEIGHT, each with @FRAME if it is wanted. Raises InputError."""
+    found = _WORDS.fullmatch(text)
+    numbers = tuple(map(int, found["numbers"].split(","))) if found and found["numbers"] else ()
+    if found is None or len(numbers) not in (0, 2, 4):
+        remedy = "write NAME=X,Y, NAME=X,Y,WIDTH,HEIGHT, or NAME alone to see a picture, each with @FRAME"
+        raise InputError.of(f"--pick {text} names no place in a picture", remedy)
+    return Pick(found["name"], numbers, None if found["frame"] is None else int(found["frame"]))
+
+
+def template_of(picture: Array, pick: Pick) -> Template:
+    """The template of a picked target; picture: (H, W, 3) u8, blue first. Raises InputError."""
+    _check_inside(picture, pick)
+    hsv = cv2.cvtColor(picture, cv2.COLOR_BGR2HSV_FULL)
+    inside = _clicked(hsv, pick) if len(pick.box) == 2 else _ellipse(picture.shape[:2], pick.box)
+    vivid = inside & (hsv[..., 1] >= VIVID)
+    if vivid.sum() < LEAST_COLORED * inside.sum():
+        text = f"{pick.name} has hardly any colour at {_place(pick)}: {vivid.sum()} of {inside.sum()} px"
+        raise InputError.of(text, "pick a coloured ball, where no light bleaches it")
+    counts = np.bincount(hue_bin(hsv[vivid][:, 0]), minlength=BINS).astype(float)
+    return Template(np.round(normalised(counts), 6), int(vivid.sum()))
+
+
+def _check_inside(picture: Array, pick: Pick) -> None:
+    height, width = picture.shape[:2]
+    x, y, *size = pick.box
+    right, below = (x + size[0], y + size[1]) if size else (x + 1, y + 1)
+    if not (0 <= x < right <= width and 0 <= y < below <= height):
+        raise InputError.of(f"{_place(pick)} is not in the picture of {width} x {height} px", "look again")
+
+
+def _clicked(hsv: Array, pick: Pick) -> Array:
+    """The pixels (H, W) around a click that have its hue. Raises InputError if they are too many."""
+    x, y = pick.box
+    around = hsv[max(0, y - 1) : y + 2, max(0, x - 1) : x + 2].reshape(-1, 3)
+    hue, saturation, value = np.median(around[around[:, 1].argsort()[-5:]], axis=0)
+    apart = np.abs((hsv[..., 0].astype(int) - int(hue) + 128) % 256 - 128)
+    alike = (apart <= ALIKE_HUE) & (hsv[..., 1] >= saturation / 2) & (hsv[..., 2] >= value / 3)
+    _, labels = cv2.connectedComponents(alike.astype(np.uint8))
+    inside = (labels == labels[y, x]) & alike
+    if inside.sum() > LARGEST_SHARE * inside.size:
+        text = f"the colour at {_place(pick)} runs over into the background: {inside.sum()} px"
+        raise InputError.of(text, f"give a rectangle: --pick {pick.name}=X,Y,WIDTH,HEIGHT")
+    if not inside.any():
+        raise InputError.of(f"there is no colour of its own at {_place(pick)}", "click on the ball's middle")
+    return np.asarray(inside)
+
+
+def _ellipse(size: tuple[int, int], box: tuple[int, ...]) -> Array:
+    """The pixels (H, W) of the ellipse in a rectangle."""
+    x, y, width, height = box
+    v, u = np.mgrid[: size[0], : size[1]]
+    across = (u + 0.5 - x - width / 2) / (width / 2)
+    along = (v + 0.5 - y - height / 2) / (height / 2)
+    return np.asarray(across**2 + along**2 <= 1.0)
+
+
+def _place(pick: Pick) -> str:
+    return ",".join(map(str, pick.box))
