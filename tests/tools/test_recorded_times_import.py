@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from followspot import Camera
+from followspot import Camera, Room
 from followspot_cameras.recorded_times.beside import spread_of_moments, times_beside
 from followspot_room.format import Calibration
 from followspot_room.importing import room_of, with_spread
@@ -47,6 +47,6 @@ def test_an_imported_room_takes_times_from_the_table(tmp_path: Path) -> None:
         "by timestamps.csv, pictures of one moment were taken up to 11 ms apart; stages match them with a "
         "tolerance of 0.011 and more",
     )
-    room = room_of(known, recordings, None, tmp_path / "room.yaml")
+    room = room_of(known, recordings, None, tmp_path / "room.yaml", Room())
     assert room.cameras["cam1"].source is not None
     assert room.cameras["cam1"].source.params == {"path": "takes/cam1", "times": "takes/timestamps.csv"}

@@ -50,6 +50,9 @@ def drawing(board: Board) -> Array:
         dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, board.dictionary))
         pattern = cv2.aruco.CharucoBoard((board.columns, board.rows), board.square, board.marker, dictionary)
         picture = pattern.generateImage((board.columns * SQUARE, board.rows * SQUARE))
+    elif board.pattern == "aruco":
+        dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, board.dictionary))
+        picture = cv2.aruco.generateImageMarker(dictionary, board.number, 3 * SQUARE)
     else:
         row, column = np.indices((board.rows + 1, board.columns + 1))
         picture = np.kron((row + column) % 2 * 255, np.ones((SQUARE, SQUARE))).astype("u1")
@@ -75,8 +78,11 @@ class Photographer:
         t = np.array(place.middle) - R @ self.board.corners.mean(axis=0)
         depth = (R[:, 2] @ t) / (self.rays @ R[:, 2])
         local = (self.rays * depth[:, None] - t) @ R
-        first = MARGIN + 1  # the pattern begins one square before the first inner corner
-        where = ((local[:, :2] / self.board.square + first) * SQUARE - 0.5).astype(np.float32)
+        if self.board.pattern == "aruco":
+            first, square = MARGIN, self.board.square / 3
+        else:
+            first, square = MARGIN + 1, self.board.square  # one square before the first inner corner
+        where = ((local[:, :2] / square + first) * SQUARE - 0.5).astype(np.float32)
         where[depth <= 0] = -1e4
         shape = (self.size[1], self.size[0])
         u, v = where[:, 0].reshape(shape), where[:, 1].reshape(shape)

@@ -153,8 +153,42 @@ def test_cameras_out_of_step_are_told() -> None:
             at = [0.5 * np.sin(0.11 * late), 0.5 * np.sin(0.17 * late), 1.0 + 0.2 * np.sin(0.07 * late)]
             corners = BOARD.corners @ R.T + at
             views[camera.name].append(View(moment, np.arange(len(corners)), project(camera, corners), 1.5))
-    notes = warnings_of(solve(unknown(true), views, BOARD))
-    assert any("in cam2 contradict" in note and "is it in step" in note for note in notes)
+    with pytest.raises(
+        FollowspotError, match=r"of the corners in cam2 contradict .* in step with the others"
+    ):
+        solve(unknown(true), views, BOARD)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"matrix": lens().matrix * [[1.1], [1.1], [1.0]]},
+        pytest.param({"matrix": lens().matrix * [[2.0], [2.0], [1.0]]}, marks=pytest.mark.thorough),
+        pytest.param({"distortion": np.zeros(5)}, marks=pytest.mark.thorough),
+    ],
+)
+def test_exchanged_recordings_are_refused(changed: dict[str, Array]) -> None:
+    true = circle(4)
+    true[2] = replace(true[2], **changed)
+    views = carried(true, 60, (1.5, 1.5, 0.6), noise=0.2)
+    assert solve(unknown(true), views, BOARD)
+    views["cam1"], views["cam2"] = views["cam2"], views["cam1"]
+    with pytest.raises(FollowspotError, match="recordings of cam1 and cam2 are exchanged: each shows"):
+        solve(unknown(true), views, BOARD)
+
+
+def test_a_single_marker_places_cameras() -> None:
+    true, marker = circle(3), parse_board("aruco:0.3:DICT_4X4_50:7")
+    random, views = np.random.default_rng(3), {camera.name: [] for camera in true}
+    for moment in range(40):
+        R = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]]) @ cv2.Rodrigues(random.uniform(-0.5, 0.5, 3))[0]
+        corners = marker.corners @ R.T + random.uniform([-0.6, -0.6, 0.6], [0.6, 0.6, 1.3])
+        for camera in true:
+            pixel = project(camera, corners) + random.normal(0, 0.1, (4, 2))
+            views[camera.name].append(View(moment, np.arange(4), pixel, 1.5))
+    found = solve(unknown(true), views, marker)
+    assert apart(found.cameras, true).max() < 0.02
+    assert found.distances.rmse_mm < 2
 
 
 def test_flat_board_far_away_has_two_poses_and_the_right_ones_agree() -> None:

@@ -1,5 +1,7 @@
 """Boards: what users call them, and where their corners are found."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from followspot_calibrate.boards.board import Board, parse_board
 from followspot_calibrate.boards.detection import Detector
 
 CHARUCO = "charuco:5x4:0.05:DICT_4X4_50"
+MARKER = "aruco:0.2:DICT_4X4_50:7"
 CHESSBOARD = "chessboard:7x4:0.05"
 PLACE = Place((0.3, -0.4, 0.2), (0.02, -0.03, 0.6))
 
@@ -20,6 +23,8 @@ PLACE = Place((0.3, -0.4, 0.2), (0.02, -0.03, 0.6))
     [
         ("chessboard:9x6:0.025", Board("chessboard", 9, 6, 0.025)),
         (CHARUCO, Board("charuco", 5, 4, 0.05, 0.75 * 0.05, "DICT_4X4_50")),
+        (MARKER, Board("aruco", 2, 2, 0.2, 0.2, "DICT_4X4_50", number=7)),
+        (f"{MARKER}:inverted", Board("aruco", 2, 2, 0.2, 0.2, "DICT_4X4_50", True, number=7)),
         (
             "charuco:5x4:0.05/0.03:DICT_4X4_50:legacy:inverted",
             Board("charuco", 5, 4, 0.05, 0.03, "DICT_4X4_50", True, True),
@@ -42,6 +47,11 @@ def test_board_is_read_from_its_name(text: str, board: Board) -> None:
         ("chessboard:9x6:25", "25 is no length of a square in metres"),
         ("charuco:5x4:0.05:DICT_4X4_49", 'did you mean "DICT_4X4_'),
         ("charuco:5x4:0.05/0.06:DICT_4X4_50", "marker must be smaller"),
+        ("aruco:0.2:DICT_4X4_50", "this is no single marker"),
+        ("aruco:0.2:DICT_4X4_50:seven", "this is no single marker"),
+        ("aruco:0.2:DICT_4X4_50:7:legacy", "this is no single marker"),
+        ("aruco:0.2:DICT_4X4_50:50", "DICT_4X4_50 has the markers 0 to 49"),
+        ("aruco:20cm:DICT_4X4_50:7", "20cm is no length"),
         ("charuco:5x4:0.05:DICT_4X4_50:upside", "this is no ChArUco board"),
     ],
 )
@@ -62,6 +72,22 @@ def test_corners_are_found_to_a_fraction_of_a_pixel(text: str) -> None:
     assert np.median(error) < 0.05
     assert error.max() < 0.15
     assert view.blur < 4
+
+
+@pytest.mark.parametrize("text", [MARKER, f"{MARKER}:inverted"])
+def test_corners_of_a_single_marker_are_found(text: str) -> None:
+    board, camera = parse_board(text), lens()
+    photographer = Photographer(camera, board)
+    picture = photographer.picture(PLACE)
+    true = project(camera, photographer.corners(PLACE))
+    rough, view = Detector(board).find(picture), Detector(board, camera).find(picture, 7)
+    assert rough is not None
+    assert view is not None
+    assert (view.frame, view.label.tolist()) == (7, [0, 1, 2, 3])
+    assert np.linalg.norm(rough.pixel - true, axis=1).max() < 1.0
+    assert np.linalg.norm(view.pixel - true, axis=1).max() < 0.15
+    assert Detector(replace(board, number=8), camera).find(picture) is None
+    assert Detector(board).find(np.hstack([picture, picture])) is None
 
 
 def test_half_hidden_charuco_gives_the_corners_that_are_seen() -> None:

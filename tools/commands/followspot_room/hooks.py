@@ -80,14 +80,17 @@ def run_import(args: argparse.Namespace) -> int:
 
     The command recognises the format of the calibration by its content: TOML of aniposelib or caliscope,
     Qualisys Calib.qca.txt, a folder of MultiCamSelfCal, OpenCV YAML (a file or a folder of files), JSON
-    with K, dist, R and t, or JSON of pinhole and cylinder cameras by name. Recordings have the names of the
-    cameras: VIDEOS/cam0.mkv (any video) or a folder VIDEOS/cam0 of pictures. The command accepts scaled
-    copies, and pictures that a codec cut at the right or below, with a warning. VIDEOS/truth.csv becomes
-    the truth of the room; without it, VIDEOS/cam0_gt.csv does, with poses of persons.
+    with K, dist, R and t, JSON of pinhole and cylinder cameras by name, or Tsai's XML. A room file is a
+    calibration, too: its targets, planes and sensors stay, its recordings are replaced. Recordings have
+    the names of the cameras: VIDEOS/cam0.mkv (any video) or a folder VIDEOS/cam0 of pictures. The command
+    accepts scaled copies, and pictures that a codec cut at the right or below, with a warning.
+    VIDEOS/truth.csv becomes the truth of the room; without it, VIDEOS/cam0_gt.csv does, with poses of
+    persons.
 
     Examples:
       followspot room import calibration.toml -o room.yaml
       followspot room import Calib.qca.txt --videos recordings -o room.yaml
+      followspot room import monday.yaml --videos tuesday -o tuesday.yaml
       followspot room import calib.json --only panorama --videos recordings -o panorama.yaml
     """
     from followspot_room.importing import import_room

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -11,8 +12,9 @@ from types import MappingProxyType
 
 from followspot import Camera, Room
 from followspot.errors import InputError, Mistake, did_you_mean, writing
+from followspot.files import DOCUMENT, read_text
 from followspot.room import StageUse
-from followspot.room_file import save
+from followspot.room_file import load, save
 from followspot_cameras.recorded_times.beside import TABLE, spread_of_moments, times_beside
 from followspot_cameras.recordings import POSE_TRUTH, find_recordings
 from followspot_room.calibration import read_calibration
@@ -20,6 +22,7 @@ from followspot_room.format import Calibration
 from followspot_room.moving import moved
 from followspot_room.recorded_size import as_recorded, picture_size
 
+ROOM = re.compile(r"^room:", re.MULTILINE)
 TRUTH = "truth.csv"
 MILLISECOND = 1_000_000
 DEFAULT_TOLERANCE = 4 * MILLISECOND
@@ -43,7 +46,9 @@ def import_room(
     videos: None for cameras alone; only: cameras to take, empty for all; infrared: cameras that are infrared
     whatever the file says.
     """
-    known = with_infrared(with_only(read_calibration(calibration), only), infrared)
+    base = without_recordings(load(calibration)) if is_room_file(calibration) else Room()
+    read = calibration_of(base) if base.cameras else read_calibration(calibration)
+    known = with_infrared(with_only(read, only), infrared)
     names = [camera.name for camera in known.cameras]
     recordings = find_recordings(videos, names) if videos else {}
     missing = [name for name in names if name not in recordings] if videos else []
@@ -51,7 +56,7 @@ def import_room(
         raise InputError([_no_recording(name, videos) for name in missing])
     known = with_spread(with_recorded_sizes(known, recordings), recordings)
     truth = find_truth(videos, names) if videos else None
-    room = room_of(known, recordings, truth, output)
+    room = room_of(known, recordings, truth, output, base)
     with writing(output):
         output.parent.mkdir(parents=True, exist_ok=True)
         save(room, output)
@@ -61,6 +66,31 @@ def import_room(
         print(f"warning: {note}", file=sys.stderr)
     print(_as_json(room, missing, known) if as_json else _summary(room, known.ball_radius, output))
     return 0
+
+
+def is_room_file(path: Path) -> bool:
+    """Whether a file says that it is a room."""
+    try:
+        return path.suffix in (".yaml", ".yml") and bool(ROOM.search(read_text(path, DOCUMENT)))
+    except (OSError, UnicodeDecodeError):
+        return False
+
+
+def without_recordings(room: Room) -> Room:
+    """The room without the sources of its cameras, and of sensors whose readings were recorded."""
+    cameras = {name: replace(camera, source=None) for name, camera in room.cameras.items()}
+    sensors = {
+        name: replace(sensor, source=None) if sensor.source and "path" in sensor.source.params else sensor
+        for name, sensor in room.sensors.items()
+    }
+    return replace(room, cameras=cameras, sensors=sensors)
+
+
+def calibration_of(room: Room) -> Calibration:
+    """The cameras and planes of a room, and which of its sensors have no source now."""
+    silent = [name for name, sensor in room.sensors.items() if sensor.source is None]
+    notes = (f"sensors without a source: {', '.join(silent)}",) if silent else ()
+    return Calibration(tuple(room.cameras.values()), room.planes, notes=notes)
 
 
 def with_only(calibration: Calibration, names: Sequence[str]) -> Calibration:
@@ -106,9 +136,16 @@ def find_truth(videos: Path, cameras: Sequence[str]) -> tuple[str, Path] | None:
 
 
 def room_of(
-    calibration: Calibration, recordings: Mapping[str, Path], truth: tuple[str, Path] | None, output: Path
+    calibration: Calibration,
+    recordings: Mapping[str, Path],
+    truth: tuple[str, Path] | None,
+    output: Path,
+    base: Room,
 ) -> Room:
-    """The room that is to be written to the output; paths are relative to its folder."""
+    """The room that is to be written to the output; paths are relative to its folder.
+
+    base: the room whose targets, sensors and tuned parameters it keeps.
+    """
 
     def with_source(camera: Camera) -> Camera:
         path = recordings.get(camera.name)
@@ -118,7 +155,8 @@ def room_of(
         times = times_beside(camera.name, path)
         return replace(camera, source=_use(stage, path, {} if times is None else {"times": str(times)}))
 
-    room = Room(
+    room = replace(
+        base,
         name=output.stem,
         cameras={camera.name: with_source(camera) for camera in calibration.cameras},
         planes=calibration.planes,

@@ -21,7 +21,6 @@ def find(
     most: int,
 ) -> dict[str, list[View]]:
     """Camera -> views of the board at the same moments, at most this many. Raises InputError."""
-    detector = Detector(board)
     when = moments or {name: {k: k for k in range(count(path))} for name, path in paths.items()}
     everything = sorted({moment for of_camera in when.values() for moment in of_camera.values()})
     chosen = set(everything[:: max(1, -(-len(everything) // most))])
@@ -29,6 +28,7 @@ def find(
     for camera in cameras:
         wanted = {picture: moment for picture, moment in when[camera.name].items() if moment in chosen}
         views[camera.name] = []
+        detector = Detector(board, camera)
         for done, (picture, gray) in enumerate(pictures(paths[camera.name], wanted), 1):
             if gray.shape[::-1] != camera.size:
                 raise InputError([_other_size(camera, gray.shape[::-1])])

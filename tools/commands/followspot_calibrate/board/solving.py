@@ -12,6 +12,7 @@ from followspot.errors import FollowspotError
 from followspot.messages import Array
 from followspot_calibrate.adjust import Free, adjust
 from followspot_calibrate.board.chain import Pairs, chained, relations
+from followspot_calibrate.board.exchanged import exchange_that_helps, require_own_lenses
 from followspot_calibrate.board.poses import board_poses
 from followspot_calibrate.board.rigidity import Distances, distances
 from followspot_calibrate.board.sighting import sightings_of
@@ -27,6 +28,8 @@ OUTLIER = 8.0
 """Reprojection error over its median from which a sighting is rejected..."""
 LEAST_OUTLIER = 1.0
 """... unless it is smaller than this, px."""
+MOST_REJECTED = 0.5
+"""Share of a camera's sightings beyond which the others do not see the same board."""
 FLOOR = np.diag([1.0, -1.0, -1.0])
 """From the board's frame, y down and z into the board, to a room with the board as floor, z up."""
 
@@ -70,7 +73,7 @@ def solve(
     views: camera -> its views, where frame is the number of the moment; floor: the moment at which the board
     lies on the floor; without one the first camera keeps its pose. Raises FollowspotError.
     """
-    pairs, placed = start(cameras, views, board)
+    pairs, placed = _started(cameras, views, board)
     seen = sightings_of(cameras, views)
     seen = seen.rows(seen.seen.sum(axis=1) >= 2)
     pixel = seen.pixel.copy()
@@ -81,6 +84,7 @@ def solve(
         placed, points, residual = found.cameras, found.points, found.residual
         limit = max(OUTLIER * float(np.nanmedian(residual)), LEAST_OUTLIER)
         pixel[~(residual < limit)] = np.nan
+    require_own_lenses(placed, points, pixel, residual)
     lonely = np.isfinite(pixel[..., 0]).sum(axis=1) < 2
     points[lonely], pixel[lonely] = np.nan, np.nan
     residual[np.isnan(pixel[..., 0])] = np.nan
@@ -91,7 +95,29 @@ def solve(
     placed, points = tuple(room.after(larger).camera(camera) for camera in placed), room.points(points)
     apart = distances(seen.frame, seen.label, points, board)
     rejected = seen.seen.sum(axis=0) - np.isfinite(residual).sum(axis=0)
+    _require_agreement(seen, rejected)
     return BoardCalibration(placed, seen, points, residual, rejected, pairs, apart, scale)
+
+
+def _require_agreement(seen: Sightings, rejected: Array) -> None:
+    """Raises FollowspotError if most of what a camera saw contradicts the others."""
+    share = rejected / np.maximum(1, seen.seen.sum(axis=0))
+    worst = int(share.argmax())
+    if share[worst] > MOST_REJECTED:
+        raise FollowspotError(
+            f"{share[worst]:.0%} of the corners in {seen.cameras[worst]} contradict the other cameras: "
+            "is its recording of the same take, in step with the others, and its lens as the room has it?"
+        )
+
+
+def _started(
+    cameras: Sequence[Camera], views: Mapping[str, Sequence[View]], board: Board
+) -> tuple[Pairs, tuple[Camera, ...]]:
+    """Where the cameras stand at first. Raises FollowspotError, which tells of exchanged recordings."""
+    try:
+        return start(cameras, views, board)
+    except FollowspotError as error:
+        raise exchange_that_helps(cameras, lambda tried: start(tried, views, board)) or error from None
 
 
 def start(

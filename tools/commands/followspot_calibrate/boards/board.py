@@ -1,8 +1,9 @@
-"""Chessboards and ChArUco boards, as users name them: charuco:4x5:0.054:DICT_4X4_50, chessboard:9x6:0.025."""
+"""Boards as users name them: charuco:4x5:0.054:DICT_4X4_50, chessboard:9x6:0.025, aruco:0.2:DICT_4X4_50:7."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -15,24 +16,25 @@ from followspot.messages import Array
 USUAL_MARKER = 0.75
 """Default side of a marker over that of its square."""
 MOST_SQUARES = 50
-FLAGS = ("inverted", "legacy")
+FLAGS = ["inverted", "legacy"]
 FORM = (
-    "charuco:COLUMNSxROWS:SQUARE[/MARKER]:DICTIONARY[:inverted][:legacy] (squares) or "
-    "chessboard:COLUMNSxROWS:SQUARE (inner corners); lengths in m"
+    "charuco:COLUMNSxROWS:SQUARE[/MARKER]:DICTIONARY[:inverted][:legacy] (squares), "
+    "chessboard:COLUMNSxROWS:SQUARE (inner corners) or "
+    "aruco:SIDE:DICTIONARY:ID[:inverted] (a single marker); lengths in m"
 )
 _GRID = re.compile(r"(\d{1,3})x(\d{1,3})")
 
 
 @dataclass(frozen=True)
 class Board:
-    """A printed pattern of squares.
+    """A printed pattern of squares, or a single marker.
 
-    columns, rows: of squares (ChArUco) or of inner corners (chessboard), as each is commonly named;
+    columns, rows: of squares (ChArUco) or of corners (chessboard: inner ones), as each is commonly named;
     square, marker: sides, m; dictionary: name of the ArUco dictionary; inverted: printed white on black;
-    legacy: ChArUco as OpenCV before 4.6 drew it.
+    legacy: ChArUco as OpenCV before 4.6 drew it; number: of the single marker.
     """
 
-    pattern: Literal["charuco", "chessboard"]
+    pattern: Literal["charuco", "chessboard", "aruco"]
     columns: int
     rows: int
     square: float
@@ -40,6 +42,7 @@ class Board:
     dictionary: str = ""
     inverted: bool = False
     legacy: bool = False
+    number: int = 0
 
     @property
     def inner(self) -> tuple[int, int]:
@@ -49,10 +52,18 @@ class Board:
 
     @property
     def corners(self) -> Array:
-        """Inner corners in the board's own frame, row by row: (N, 3) m, z = 0; the index is the label."""
+        """Inner corners in the board's own frame, row by row: (N, 3) m, z = 0; the index is the label.
+
+        Of a single marker they are its own four.
+        """
         across, down = self.inner
         row, column = np.divmod(np.arange(across * down), across)
         return np.column_stack([column, row, np.zeros_like(row)]) * self.square
+
+    @property
+    def fewest(self) -> int:
+        """Corners that a view must have: four determine a homography, two more show whether it is one."""
+        return 4 if self.pattern == "aruco" else 6
 
     @property
     def symmetric(self) -> bool:
@@ -63,6 +74,8 @@ class Board:
 def parse_board(text: str) -> Board:
     """The board that a text names. Raises InputError."""
     pattern, *fields = text.split(":")
+    if pattern == "aruco":
+        return _marker(fields, text)
     if pattern not in ("charuco", "chessboard"):
         raise _wrong(f'--board {text}: there is no pattern "{pattern}"')
     if pattern == "chessboard":
@@ -82,6 +95,17 @@ def parse_board(text: str) -> Board:
     return Board(
         "charuco", columns, rows, square, marker, _dictionary(fields[2]), FLAGS[0] in flags, FLAGS[1] in flags
     )
+
+
+def _marker(fields: Sequence[str], text: str) -> Board:
+    """A single marker. Raises InputError."""
+    if len(fields) not in (3, 4) or fields[3:] not in ([], FLAGS[:1]) or not fields[2].isdecimal():
+        raise _wrong(f"--board {text}: this is no single marker")
+    side, name, number = _length(fields[0], text), _dictionary(fields[1]), int(fields[2])
+    most = len(cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name)).bytesList) - 1
+    if number > most:
+        raise _wrong(f"--board {text}: {name} has the markers 0 to {most}")
+    return Board("aruco", 2, 2, side, side, name, inverted=bool(fields[3:]), number=number)
 
 
 def _grid(text: str, whole: str, least: int) -> tuple[int, int]:

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from followspot import Camera
 from followspot.messages import Array
 from followspot_calibrate.boards.board import Board
+from followspot_vision.edge_corners import edge_corners
 
-LEAST_CORNERS = 6
-"""In a view that is used; four determine a homography, and two more show whether it is one."""
+AROUND = [0, 1, 3, 2]
+"""Labels of a marker's corners, row by row, in the order around it in which they are found."""
 SEARCHED = 1000
 """Longer side of the picture in which a chessboard is searched, px; corners are refined in the full one."""
 WINDOW = 0.35
@@ -42,20 +44,37 @@ class View:
 class Detector:
     """Finds one kind of board in pictures."""
 
-    def __init__(self, board: Board) -> None:
-        self.board = board
+    def __init__(self, board: Board, camera: Camera | None = None) -> None:
+        """camera: with a lens that is known, by which the sides of a single marker are straight."""
+        self.board, self.camera = board, camera
+        self.markers = _marker_detector(board) if board.pattern == "aruco" else None
         self.charuco = _charuco_detector(board) if board.pattern == "charuco" else None
 
     def find(self, gray: Array, frame: int = 0) -> View | None:
-        """The board's corners in a picture, (H, W) u8; None if fewer than LEAST_CORNERS are seen."""
-        found = self._charuco(gray) if self.charuco is not None else self._chessboard(gray)
+        """The board's corners in a picture, (H, W) u8; None if too few are seen."""
+        if self.markers is not None:
+            found = self._marker(self.markers, gray)
+        else:
+            found = self._charuco(gray) if self.charuco is not None else self._chessboard(gray)
         if found is None:
             return None
         label, pixel = found
         column = label % self.board.inner[0]
-        if len(label) < LEAST_CORNERS or np.ptp(column) == 0 or np.ptp(label - column) == 0:
+        if len(label) < self.board.fewest or np.ptp(column) == 0 or np.ptp(label - column) == 0:
             return None
         return View(frame, label, pixel, edge_width(gray, pixel, corner_distance(pixel)))
+
+    def _marker(self, detector: cv2.aruco.ArucoDetector, gray: Array) -> tuple[Array, Array] | None:
+        """The corners of the single marker; None if it is seen twice, for one of them is another's."""
+        positive = 255 - gray if self.board.inverted else gray
+        corners, ids, _ = detector.detectMarkers(positive)
+        same = [] if ids is None else np.flatnonzero(ids.ravel() == self.board.number).tolist()
+        if len(same) != 1:
+            return None
+        pixel = corners[same[0]].reshape(4, 2).astype(np.float64)
+        if self.camera is not None:
+            pixel = edge_corners(self.camera, positive, pixel)
+        return np.arange(4), pixel[AROUND]
 
     def _charuco(self, gray: Array) -> tuple[Array, Array] | None:
         assert self.charuco is not None
@@ -118,6 +137,13 @@ def _begins_dark(gray: Array, pixel: Array, board: Board) -> bool:
     brightness = gray[np.clip(y.T, 0, gray.shape[0] - 1), np.clip(x.T, 0, gray.shape[1] - 1)].astype(float)
     dark = np.add.outer(np.arange(down - 1), np.arange(across - 1)) % 2 == 0
     return bool(brightness[dark].mean() < brightness[~dark].mean())
+
+
+def _marker_detector(board: Board) -> cv2.aruco.ArucoDetector:
+    asked = cv2.aruco.DetectorParameters()
+    asked.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, board.dictionary))
+    return cv2.aruco.ArucoDetector(dictionary, asked)
 
 
 def _charuco_detector(board: Board) -> cv2.aruco.CharucoDetector:

@@ -32,6 +32,9 @@ def calibrate_intrinsics(args: argparse.Namespace) -> int:
     if args.pictures < 1:
         raise InputError.of(f"--pictures {args.pictures} is less than 1", "give 50 to 1000")
     board = parse_board(args.board)
+    if board.pattern == "aruco":
+        text = f"--board {args.board}: four corners in a view hardly determine a lens"
+        raise InputError.of(text, "use a ChArUco board or a chessboard")
     room = load(args.room) if args.room.exists() else Room(args.room.stem)
     live = live_cameras(args, room.cameras)
     done: dict[str, LensCalibration] = {}

@@ -8,9 +8,11 @@ import numpy as np
 
 from followspot import Camera
 from followspot.errors import FollowspotError
+from followspot.messages import Array
 from followspot_calibrate.adjust import Rods
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.wand.hazards.explaining import agreeing_cameras, exchanged, reasons
+from followspot_calibrate.wand.hazards.linear import on_a_line
 from followspot_calibrate.wand.hazards.planar import REMEDY
 from followspot_calibrate.wand.hazards.swapped import exchanged_lenses
 from followspot_calibrate.wand.incremental_sfm import Beginning
@@ -19,12 +21,22 @@ from followspot_calibrate.wand.resection import FEWEST as TIED
 from followspot_calibrate.wand.rounds import Settled
 
 IN_A_PLANE = f"the points lie in one plane, which does not determine the poses of all cameras: {REMEDY}"
+ON_A_LINE = f"the points lie along one line, which determines no poses: {REMEDY}"
 LEAST = 12
 """Points that a camera must keep."""
 DEEP = 2.0
 """Ratio of the farthest to the nearest points below which they leave the focal length open."""
 MOST_OF = 0.7
 """Share of a camera's points that fit, over that of the best camera, below which its place is in doubt."""
+
+
+def require_spread(straight: Array, *, known: bool) -> None:
+    """Raises FollowspotError if the wand was waved along a line.
+
+    straight: (N, C, 2) px, without the distortion of lenses that are known.
+    """
+    if on_a_line(straight, 1 if known else 2):
+        raise FollowspotError(ON_A_LINE)
 
 
 def require_connected(

@@ -19,6 +19,7 @@ from followspot_calibrate.wand.diagnosis import (
     require_depth,
     require_own_lenses,
     require_placed,
+    require_spread,
     require_used,
     shallow,
 )
@@ -82,6 +83,7 @@ def solve(
     """
     rods = None if length is None else rods_of(sightings, length)
     own = None if intrinsics == "free" else known
+    require_spread(_straight(sightings, own), known=own is not None)
     timed, begin = _begun(sightings, own, intrinsics, progress)
     require_connected(timed.sightings, begin, own, rods)
     planar = own is not None and in_a_plane(_straight(timed.sightings, own), begin.pairs, sightings.sizes)
