@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from followspot.plugins.hooks import Command
 
+_WIDEST_RANGE = 60
+"""Characters of a range in a table; the names of many choices are listed below it."""
+
 if TYPE_CHECKING:
     from followspot.plugins.registry import StageEntry
 
@@ -93,12 +96,21 @@ def _page(described: dict[str, Any]) -> str:
     lines += [f"  out  {port['name']}: {port['type']}{gives}" for port in described["outputs"]]
     if described["parameters"]:
         rows = [
-            (p["name"], "required" if p["required"] else str(p["default"]), p["range"], p["unit"])
+            (p["name"], "required" if p["required"] else str(p["default"]), _short(p["range"]), p["unit"])
             for p in described["parameters"]
         ]
         lines += ["", table(("parameter", "default", "range", "unit"), rows), ""]
-        lines += [f"  {p['name']}: {p['description']}" for p in described["parameters"]]
+        for p in described["parameters"]:
+            choices = (
+                "" if _short(p["range"]) == p["range"] else f"; one of {p['range'].replace(' | ', ', ')}"
+            )
+            lines.append(f"  {p['name']}: {p['description']}{choices}")
     return "\n".join([*lines, "", f"  {described['example']}"])
+
+
+def _short(told: str) -> str:
+    """The range of a parameter for a column; many choices are counted there and listed below the table."""
+    return told if len(told) <= _WIDEST_RANGE else f"{told.count(' | ') + 1} choices"
 
 
 COMMAND = Command("plugins", _configure, _run)

@@ -266,3 +266,11 @@ def test_a_broken_file_hides_no_stage_from_the_listing(
     assert main(["plugins", "keys.piano", *files]) == 0
     assert main(["plugins", "boom.piano", *files]) == 1
     assert "ZeroDivisionError" in capsys.readouterr().err
+
+
+def test_many_choices_stand_below_the_table_of_parameters(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["plugins", "vision.aruco"]) == 0
+    table, _, below = capsys.readouterr().out.partition("\n\n  dictionary: ")
+    assert max(map(len, table.splitlines())) < 110
+    assert "22 choices" in table
+    assert "; one of DICT_4X4_50, DICT_4X4_100, " in below.splitlines()[0]
