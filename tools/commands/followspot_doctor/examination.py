@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from followspot import Network
-from followspot_doctor.checks import cameras, hosts, libraries, machine, network, plugins, sensors
+from followspot_doctor.checks import cameras, hosts, libraries, machine, network, plugins, sensors, timing
 from followspot_doctor.finding import Finding, doubtful
 
 Check = tuple[str, Callable[[], Iterator[Finding]]]
@@ -20,6 +20,8 @@ class Subject:
 
     room: Path | None = None
     graph: str | None = None
+    timing: bool = False
+    """Whether the live cameras of the room are watched together."""
     out: Path = Path("runs")
     network: Network = Network()
     """The checks, with those of certificates and agents if the subject names them."""
@@ -46,6 +48,8 @@ def examine(subject: Subject) -> list[Finding]:
     if room is not None:
         checks.append(("cameras", lambda: cameras.cameras(room)))
         checks.append(("sensors", lambda: sensors.sensors(room)))
+        if subject.timing:
+            checks.append((timing.SUBJECT, lambda: timing.timing(room)))
     if subject.graph is not None:
         graph = subject.graph
         checks.append(("graph", lambda: plugins.graph(graph, room)))

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from followspot.cli.agent_options import add_network_options, network_of
+from followspot.errors import InputError
 from followspot.plugins.hooks import Command, hookimpl
 
 
@@ -20,6 +21,8 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--room", type=Path, metavar="ROOM.yaml", help="take a picture from each camera of this room"
     )
+    watch = "also watch its live cameras for 5 s: who takes pictures earlier or later than the others"
+    parser.add_argument("--cameras", action="store_true", help=watch)
     parser.add_argument("--graph", metavar="GRAPH", help="also find every mistake in this graph")
     parser.add_argument(
         "--out", type=Path, default=Path("runs"), help="folder of the outputs of runs (default: runs)"
@@ -32,20 +35,25 @@ def _run(args: argparse.Namespace) -> int:
     """Find what would keep a graph from running on this computer, and say how to repair it.
 
     The command examines this computer (memory, open files, shared memory, disk, clock), its network
-    (loopback, multicast, ports), libraries and plugins. With --room it takes a picture from each camera.
+    (loopback, multicast, ports), libraries and plugins. With --room it takes a picture from each camera;
+    with --cameras it watches the live ones together and tells how far apart they take their pictures.
     With --connect it asks the agents of other hosts for their clocks, with --certificates it examines the
     certificates. The exit code is 1 if there is a problem; warnings do not count.
 
     Examples:
       followspot doctor
       followspot doctor --room room.yaml
+      followspot doctor --room room.yaml --cameras
       followspot doctor --graph graphs/glowballs.yaml --room room.yaml --json
       followspot doctor --connect tls/pc-left:7450 --certificates certs
     """
     from followspot_doctor.examination import Subject, examine
     from followspot_doctor.report import as_json, as_text
 
+    if args.cameras and args.room is None:
+        raise InputError.of("--cameras needs the room whose cameras it watches", "add --room ROOM.yaml")
     network = network_of(args, connect=())
-    findings = examine(Subject(room=args.room, graph=args.graph, out=args.out, network=network))
+    subject = Subject(args.room, args.graph, args.cameras, args.out, network)
+    findings = examine(subject)
     print(as_json(findings) if args.json else as_text(findings))
     return int(any(finding.state == "problem" for finding in findings))
