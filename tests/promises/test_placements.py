@@ -48,7 +48,7 @@ CASES = {
         "person_room.yaml", "simulated_persons", 24, SHOWN % ", poses: fuse", "placements/person.yaml"
     ),
     "throws": Case("throws.yaml", "one camera", 200, split=""),
-    "single camera": Case("single_camera.yaml", "one camera", 200, SHOWN % "", split=""),
+    "single camera": Case("single_camera.yaml", "one camera", 200, "  draw: {with: {format: png}}", split=""),
     "videos": Case("glowballs.yaml", "videos", 90, BALLS),
     "pictures": Case("glowballs.yaml", "pictures", 60, BALLS),
     "recording": Case("glowballs.yaml", "recording", 90, BALLS),
