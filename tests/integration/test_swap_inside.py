@@ -122,6 +122,44 @@ def is_reached(run: Going, *, quick: bool) -> bool:
     return wait_until(lambda: found((run.values() or [0])[-1]))
 
 
+MEETING = """\
+inputs: {left: meet.left, right: meet.right}
+outputs: {number: meet}
+stages:
+  meet: {uses: ticks.both}
+"""
+LATER = """\
+inputs: {left: add.number, right: pair.right}
+outputs: {number: pair}
+stages:
+  add:  {uses: ticks.add, with: {term: 1}}
+  pair: {uses: ticks.both, in: {left: add}}
+"""
+APART = """
+a:    {uses: ticks.count, with: {count: 300}}
+z:    {uses: ticks.count, with: {count: 300}}
+slow: {uses: ticks.add, in: {number: a}, with: {term: 0, sleep: 0.01}}
+hall: {graph: part.yaml, in: {left: slow, right: z}}
+save: {uses: ticks.write, in: {number: hall}}
+"""
+
+
+def test_a_paused_replay_takes_another_inside_between_two_frames(tmp_path: Path) -> None:
+    (tmp_path / "part.yaml").write_text(MEETING)
+    (tmp_path / "later.yaml").write_text(LATER)
+    with going(tmp_path, APART, 1) as run:
+        run_here(run.name).pause()
+        run_here(run.name).change([f"hall={tmp_path / 'later.yaml'}"])
+        run_here(run.name).resume()
+        finished = finish(run.process, run.out)
+    assert finished.code == 0, finished.errors
+    terms = [value // 1000 - n for n, value in enumerate(finished.values())]
+    assert [value % 1000 for value in finished.values()] == list(range(300))
+    assert terms == sorted(terms)
+    assert set(terms) == {0, 1}, "each frame went one way as a whole"
+    assert finished.edge("slow", "hall/meet")["lost"] == finished.edge("z", "hall/meet")["lost"] == 0
+
+
 def test_a_replay_in_two_workers_refuses_and_goes_on(tmp_path: Path) -> None:
     there, _ = files(tmp_path)
     with going(tmp_path, WHOLE, 2, "hall/b") as run:

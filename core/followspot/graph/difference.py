@@ -30,7 +30,10 @@ def differing_workers(old: Plan, new: Plan) -> set[str]:
 
 
 def only_worker(old: Plan, new: Plan) -> str | None:
-    """The worker in which all that differs is, all new and former edges included; None if there is none."""
+    """The worker in which all that differs is, all new and former edges included; None if there is none.
+
+    In a replay it must have all sources of its streams: their capture times say when it is at rest.
+    """
     found = differing_workers(old, new)
     pairs = ((old, dict(new.numbered())), (new, dict(old.numbered())))
     for plan, other in pairs:
@@ -39,7 +42,15 @@ def only_worker(old: Plan, new: Plan) -> str | None:
     same = {stage.name: stage.worker for stage in old.stages}
     if len(found) != 1 or any(same.get(stage.name, stage.worker) != stage.worker for stage in new.stages):
         return None
-    return next(iter(found))
+    worker = next(iter(found))
+    return worker if new.live or not is_fed(new, worker) else None
+
+
+def is_fed(plan: Plan, worker: str) -> bool:
+    """True if stages of other workers send to this one, so that it cannot know when it has everything."""
+    return any(
+        plan.worker_of(edge.to_stage) == worker != plan.worker_of(edge.from_stage) for edge in plan.edges
+    )
 
 
 def _way(plan: Plan, number: int) -> tuple[str, ...]:

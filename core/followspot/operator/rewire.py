@@ -43,8 +43,11 @@ def rewire(run: Coordinator, new: Plan, name: str, *, fresh: bool) -> None:
         _in_place(run, new, worker, fresh=fresh)
         return
     if not old.live:
-        apart = ", ".join(sorted(differing_workers(old, new) | _noticing(old, new)))
-        text = f'stages of "{name}" come and go in the workers {apart}, and a replay would lose messages'
+        apart = sorted(differing_workers(old, new) | _noticing(old, new))
+        where = (
+            f"the workers {', '.join(apart)}" if len(apart) > 1 else f"worker {apart[0]}, which others feed"
+        )
+        text = f'stages of "{name}" come and go in {where}, and a replay would lose messages'
         raise InputError([Mistake(None, text, _APART.format(name=name))])
     move_hosts(old, new, run.hosts, differing_workers(old, new) | _noticing(old, new), fresh=fresh)
 

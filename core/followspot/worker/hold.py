@@ -34,10 +34,8 @@ class SourceHold:
     def holds(self, source: SourceRunner) -> bool:
         """True if this source sends nothing now."""
         order = self.order
-        if self._aligned_at is not None and (
-            isinstance(source, LiveSourceRunner) or source.watermark >= self._aligned_at
-        ):
-            return True
+        if self._aligned_at is not None:  # even if paused: a source that is behind sends what is missing
+            return isinstance(source, LiveSourceRunner) or source.watermark >= self._aligned_at
         if order is None:
             return False
         if source.name == order.source:

@@ -88,7 +88,8 @@ class HotSwap:
     def _take_over(self, order: ChangeOrder) -> None:
         if self._rewiring is not None:
             patience = _LIVE_REST_TIMEOUT if self._rewiring.wiring.live else _REST_TIMEOUT
-            self.worker.at_rest(Rest(partial(self._rewire_at, order), time.monotonic() + patience))
+            deadline = time.monotonic() + patience
+            self.worker.at_rest(Rest(partial(self._rewire_at, order), deadline, self._rewiring.calm))
             return
         built, self._built, self._id = self._built, (), ""
         try:

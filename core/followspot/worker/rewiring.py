@@ -76,6 +76,14 @@ class Rewiring:
             self.discard()
             raise
 
+    def calm(self) -> bool:
+        """Whether no join of a stage that goes has parts of what other workers send. Without other workers,
+        what it has is all that comes.
+        """
+        return not self.worker.ends.readers or not any(
+            queue.messages for runner in self.gone for queue in runner.join.members
+        )
+
     def take_over(self, *, fresh: bool) -> None:
         """Put the new stages and edges in; call at rest, in the worker's thread.
 

@@ -46,10 +46,13 @@ _watermark = attrgetter("watermark")
 
 
 class Rest(NamedTuple):
-    """What to do once a worker is at rest. act: gets whether it is; deadline: s, monotonic, to act anyway."""
+    """What to do once a worker is at rest. act: gets whether it is; deadline: s, monotonic, to act anyway;
+    calm: says whether nothing waits that other workers have yet to complete.
+    """
 
     act: Callable[[bool], None]
     deadline: float
+    calm: Callable[[], bool]
 
 
 class Worker:
@@ -253,7 +256,7 @@ class Worker:
     def _rests(self, rest: Rest, *, idle: bool) -> None:
         """Act if the worker is at rest, or has not come to rest in time; else sleep if it is idle."""
         still = all(source.done or self.hold.holds(source) for source in self.sources)
-        reached = idle and still and not any(runner.asks for runner in self.runners)
+        reached = idle and still and rest.calm() and not any(runner.asks for runner in self.runners)
         if reached or time.monotonic() >= rest.deadline:
             self._rest = None
             try:

@@ -112,7 +112,7 @@ def test_a_new_stage_comes_where_those_of_its_member_are(tmp_path: Path) -> None
 
 @pytest.mark.parametrize(
     ("far", "worker"),
-    [((), "main"), (("eyes/cam0",), "main"), (("save",), None), (("hall/pair", "hall/extra"), None)],
+    [((), "main"), (("eyes/cam0",), None), (("save",), None), (("hall/pair", "hall/extra"), None)],
 )
 def test_the_worker_in_which_all_differs(tmp_path: Path, far: tuple[str, ...], worker: str | None) -> None:
     plan = apart(planned(tmp_path, SHARED, other=SMOOTHED), *far)
