@@ -65,7 +65,8 @@ class Bundle(Stage):
             1.0,
             gt=0,
             unit="px",
-            description="error that halves a view's vote for a start; raising it tolerates bad calibration",
+            description="error that halves the vote of a whole blob for a start; raising it tolerates bad "
+            "calibration",
         )
         outlier_cutoff: float = Field(
             4.0,
@@ -163,13 +164,16 @@ class Bundle(Stage):
     def votes(self, xyz: Array, credit: Array, claims: Claims) -> Array:
         """Agreement of all views with each candidate as the position of each target: (M, N).
 
+        A view votes by a Cauchy density whose squared width, px^2, grows with the sigma of its blob, as the
+        cutoff of the fit does: a fragment says less where it is, and contradicts less that is near.
         xyz: (N, 3) m; credit: (M, N) factors, 0 for candidates that are not in question.
         """
         row, candidate = np.nonzero(credit)
         seen = point_images(self.P, xyz[candidate])
         squares = squared_errors(claims.xy, seen, claims.possible[row])
-        exactness = 1 / np.sqrt(self.variance(shares(claims, seen.depth, row)))
-        agreement = exactness / (1 + squares / self.params.vote_scale**2)
+        sigma = np.sqrt(self.variance(shares(claims, seen.depth, row)))
+        width2 = self.params.vote_scale**2 / self.params.blob_sigma * sigma
+        agreement = np.sqrt(width2) / (width2 + squares)
         votes = np.zeros(credit.shape)
         best = np.ascontiguousarray(agreement.transpose(2, 0, 1)).max(axis=0)  # five times as fast as axis=2
         votes[row, candidate] = best @ self.voice * credit[row, candidate]

@@ -1,0 +1,36 @@
+"""Where the bundle begins: at the place that most views show, though each shows a fragment of the ball."""
+
+from __future__ import annotations
+
+import numpy as np
+from tests.plugins.balls.test_bundle import HIGH, bundle, candidates, undistorted, whole
+
+from followspot.messages import Array
+from followspot.tracking import Candidates
+
+RIVAL = (0.1, 0.1, 1.5)
+"""A place 30 cm from the ball."""
+OFF = np.array([[0.8, 0.6], [-0.6, 0.8], [0.8, -0.6], [-0.8, -0.6]])
+"""Errors of the centres of fragments, px: each is one pixel off."""
+
+
+def fragments_and_rival(share: float) -> Candidates:
+    """A fifth of a ball in all four views, and this share of something in two of them that agree exactly."""
+    ball, rival = np.array(HIGH), np.array(RIVAL)
+    xy: list[Array] = list((undistorted(ball) + OFF)[:, None])
+    area: list[Array] = list((0.2 * whole(ball))[:, None])
+    for view in (0, 1):
+        xy[view] = np.vstack([xy[view], undistorted(rival)[view]])
+        area[view] = np.append(area[view], share * whole(rival)[view])
+    return candidates(xy, area, [[[True, False]] * len(points) for points in xy])
+
+
+def test_four_fragments_outvote_two_larger_blobs_elsewhere() -> None:
+    found = bundle().process(fragments_and_rival(0.5), None)
+    assert np.linalg.norm(found.xyz[0] - HIGH) < 0.02
+    assert found.support[0] == 6
+
+
+def test_whole_balls_outvote_fragments() -> None:
+    found = bundle().process(fragments_and_rival(1.0), None)
+    assert np.linalg.norm(found.xyz[0] - RIVAL) < 0.01
