@@ -49,7 +49,7 @@ def without_the_plugin(where: Path) -> Path:
     """A copy of the project without the plugin, and with the page bundled already."""
     bundle()
     where.mkdir()
-    for name in ("README.md", "LICENSE", "core", "plugins", "tools", "web"):
+    for name in ("README.md", "LICENSE", "core", "plugins", "tools", "web", "graphs"):
         source = ROOT / name
         if source.is_dir():
             shutil.copytree(source, where / name, ignore=COMPILED)
