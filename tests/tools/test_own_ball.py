@@ -63,6 +63,7 @@ def test_own_ball_in_own_video(tmp_path: Path, capsys: pytest.CaptureFixture[str
     x, y = middle(FRAMES // 2)
     assert f"--room {room} --pick red=X,Y" in capsys.readouterr().out
     assert pick(room, f"red={x},{y}", "blue=30,30") == 0
+    assert "if paler things of its hue are found, skin or wood: --set color.min" in capsys.readouterr().out
     out = tmp_path / "out"
     assert main(["run", GRAPH, "--room", room, "--out", str(out)]) == 0
     with (out / "blobs.csv").open() as file:
@@ -91,7 +92,7 @@ def test_a_click_and_a_rectangle_learn_the_same_ball() -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("red=100,10", "runs over into the background"),
+        ("red=100,10", "runs over into what is beside"),
         ("red=100,10,20,20", "hardly any colour"),
         ("red=300,10", "not in the picture of 200 x 150 px"),
         ("red=190,140,20,20", "not in the picture"),
@@ -102,6 +103,26 @@ def test_a_click_and_a_rectangle_learn_the_same_ball() -> None:
 def test_a_pick_that_shows_no_ball_says_why(text: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
         template_of(picture(0), read_pick(text))
+
+
+def test_a_pale_ball_asks_for_no_saturation() -> None:
+    x, y = middle(3)
+    pale = cv2.addWeighted(picture(3), 0.5, np.full((SIZE[1], SIZE[0], 3), 120, np.uint8), 0.5, 0)
+    assert template_of(pale, read_pick(f"red={x},{y}")).minimum_saturation is None
+    strong = template_of(picture(3), read_pick(f"red={x},{y}"))
+    assert strong.minimum_saturation == int(0.8 * strong.saturation) > 150
+
+
+def test_a_click_that_runs_over_into_a_hand_is_refused_and_a_highlight_is_not() -> None:
+    x, y = middle(3)
+    shiny = picture(3)
+    cv2.circle(shiny, (x - 3, y - 3), 3, (255, 255, 255), -1)
+    assert template_of(shiny, read_pick(f"red={x + 3},{y + 3}")).pixels > 250
+    held = picture(3)
+    cv2.line(held, (x, y), (x + 40, y + 30), RED, 8)
+    with pytest.raises(InputError, match="runs over into what is beside the ball") as refused:
+        template_of(held, read_pick(f"red={x},{y}"))
+    assert "--pick red=X,Y,WIDTH,HEIGHT" in str(refused.value)
 
 
 def test_what_other_targets_and_cameras_know_stays_and_likeness_is_told(

@@ -142,7 +142,12 @@ def _summary(
         for name, template in found.items()
     ]
     lines += [f"warning: {a} and {b} look alike (similarity {value})" for a, b, value in alike]
-    lines.append(f"written to {room_file}; next: followspot run graphs/single_camera.yaml --room {room_file}")
+    command = f"followspot run graphs/single_camera.yaml --room {room_file}"
+    lines.append(f"written to {room_file}; next: {command}")
+    least = [template.minimum_saturation for template in found.values()]
+    if all(least):
+        strong = f"--set color.minimum_saturation={min(filter(None, least))}"
+        lines.append(f"if paler things of its hue are found, skin or wood: {strong}")
     return "\n".join(lines)
 
 

@@ -18,6 +18,13 @@ ALIKE_HUE = 14
 """Largest difference in hue of neighbouring pixels of a clicked target, of 256."""
 LARGEST_SHARE = 0.1
 """Share of the picture above which a clicked colour has run over into the background."""
+LEAST_SATURATED, LEAST_BRIGHT = 0.7, 0.33
+"""Smallest saturation and brightness of a clicked target's pixels, over those of the clicked one."""
+CONVEX = 0.8
+"""Smallest share of its convex hull that a clicked target fills; chosen by eye on photographs of balls in
+hands, where what had run over into the hand filled 0.75 at most."""
+PALER, STRONG = 0.8, 140
+"""Share of a target's saturation that a detector may ask for, and from which value on it is worth it."""
 LEAST_COLORED = 0.3
 """Share of a target's pixels that must show a hue."""
 NEARER = 4.0
@@ -35,10 +42,19 @@ class Pick(NamedTuple):
 
 @dataclass(frozen=True)
 class Template:
-    """What a picked target looks like. histogram: (16,) normalised; pixels: how many show it."""
+    """What a picked target looks like. histogram: (16,) normalised; pixels: how many show it; saturation:
+    least of nine tenths of these, 0 to 255.
+    """
 
     histogram: Array
     pixels: int
+    saturation: float
+
+    @property
+    def minimum_saturation(self) -> int | None:
+        """What keeps paler things of its hue away, such as skin and wood; None for a ball as pale."""
+        wanted = int(PALER * self.saturation)
+        return wanted if wanted >= STRONG else None
 
     @property
     def area(self) -> tuple[float, float]:
@@ -66,7 +82,8 @@ def template_of(picture: Array, pick: Pick) -> Template:
         text = f"{pick.name} has hardly any colour at {_place(pick)}: {vivid.sum()} of {inside.sum()} px"
         raise InputError.of(text, "pick a coloured ball, where no light bleaches it")
     counts = np.bincount(hue_bin(hsv[vivid][:, 0]), minlength=BINS).astype(float)
-    return Template(np.round(normalised(counts), 6), int(vivid.sum()))
+    saturation = float(np.percentile(hsv[vivid][:, 1], 10))
+    return Template(np.round(normalised(counts), 6), int(vivid.sum()), saturation)
 
 
 def _check_inside(picture: Array, pick: Pick) -> None:
@@ -83,15 +100,23 @@ def _clicked(hsv: Array, pick: Pick) -> Array:
     around = hsv[max(0, y - 1) : y + 2, max(0, x - 1) : x + 2].reshape(-1, 3)
     hue, saturation, value = np.median(around[around[:, 1].argsort()[-5:]], axis=0)
     apart = np.abs((hsv[..., 0].astype(int) - int(hue) + 128) % 256 - 128)
-    alike = (apart <= ALIKE_HUE) & (hsv[..., 1] >= saturation / 2) & (hsv[..., 2] >= value / 3)
+    alike = (apart <= ALIKE_HUE) & (hsv[..., 1] >= LEAST_SATURATED * saturation)
+    alike &= hsv[..., 2] >= LEAST_BRIGHT * value
     _, labels = cv2.connectedComponents(alike.astype(np.uint8))
     inside = (labels == labels[y, x]) & alike
-    if inside.sum() > LARGEST_SHARE * inside.size:
-        text = f"the colour at {_place(pick)} runs over into the background: {inside.sum()} px"
-        raise InputError.of(text, f"give a rectangle: --pick {pick.name}=X,Y,WIDTH,HEIGHT")
     if not inside.any():
         raise InputError.of(f"there is no colour of its own at {_place(pick)}", "click on the ball's middle")
+    if inside.sum() > LARGEST_SHARE * inside.size or _filled(inside) < CONVEX:
+        text = f"the colour at {_place(pick)} runs over into what is beside the ball: {inside.sum()} px"
+        raise InputError.of(text, f"give a rectangle: --pick {pick.name}=X,Y,WIDTH,HEIGHT")
     return np.asarray(inside)
+
+
+def _filled(inside: Array) -> float:
+    """The share of its convex hull that a region fills, holes such as highlights included: 1 for a ball."""
+    outlines, _ = cv2.findContours(inside.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    outline = max(outlines, key=cv2.contourArea)
+    return cv2.contourArea(outline) / max(cv2.contourArea(cv2.convexHull(outline)), 1.0)
 
 
 def _ellipse(size: tuple[int, int], box: tuple[int, ...]) -> Array:
