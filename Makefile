@@ -42,9 +42,9 @@ bundle: $(VENV)/page  ## the page's own files, for --dashboard with any graph
 WORKERS := $(shell expr $$(nproc 2>/dev/null || echo 3) + 1)
 PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses $(WORKERS) --maxprocesses 4 --dist loadfile --no-loadscope-reorder --hypothesis-profile ci
 
-# Plain assertions are compiled once for all workers. What fails runs again, to show the values that differ.
+# Plain assertions are compiled once for all workers. What fails runs again, to show the values that differ. Skips say why.
 test: $(VENV)/dev  ## the tests
-	@$(PYTEST) --assert=plain -m 'not thorough' || { $(PYTEST) -m 'not thorough' --last-failed --last-failed-no-failures none; false; }
+	@$(PYTEST) --assert=plain -rs -m 'not thorough' || { $(PYTEST) -m 'not thorough' --last-failed --last-failed-no-failures none; false; }
 
 thorough: $(VENV)/dev  ## the tests that cost much: more fusions, placements and edges
 	@$(PYTEST) -m thorough

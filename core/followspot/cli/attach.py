@@ -15,7 +15,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("run", nargs="?", metavar="RUN", help="name of the graph, if several runs go on")
     parser.add_argument("--stop", action="store_true", help="end the run; its outputs are complete")
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
-    parser.add_argument("--quiet", action="store_true", help="no progress")
+    parser.add_argument("-q", "--quiet", action="store_true", help="no progress")
     add_network_options(parser)
 
 

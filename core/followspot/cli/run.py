@@ -33,7 +33,7 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="DIR", help="folder for outputs (default: runs/GRAPH-DATE-TIME)")
     parser.add_argument("--frames", type=frame_count, metavar="N", help="stop after N frames of each source")
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
-    parser.add_argument("--quiet", action="store_true", help="no progress")
+    parser.add_argument("-q", "--quiet", action="store_true", help="no progress")
     parser.add_argument(
         "--restart",
         action="store_true",

@@ -27,7 +27,7 @@ def add_trial_options(parser: argparse.ArgumentParser, out: str) -> None:
     parser.add_argument("--frames", type=frame_count, metavar="N", help="stop after N frames of each source")
     parser.add_argument("-o", "--out", metavar="DIR", help=out)
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
-    parser.add_argument("--quiet", action="store_true", help="no progress")
+    parser.add_argument("-q", "--quiet", action="store_true", help="no progress")
 
 
 def planned(
