@@ -12,6 +12,7 @@ import numpy as np
 
 from followspot.messages import Array
 
+Trigger = Literal["line", "software", "action"]
 Model = Literal["pinhole", "rational", "fisheye", "cylinder"]
 
 
@@ -117,13 +118,31 @@ class Target:
     tags: Tags = field(default_factory=dict)
 
 
+@dataclass(frozen=True)
+class Sync:
+    """How the cameras of a room are triggered together.
+
+    trigger: "line", the leading camera triggers the others over a cable; "software", each camera is triggered
+    by its own host, at moments that the hosts' clocks share; "action", the host of the leading camera sends
+    action commands of GigE Vision to all at once; camera: the leading one, "" for none; rate: triggers a
+    second, 0 for a line; the keys are those of action commands.
+    """
+
+    trigger: Trigger
+    camera: str = ""
+    rate: float = 0.0
+    device_key: int = 1
+    group_key: int = 1
+    group_mask: int = 1
+
+
 @dataclass(frozen=True, eq=False)
 class Room:
     """The calibrated place. Cameras, sensors, planes and targets keep the order of the file.
 
     planes: name -> (4,) [a b c d], a x + b y + c z + d = 0 with unit normal, m;
     truth: a source of `followspot.tracking.Truth`, for rooms with ground truth; tune: parameters of stages
-    that suit the place, by PLUGIN.STAGE.PARAMETER or STAGE.PARAMETER.
+    that suit the place, by PLUGIN.STAGE.PARAMETER or STAGE.PARAMETER; sync: None if cameras run freely.
     """
 
     name: str = "room"
@@ -133,6 +152,7 @@ class Room:
     truth: StageUse | None = None
     sensors: Mapping[str, Sensor] = field(default_factory=lambda: MappingProxyType({}))
     tune: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    sync: Sync | None = None
 
     @cached_property
     def carriers(self) -> tuple[Camera | Sensor, ...]:

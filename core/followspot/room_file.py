@@ -10,6 +10,7 @@ import os
 import re
 import tempfile
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from followspot.document import Node, node_of, parse, plain, read, resolve
 from followspot.errors import InputError, Place
 from followspot.files import DOCUMENT, read_text
 from followspot.messages import Array
-from followspot.room import Camera, Room, Sensor, StageUse, Tags, Target
+from followspot.room import Camera, Room, Sensor, StageUse, Sync, Tags, Target
 from followspot.room_form import room_of
 
 _LINE = 100
@@ -78,7 +79,17 @@ def to_data(room: Room) -> dict[str, Any]:
         data["truth"] = _use_data(room.truth)
     if room.tune:
         data["tune"] = dict(room.tune)
+    if room.sync is not None:
+        data["sync"] = _sync_data(room.sync)
+
     return data
+
+
+def _sync_data(sync: Sync) -> dict[str, Any]:
+    """What differs from what is meant where nothing is written."""
+    usual = Sync(sync.trigger)
+    said = {key: value for key, value in asdict(sync).items() if value != getattr(usual, key)}
+    return {"trigger": sync.trigger, **said}
 
 
 def from_data(data: Any) -> Room:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
@@ -15,6 +14,8 @@ from followspot.messages import MAX_BYTES, Array
 from followspot.room import Camera, Model, Room, Target
 from followspot.room_parts import stage_use, tags_of, word
 from followspot.sensor_form import sensor_of
+from followspot.sync_form import sync_of
+from followspot.tune_form import tune_of
 
 BINS = 16
 """Bins of a hue histogram (Jin & Qian 2008, section 2.1)."""
@@ -38,9 +39,7 @@ _MOST_AREA = 1e9
 """Largest area of a target in a picture, px."""
 _MAX_CLOCK_OFFSET = 1.0
 """Largest absolute clock offset, s; larger ones are mistakes, since offsets are fractions of a frame."""
-MAX_TUNES = 1000
-_TUNE = re.compile(r"[^.\s]+(\.[^.\s]+)+")
-_KEYS = ("room", "cameras", "sensors", "planes", "targets", "truth", "tune")
+_KEYS = ("room", "cameras", "sensors", "planes", "targets", "truth", "tune", "sync")
 _CAMERA_KEYS = (
     "kind", "size", "model", "matrix", "distortion", "rotation", "translation", "source", "host",
     "clock_offset", "tags",
@@ -73,23 +72,11 @@ def room_of(root: Node, folder: str | None) -> Room:
     }
     truth = form.get("truth")
     use = None if truth is None else stage_use(truth, "truth", folder, mistakes)
-    tune = _tune(form)
+    tune = tune_of(form)
+    sync = sync_of(form, names)
     if mistakes:
         raise InputError(mistakes)
-    return Room(name, cameras, planes, targets, use, sensors, tune)
-
-
-def _tune(form: Form) -> dict[str, Any]:
-    """The parameters that the room tunes, in plain values."""
-    entries = form.mapping("tune")
-    if len(entries) > MAX_TUNES:
-        form.wrong(form.entries["tune"], f"{len(entries)} tunes, at most {MAX_TUNES} are allowed")
-        return {}
-    for key, node in entries.items():
-        if not _TUNE.fullmatch(key):
-            remedy = "write PLUGIN.STAGE.PARAMETER, STAGE.PARAMETER or STAGE/MEMBER.PARAMETER"
-            form.mistakes.append(Mistake(node.key, f'"{key}" names no parameter', remedy))
-    return form.values("tune")
+    return Room(name, cameras, planes, targets, use, sensors, tune, sync)
 
 
 def _named(form: Form, key: str, most: int) -> Mapping[str, Node]:

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import AbstractContextManager, closing, nullcontext
+from functools import partial
+from threading import Lock
+from typing import Any
 
 from followspot import Field, InputAddress, Source, StageParams, at
 from followspot.errors import InputError
 from followspot.tracking import Frame
 from followspot_cameras.genicam import features
-from followspot_cameras.genicam.backends import BackendName, connected
+from followspot_cameras.genicam.backends import BackendName, backend, connected
 from followspot_cameras.genicam.camera import CameraGone, Picture, VisionCamera
+from followspot_cameras.genicam.camera_clock import Reading
 from followspot_cameras.genicam.capture_times import CaptureTimes
 from followspot_cameras.genicam.frame_numbers import FrameNumbers
 from followspot_cameras.genicam.picture import as_frame
+from followspot_cameras.genicam.triggers import COMMAND, ActionCommands, firing, trigger_features
 from followspot_cameras.reconnection import LiveCamera
 
 LONGEST_LOOK = 0.2
@@ -60,22 +65,45 @@ class Genicam(LiveCamera):
     def process(self) -> Source[Frame]:
         """Whole pictures as they come. Raises InputError for features that the camera has not."""
         self._numbers = FrameNumbers()
+        self._control = Lock()
+        """Held by who asks the camera: its triggers come from a thread of their own."""
         yield from super().process()
 
     def session(self) -> Iterator[Frame]:
         """Whole pictures of one connection. Raises CameraGone; InputError for features that it has not."""
-        with closing(self._connected()) as camera:
+        with closing(self._connected()) as camera, self._triggers(camera):
             yield from self._frames(camera)
+
+    def _triggers(self, camera: VisionCamera) -> AbstractContextManager[None]:
+        """What this camera, or its room if it leads, needs to be triggered. Raises InputError."""
+        sync = self.room.sync
+        if sync is not None and sync.trigger == "software":
+            return firing(partial(self._trigger, camera), sync.rate)
+        if sync is not None and sync.trigger == "action" and sync.camera == self.camera.name:
+            found: Any = backend("viva-genicam")
+            send = None if found is None else found.send_action
+            return firing(ActionCommands(sync, send, self.params.interface, self.say), sync.rate)
+        return nullcontext()
+
+    def _trigger(self, camera: VisionCamera) -> None:
+        with self._control:
+            camera.execute(COMMAND)
+
+    def _read_clock(self, camera: VisionCamera) -> Reading | None:
+        with self._control:
+            return camera.read_clock()
 
     def _connected(self) -> VisionCamera:
         """The camera with its features set. Raises CameraGone, InputError."""
         p = self.params
         camera = connected(p.camera, p.backend, p.interface, p.packet_size)
         try:
-            wrong = features.mistakes(p.features, camera.names(), camera.feature, self.origin)
+            names = camera.names()
+            wanted = {**trigger_features(self.room.sync, self.camera.name, names), **p.features}
+            wrong = features.mistakes(wanted, names, camera.feature, self.origin)
             if wrong:
                 raise InputError(wrong)
-            for name, value in p.features.items():
+            for name, value in wanted.items():
                 camera.write(name, features.as_text(value))
         except BaseException:
             camera.close()
@@ -84,7 +112,7 @@ class Genicam(LiveCamera):
 
     def _frames(self, camera: VisionCamera) -> Iterator[Frame]:
         """Frames until the camera is gone, or the run ends."""
-        times = CaptureTimes(camera.read_clock)
+        times = CaptureTimes(partial(self._read_clock, camera))
         self._numbers.connected_again(camera.largest_identifier)
         self._overruns = 0
         times.update(time.monotonic_ns())

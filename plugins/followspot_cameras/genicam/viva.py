@@ -84,6 +84,16 @@ def connect(info: CameraInfo, interface: str, packet_size: int) -> VivaCamera:
     return VivaCamera(camera, interface, packet_size)
 
 
+def send_action(device_key: int, group_key: int, group_mask: int, receiver: str, wait: int) -> int:
+    """Send an action command; how many cameras acknowledge it within `wait`, ms. Raises CameraGone."""
+    sent = _asked(
+        lambda: viva_genicam.send_action(
+            device_key, group_key, group_mask, destination=receiver, timeout_ms=wait
+        )
+    )
+    return int(sent.acks)
+
+
 def _asked(ask: Callable[[], T]) -> T:
     """An answer of the camera. Raises CameraGone, ValueError for what its node map refuses."""
     try:

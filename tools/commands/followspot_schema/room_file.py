@@ -8,6 +8,7 @@ from followspot.points import Points2D
 from followspot.ports import ports
 from followspot.room_form import BINS
 from followspot.stage import Stage
+from followspot.sync_form import LARGEST_KEY, TRIGGERS
 from followspot.tracking import DepthImage, Frame
 from followspot_schema.parts import NAME, TEXT, Schema, form, matrix, named, numbers
 from followspot_schema.stages import models, stage_use, stages_offered
@@ -35,12 +36,28 @@ def room_schema() -> Schema:
                 "description": "values that suit the place: plugin.name.parameter or stage.parameter, where"
                 " needed with /camera before the parameter",
             },
+            "sync": _sync(),
             "truth": stage_use(
                 "source of the ground truth, if there is one",
                 others,
             ),
         },
     ) | {"$defs": models(sources)}
+
+
+def _sync() -> Schema:
+    key: Schema = {"type": "integer", "minimum": 0, "maximum": LARGEST_KEY, "default": 1}
+    return form(
+        "how the cameras are triggered together",
+        {
+            "trigger": {"enum": list(TRIGGERS), "description": "what triggers them"},
+            "camera": {**TEXT, "description": "the camera that leads; needed for line and action"},
+            "rate": {**POSITIVE, "description": "triggers a second; needed for software and action"},
+            "device_key": {**key, "description": "of action commands"},
+            "group_key": {**key, "description": "of action commands"},
+            "group_mask": {**key, "description": "of action commands"},
+        },
+    )
 
 
 def _looks(stage: type[Stage]) -> bool:
