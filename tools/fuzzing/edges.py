@@ -322,7 +322,7 @@ class RingEdge:
             control = self.reader._control
             assert control is not None
             control.consumed = self.writer._sequence if consumed is None else consumed
-            control.released(arena)[:] = stamp
+            control.release_all(arena, [stamp] * self.writer._slots)
             with suppress(OSError):
                 self.reader._socket.send(b"\1" * wakes)
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from struct import pack_into
 from threading import Lock
 
-import numpy as np
-
-from followspot.messages import Array
 from followspot.transport.ring.memory import Memory
 
 ARENAS = 20
@@ -31,7 +30,7 @@ class Control:
     def __init__(self, memory: Memory, slots: int) -> None:
         self.memory = memory
         self._words = memoryview(memory.bytes).cast("Q")
-        self._released: Array = np.frombuffer(memory.bytes, np.uint64)[_RELEASED:].reshape(ARENAS, slots)
+        self._slots = slots
 
     @staticmethod
     def size(slots: int) -> int:
@@ -56,10 +55,17 @@ class Control:
     def sent(self, count: int) -> None:
         self._words[_SENT] = count
 
-    def released(self, arena: int) -> Array:
-        """(slots,) uint64: stamp of the last message released in each slot. Stored by the reader."""
-        row: Array = self._released[arena]
-        return row
+    def released(self, arena: int, slot: int) -> int:
+        """Stamp of the last message released in a slot. Stored by the reader."""
+        return self._words[_RELEASED + arena * self._slots + slot]
+
+    def release(self, arena: int, slot: int, stamp: int) -> None:
+        """Store that the message of this stamp, and those before it in the slot, are released."""
+        self._words[_RELEASED + arena * self._slots + slot] = stamp
+
+    def release_all(self, arena: int, stamps: Sequence[int]) -> None:
+        """The same for all slots."""
+        pack_into(f"{len(stamps)}Q", self.memory.bytes, 8 * (_RELEASED + arena * self._slots), *stamps)
 
     @property
     def waiting(self) -> bool:

@@ -177,7 +177,7 @@ class RingReader:
     def _release(self, lease: Lease) -> None:
         """Release the message in a slot. Its stamp is its sequence number + 1."""
         if self._control is not None:
-            self._control.released(lease.arena.number)[lease.slot] = lease.stamp
+            self._control.release(lease.arena.number, lease.slot, lease.stamp)
         self._leased.discard((lease.arena.number, lease.slot))
         fence()
         self._wake()

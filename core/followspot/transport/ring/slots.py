@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import mmap
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -58,47 +58,50 @@ class Slots:
     """The writer's view of an arena: which slots are free, and which are lent to this process.
 
     A slot is free when no view of it lives here and every reader has released the last message sent from it.
+    Few slots are in use at once, so plain numbers serve better than arrays: numpy's code would be cold.
     """
 
     def __init__(self, number: int, slots: int, smallest: int) -> None:
         """number: of the arena; smallest: capacity that a slot needs, bytes. Raises OSError."""
         capacity = max(mmap.PAGESIZE, 1 << (smallest - 1).bit_length())
         self.arena = Arena(Memory.create("followspot-slots", slots * capacity), number, slots, capacity)
-        self.stamps: Array = np.zeros(slots, np.uint64)
-        self._lent: Array = np.zeros(slots, bool)
-        self._free: Array = np.ones(slots, bool)
-        self._sizes = [0] * slots
-
-    def find_free(self, controls: Iterable[Control]) -> int:
-        """Find the slots that may be written; how many. A reader cannot take a slot back later."""
-        free = ~self._lent
-        for control in controls:
-            free &= control.released(self.arena.number) == self.stamps
-        self._free = free
-        return int(np.count_nonzero(free))
-
-    def lent(self) -> int:
+        self.stamps = [0] * slots
+        """Of the last message sent from each slot."""
+        self.lent = 0
         """Number of slots that arrays of this process view."""
-        return int(np.count_nonzero(self._lent))
+        self._sizes = [0] * slots
+        """Bytes that are lent of each slot, 0 if it is not lent."""
+        self._free = list(range(slots - 1, -1, -1))
+        """Those released last are at the end."""
+        self._used: list[int] = []
+
+    def find_free(self, controls: Sequence[Control]) -> int:
+        """Find the slots that may be written; how many. A reader cannot take a slot back later."""
+        number, stamps, sizes = self.arena.number, self.stamps, self._sizes
+        used = []
+        for slot in self._used:
+            stamp = stamps[slot]
+            if sizes[slot] or any(c.released(number, slot) != stamp for c in controls):
+                used.append(slot)
+            else:
+                self._free.append(slot)
+        self._used = used
+        return len(self._free)
 
     def lend(self, shape: Sequence[int], dtype: np.dtype[Any]) -> Array:
         """A writable array at the start of a free slot, which is kept until the array dies."""
-        slot = self.first_free()
+        slot = self.take()
         interface = self.arena.interface(slot, shape, dtype.str, writable=True)
         loan = np.asarray(Lease(self.arena, slot, 0, interface, self._end))
-        self._lent[slot] = True
-        self._free[slot] = False
+        self.lent += 1
         self._sizes[slot] = loan.nbytes
         return loan
 
-    def first_free(self) -> int:
-        """The first free slot: slots used lately are still in the processor's cache."""
-        return int(self._free.argmax())
-
-    def fill(self, slot: int, stamp: int) -> None:
-        """Note that the slot holds the message of this stamp."""
-        self.stamps[slot] = stamp
-        self._free[slot] = False
+    def take(self) -> int:
+        """Take a free slot, one that was used lately, for it is still in the processor's cache."""
+        slot = self._free.pop()
+        self._used.append(slot)
+        return slot
 
     def in_place(self, arrays: Sequence[Array], size: int, stamp: int) -> tuple[int, int, int] | None:
         """Find an array that was lent and not sent yet, and stamp its lease.
@@ -121,4 +124,5 @@ class Slots:
         return None
 
     def _end(self, lease: Lease) -> None:
-        self._lent[lease.slot] = False
+        self._sizes[lease.slot] = 0
+        self.lent -= 1

@@ -129,7 +129,7 @@ class RingWriter:
         if controls and INLINE_BYTES < size <= MAX_BYTES:
             pool = self._pool_for(size)
             left = pool.find_free(controls) - 1
-            if left >= 2 and pool.lent() < self._quota:
+            if left >= 2 and pool.lent < self._quota:
                 self._granted = min(self._granted, left)
                 return pool.lend(shape, kind)
         return None
@@ -175,7 +175,7 @@ class RingWriter:
         link = Link(sock, control, self._depth)
         link.send(NOTIFICATION.pack(HELLO, 0, self._quota, self._slots, self._sequence), control.memory)
         if self._pool is not None:
-            control.released(self._pool.arena.number)[:] = self._pool.stamps
+            control.release_all(self._pool.arena.number, self._pool.stamps)
             link.send(_announced(self._pool), self._pool.arena.memory)
         return link
 
@@ -207,7 +207,7 @@ class RingWriter:
         """Copy the arrays into a slot, except one that is there already; the datagram that tells where."""
         pool = self._pool_for(size)
         stamp = self._sequence + 1
-        kept, slot, end = pool.in_place(arrays, size, stamp) or (-1, pool.first_free(), 0)
+        kept, slot, end = pool.in_place(arrays, size, stamp) or (-1, pool.take(), 0)
         places = []
         for index, array in enumerate(arrays):
             if index == kept:
@@ -216,7 +216,7 @@ class RingWriter:
             places.append(end)
             pool.arena.bytes[slot, end : end + array.nbytes] = array.reshape(-1).view(np.uint8)
             end += padded(array.nbytes)
-        pool.fill(slot, stamp)
+        pool.stamps[slot] = stamp
         notification = NOTIFICATION.pack(SLOT, pool.arena.number, slot, end, self._sequence)
         return notification + head + codec.places.pack(*places)
 
