@@ -38,6 +38,36 @@ def test_a_pair_with_too_few_points_is_named():
         solve(seen_where(room, alone).sightings, room.cameras, "known")
 
 
+def test_frames_that_are_numbered_apart_are_told():
+    room = waved_room(4, 200)
+    late = seen_where(room, np.arange(4) == 3).sightings
+    sightings = seen_where(room, np.arange(4) != 3).sightings
+    both = replace(
+        sightings,
+        frame=np.concatenate([sightings.frame, late.frame + 5000]),
+        label=np.concatenate([sightings.label, late.label]),
+        pixel=np.concatenate([sightings.pixel, late.pixel]),
+    )
+    with pytest.raises(FollowspotError) as raised:
+        solve(both, room.cameras, "known")
+    told = str(raised.value).splitlines()
+    assert told[0].startswith("the cameras fall into 2 groups")
+    assert "has the frames 0 to 199, cam3 5000 to 5199: number the frames of all cameras from one" in told[1]
+
+
+def test_a_camera_without_points_is_told():
+    room = seen_where(waved_room(4, 200), np.arange(4) != 3)
+    with pytest.raises(FollowspotError, match="cam3 has no points at all: wave in its view; is it in"):
+        solve(room.sightings, room.cameras, "known")
+
+
+def test_a_camera_that_was_recorded_at_half_the_size_is_told():
+    room = waved_room(4, 200)
+    room.sightings.pixel[:, 2] = room.sightings.pixel[:, 2] / 2
+    with pytest.raises(FollowspotError, match=r"points of cam2 fit .* of 640x480 px only: was it"):
+        solve(room.sightings, room.cameras, "known")
+
+
 def test_a_camera_of_another_recording_is_not_told_to_wave():
     room, other = waved_room(5, 200), waved_room(5, 200, seed=7)
     room.sightings.pixel[:, 4] = other.sightings.pixel[:, 4]

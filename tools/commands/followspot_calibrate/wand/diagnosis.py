@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -11,6 +12,7 @@ from followspot.errors import FollowspotError
 from followspot.messages import Array
 from followspot_calibrate.adjust import Rods
 from followspot_calibrate.sightings import Sightings
+from followspot_calibrate.wand.hazards.apart import other_size, why_apart
 from followspot_calibrate.wand.hazards.explaining import agreeing_cameras, exchanged, reasons
 from followspot_calibrate.wand.hazards.linear import on_a_line
 from followspot_calibrate.wand.hazards.planar import REMEDY
@@ -24,6 +26,8 @@ IN_A_PLANE = f"the points lie in one plane, which does not determine the poses o
 ON_A_LINE = f"the points lie along one line, which determines no poses: {REMEDY}"
 LEAST = 12
 """Points that a camera must keep."""
+LEAST_SHARE = 0.4
+"""Share of its points below which a pose that fits the others is chance."""
 DEEP = 2.0
 """Ratio of the farthest to the nearest points below which they leave the focal length open."""
 MOST_OF = 0.7
@@ -66,7 +70,7 @@ def require_connected(
     for camera in (i for i, g in enumerate(group) if g == apart):
         across = [p for p in pairs if camera in (p.first, p.second) and group[p.first] != group[p.second]]
         best = max(across, key=lambda pair: (pair.shared, len(pair.rows)))
-        lines.append(_shares(names, best))
+        lines.append(why_apart(sightings, best.first, best.second) or _shares(names, best))
     raise FollowspotError("\n".join(lines))
 
 
@@ -109,13 +113,17 @@ def require_depth(sightings: Sightings, settled: Settled) -> None:
 
 
 def require_used(sightings: Sightings, settled: Settled) -> None:
-    """Raises FollowspotError if hardly a sighting of a camera fits in the end."""
-    counts = settled.used.sum(axis=0)
-    for name, count, seen in zip(sightings.cameras, counts, sightings.seen.sum(axis=0), strict=True):
-        if count < LEAST:
+    """Raises FollowspotError if few sightings of a camera fit in the end."""
+    counts, seen = settled.used.sum(axis=0), sightings.seen.sum(axis=0)
+    for number, name in enumerate(sightings.cameras):
+        needed = max(LEAST, math.ceil(LEAST_SHARE * seen[number]))
+        if counts[number] < needed:
+            cause = (
+                other_size(sightings, number) or "is it synchronised, and does the file say the right camera?"
+            )
             raise FollowspotError(
-                f"only {count} of {seen} points of {name} fit what the other cameras see, {LEAST} needed: "
-                "is it synchronised, and does the file say the right camera?"
+                f"only {counts[number]} of {seen[number]} points of {name} fit what the other cameras see, "
+                f"{needed} needed: {cause}"
             )
 
 
@@ -143,7 +151,8 @@ def _shares(names: Sequence[str], pair: Pair) -> str:
     if len(pair.rows) >= FEWEST:
         return (
             f"{names[pair.first]}-{names[pair.second]} see the points at the same {len(pair.rows)} moments, "
-            f"but only {pair.shared} of them fit together, {FEWEST} needed: are both of the same recording?"
+            f"but only {pair.shared} of them fit together, {FEWEST} needed: are both of the same recording, "
+            "in step within a few frames, not mirrored, and their lenses as the room has them?"
         )
     return (
         f"{names[pair.first]}-{names[pair.second]} share {len(pair.rows)} points, {FEWEST} needed: "
