@@ -29,12 +29,12 @@ QUICK = """\
 inputs: {number: [t.number, odd.number, late.left]}
 outputs: {number: late}
 stages:
-  t:    {uses: ticks.tally}
+  t:    {uses: ticks.tally, with: {step: 2}}
   odd:  {uses: ticks.add, with: {term: 1000}}
   all:  {uses: ticks.sum, in: {numbers: [t, odd]}, tolerance: 0.001}
   late: {uses: ticks.both, in: {right: all}, tolerance: 0.001}
 """
-"""Gives n * 1000 + (n + 1 + n + 1000) for n: the tally, which stays, has counted to n + 1."""
+"""Gives n * 1000 + (t + n + 1000) for n: the tally t counts on, in steps of 2."""
 WHOLE = """
 a:    {uses: ticks.count, with: {count: 1200}}
 hall: {graph: part.yaml, in: {number: a}}
@@ -62,8 +62,9 @@ def slow(n: int) -> int:
     return 2 * n + 3 + (n + 1 if n % 2 == 0 else n + 2)
 
 
-def quick(n: int) -> int:
-    return n * 1000 + n + 1 + n + 1000
+def quick(n: int, first: int) -> int:
+    """What the quick file gives if `first` was its first number."""
+    return n * 1000 + first + 2 * (n - first + 1) + n + 1000
 
 
 def test_a_replay_goes_on_with_another_inside_and_loses_nothing(tmp_path: Path) -> None:
@@ -75,6 +76,7 @@ def test_a_replay_goes_on_with_another_inside_and_loses_nothing(tmp_path: Path) 
             ("hall/odd_b", "ticks.odd", ""),
             ("hall/odd_t", "ticks.odd", ""),
             ("hall/sum", "ticks.sum", ""),
+            ("hall/t", "ticks.tally", "ticks.tally"),
             ("hall/odd", "", "ticks.add"),
             ("hall/all", "", "ticks.sum"),
             ("hall/late", "", "ticks.both"),
@@ -84,7 +86,8 @@ def test_a_replay_goes_on_with_another_inside_and_loses_nothing(tmp_path: Path) 
     values = finished.values()
     first = next(n for n, value in enumerate(values) if value != slow(n))
     assert first > 5
-    assert values == [*map(slow, range(first)), *map(quick, range(first, 1200))], "the tally counted on"
+    assert values[:first] == [slow(n) for n in range(first)]
+    assert values[first:] == [quick(n, first) for n in range(first, 1200)], "the tally counted on"
     kept = finished.values("kept.csv")
     assert kept == [n * 1000 + value for n, value in enumerate(values)], "outside, all met as ever"
     assert balanced(finished.summary)
@@ -120,6 +123,40 @@ def is_reached(run: Going, *, quick: bool) -> bool:
     """Wait until the quick file's numbers are written, or the slow one's."""
     found = (lambda value: value > 20_000) if quick else (lambda value: 0 < value < 20_000)
     return wait_until(lambda: found((run.values() or [0])[-1]))
+
+
+ENDED = """
+a:    {uses: ticks.count, with: {count: 300}}
+x:    {uses: ticks.count, with: {count: 3}}
+hall: {graph: part.yaml, in: {left: a, right: x}}
+save: {uses: ticks.write, in: {number: hall}}
+"""
+ALONE = """\
+inputs: {left: add.number, right: rest.number}
+outputs: {number: add}
+stages:
+  add:  {uses: ticks.add, with: {term: 0, sleep: 0.01}}
+  rest: {uses: ticks.add}
+"""
+TOGETHER = """\
+inputs: {left: near.number, right: far.number}
+outputs: {number: sum}
+stages:
+  near: {uses: ticks.add, with: {term: 0}}
+  far:  {uses: ticks.add}
+  sum:  {uses: ticks.sum, in: {numbers: [near, far]}}
+"""
+
+
+def test_a_new_stage_knows_how_far_its_inputs_are(tmp_path: Path) -> None:
+    """The stream x has ended: a join that did not know would wait for it for ever."""
+    (tmp_path / "part.yaml").write_text(ALONE)
+    (tmp_path / "other.yaml").write_text(TOGETHER)
+    with going(tmp_path, ENDED, 1) as run:
+        run_here(run.name).change([f"hall={tmp_path / 'other.yaml'}"])
+        finished = finish(run.process, run.out)
+    assert finished.code == 0, finished.errors
+    assert finished.values() == list(range(300))
 
 
 MEETING = """\

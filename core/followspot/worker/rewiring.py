@@ -16,7 +16,7 @@ from followspot.ports import ports
 from followspot.worker.build import Builder, Links
 from followspot.worker.error_policy import StageError
 from followspot.worker.input_queue import InputQueue
-from followspot.worker.ledger import COLUMNS, LOST, Ledger
+from followspot.worker.ledger import COLUMNS, Ledger
 from followspot.worker.live_source import LiveSourceRunner
 from followspot.worker.replacement import Replacement, discarded, dry_run, prepared
 from followspot.worker.scheduler import Worker
@@ -48,7 +48,6 @@ class Rewiring:
         """
         self.worker = worker
         self.wiring = wiring
-        self._words = ledger.words
         self._rewired = rewired
         self._builder = Builder(wiring, name, ledger, replace(options, resumed=True), links)
         self._builder.pace = worker.pace
@@ -104,7 +103,6 @@ class Rewiring:
             if stage.name in self._stays:
                 self._reconnect(runner, stage)
             runners.append(runner)
-        self._count_what_was_left()
         self._builder.runners = runners
         self._builder.schedule(self.worker)
         self.worker.rearrange(runners)
@@ -183,14 +181,6 @@ class Rewiring:
         queue.lateness = self.wiring.lateness[edge.from_stage]
         queue.answers = self.wiring.circular(edge)
         queue.window = self.wiring.tolerance(edge)
-
-    def _count_what_was_left(self) -> None:
-        """Count as lost what still waits on edges that go."""
-        stay = set(self._builder.queues)
-        for number, queue in self._queues.items():
-            if number not in stay:
-                self._words[queue.row + LOST] += len(queue.messages)
-                queue.messages.clear()
 
 
 def _end_taps(runner: StageRunner) -> None:
