@@ -16,10 +16,6 @@ LATCHES = (
 """Command that latches the clock and the feature that tells it: of SFNC 2, of GigE Vision 1, of both."""
 SECOND = 1_000_000_000
 FREQUENCY = "GevTimestampTickFrequency"
-PTP = (("PtpEnable", "PtpStatus"), ("GevIEEE1588", "GevIEEE1588Status"))
-"""Whether the camera takes part in PTP, and its state: of SFNC 2, of GigE Vision 2."""
-FOLLOWS = ("Slave", "Master")
-"""States of PTP in which the clock is the network's."""
 
 
 @dataclass(frozen=True)
@@ -55,13 +51,3 @@ def frequency(names: Collection[str], read: Callable[[str], str]) -> int:
 def nanoseconds(ticks: int, frequency: int) -> int:
     """A time of the camera, ns; exact, because a float holds no time since 1970 to the nanosecond."""
     return ticks if frequency == SECOND else ticks * SECOND // frequency
-
-
-def ptp_state(names: Collection[str], read: Callable[[str], str]) -> str:
-    """The camera's state of PTP, for example "Slave"; "" if it has none, "off" if it is off."""
-    for switch, state in PTP:
-        if switch in names:
-            if read(switch).lower() not in ("true", "1", "on"):
-                return "off"
-            return read(state) if state in names else "on"
-    return ""

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from followspot_cameras.genicam.camera import Backend, CameraGone, CameraInfo, VisionCamera
-from followspot_cameras.genicam.clock_features import clock_features, ptp_state
+from followspot_cameras.genicam.clock_features import clock_features
+from followspot_cameras.genicam.ptp import ptp_state
 
 RATES = (
     "ResultingFrameRate",
@@ -59,4 +60,4 @@ def facts_of(camera: VisionCamera) -> Facts:
     rates = [float(read(name)) for name in RATES if name in names]
     clock = "readable" if clock_features(names, read) else ""
     form = read("PixelFormat") if "PixelFormat" in names else ""
-    return Facts(size, form, rates[0] if rates else None, clock, ptp_state(names, read))
+    return Facts(size, form, rates[0] if rates else None, clock, ptp_state(names, read, camera.execute))
