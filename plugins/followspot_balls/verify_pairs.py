@@ -12,6 +12,7 @@ from followspot import Array, Camera, Field, Joined, Latest, Mistake, Room, Stag
 from followspot.geometry import epipolar_distance, fundamental_matrix, plane_homography, transfer
 from followspot.tracking import Blobs, Forecast, Pairs
 from followspot_balls.alignment import aligned, delays
+from followspot_balls.lying import LyingTargets
 from followspot_balls.strip import row_and_column
 
 SURE = 0.4
@@ -54,6 +55,13 @@ class VerifyPairs(Stage):
             "cameras move with the target; raising it survives jumps",
         )
 
+        resting_clearance: float = Field(
+            0.03,
+            ge=0,
+            unit="m",
+            description="clearance up to which a tracked target lies on a plane, where a pair in its images "
+            "is no projection; 0: never; raising it keeps more pairs",
+        )
         color_color: bool = Field(True, description="whether to give pairs of two colour cameras")
         infrared_infrared: bool = Field(
             True, description="whether to give pairs of two infrared cameras, which bear no label"
@@ -79,6 +87,7 @@ class VerifyPairs(Stage):
         self.color = np.array([c.kind == "color" for c in self.room.cameras.values()], bool)
         self.fundamental = fundamental_stack(self.room).reshape(-1, 3, 3)
         self.homography = homography_stack(self.room).reshape(len(self.room.planes), -1, 3, 3)
+        self.lying = LyingTargets(self.room, self.params.resting_clearance)
         self.heard = np.zeros(len(self.cameras), bool)
         no_targets = np.zeros((0, len(self.room.targets)), bool)
         self.nothing = replace(Pairs.empty(), cameras=self.cameras, targets=no_targets)
@@ -107,6 +116,10 @@ class VerifyPairs(Stage):
         both, sure_distance = self.both_kinds(), SURE * self.params.homography_tolerance
         flat = off_plane < (self.params.homography_tolerance if both else sure_distance)
         keep = homography_test(pair, color, flat, len(view))
+        if forecast is not None and len(forecast.state) and self.lying.clearance and not keep.all():
+            doubt = (~keep).nonzero()[0]
+            mine = targets.take(pair[doubt, 0], axis=0) & targets.take(pair[doubt, 1], axis=0)
+            keep[doubt] = self.lying.shown(ends[doubt], cameras[doubt], mine, forecast)
         light = np.zeros(len(view), bool)
         sure = off_plane.min(axis=0, initial=np.inf) < sure_distance
         light[pair[~keep & sure]] = True

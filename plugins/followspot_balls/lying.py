@@ -1,0 +1,45 @@
+"""Pairs that show a tracked ball where it lies on a plane, and so are no projections on it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from followspot.messages import Array
+from followspot.room import Room
+from followspot.tracking import TRACKED, Forecast
+from followspot_balls.bundle.points import point_images
+from followspot_balls.outline import unit_outline
+
+
+class LyingTargets:
+    """The tracked targets of a room that lie on its planes: whose clearance is at most this, m."""
+
+    def __init__(self, room: Room, clearance: float) -> None:
+        self.clearance = clearance
+        cameras = list(room.cameras.values())
+        self.P = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
+        self.centers = np.array([c.center for c in cameras]).reshape(-1, 1, 3)
+        self.planes = np.array(list(room.planes.values())).reshape(-1, 4)
+        self.radius = np.array([t.radius for t in room.targets.values()])
+        self.outline = unit_outline(room)[:, None]
+
+    def shown(self, ends: Array, cameras: Array, targets: Array, forecast: Forecast) -> Array:
+        """Which pairs lie in both images of a target that is tracked and lies on a plane: (M,) bool.
+
+        ends: (M, 2, 2) px; cameras: (M, 2) numbers; targets: (M, T) bool, which each pair may be.
+        """
+        lying = ((forecast.state == TRACKED) & self.touching(forecast.xyz)).nonzero()[0]
+        if not len(lying):
+            return np.zeros(len(ends), bool)
+        place = forecast.xyz[lying]
+        pixel = point_images(self.P, place).xy.swapaxes(0, 1)
+        away = place - self.centers
+        reach2 = self.outline / np.pi * self.radius[lying] ** 2 / np.vecdot(away, away)
+        off = ends[:, :, None] - pixel[cameras]
+        inside = np.vecdot(off, off) <= reach2[cameras]
+        return np.asarray((inside.all(axis=1) & targets[:, lying]).any(axis=1))
+
+    def touching(self, place: Array) -> Array:
+        """Whether balls there touch a plane: (T, 3) m -> (T,) bool."""
+        distance = np.abs(place @ self.planes[:, :3].T + self.planes[:, 3])
+        return np.asarray(np.abs(distance.min(axis=1, initial=np.inf) - self.radius) <= self.clearance)
