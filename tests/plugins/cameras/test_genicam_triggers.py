@@ -47,7 +47,7 @@ def test_a_camera_is_triggered_by_software_at_the_moments_of_all_hosts() -> None
     times = np.array([frame.header.time for frame in frames])
     assert [frame.header.seq for frame in frames] == list(range(5))
     assert triggers >= 5
-    assert np.diff(times) == pytest.approx(50e6, rel=0.5)  # the camera would send 60 pictures a second
+    assert times[-1] - times[0] > 120e6  # by itself the camera takes five pictures in 67 ms
 
 
 @pytest.mark.parametrize(("key", "acts"), [(testing.FakeGigeCamera.DEVICE_KEY, True), (7, False)])
