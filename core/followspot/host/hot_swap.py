@@ -29,6 +29,8 @@ class HostSwaps:
         """
         if self._change.blocks(order):
             raise FollowspotError("another change is under way; try again when it is done")
+        if order.plan is not None:
+            self._pool.check_rows(order.plan)
         change, workers = HostChange(order, self._pool.plan), self._pool.workers
         if all(worker.phase == "over" for worker in workers.values()):
             raise FollowspotError("the run has ended")

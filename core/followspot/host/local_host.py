@@ -19,7 +19,6 @@ from followspot.control.move import MoveOrder
 from followspot.control.observation import GetHostStatus, GetLog, GetStates
 from followspot.control.swap import ChangeOrder, ChangeStatus
 from followspot.control.worker_orders import RELAYED, SetClock
-from followspot.errors import FollowspotError
 from followspot.graph.plan import MAX_NEW_EDGES, Plan
 from followspot.graph.ship import plan_from_data
 from followspot.host.clocks.host import HostClock, reference
@@ -104,11 +103,11 @@ class LocalHost:
         self.pool = WorkerPool(self.name, order, memory, self.network, self.hub, self.log, self._in_process)
         self.supervisor = Supervisor(self.pool, self.clock, self.tell)
         self._swaps = HostSwaps(self.pool)
-        self.ask = self._dispatcher().dispatch
+        self.ask = self._dispatcher(self._swaps).dispatch
         self._follow_clock()
         self.supervisor.prepare()
 
-    def _dispatcher(self) -> Dispatcher:
+    def _dispatcher(self, swaps: HostSwaps) -> Dispatcher:
         """The handlers of requests for the workers here."""
         pool, supervisor = self.pool, self.supervisor
         return Dispatcher(
@@ -117,7 +116,7 @@ class LocalHost:
                 StartRun: lambda _: supervisor.start(),
                 StopRun: lambda _: supervisor.stop(),
                 EndWorkers: lambda request: pool.ended(request.workers),
-                ChangeOrder: self._change,
+                ChangeOrder: swaps.obey,
                 MoveOrder: self.move,
                 **dict.fromkeys(RELAYED, pool.relay),
                 GetHostStatus: lambda _: self.status(),
@@ -126,20 +125,10 @@ class LocalHost:
             },
         )
 
-    def _change(self, order: ChangeOrder) -> None:
-        """One step of a change. Raises FollowspotError; see `HostSwaps.obey`."""
-        assert self._swaps is not None
-        self._check_rows(order.plan)
-        self._swaps.obey(order)
-
-    def _check_rows(self, plan: dict[str, Any] | None) -> None:
-        """Raise FollowspotError if the ledger has no rows for the edges of a new plan."""
-        if plan is not None and plan_from_data(plan).rows > self.ledger.edges:
-            raise FollowspotError(f"the run has had {MAX_NEW_EDGES} new edges: start it anew for more")
-
     def move(self, order: MoveOrder) -> None:
         """One step of a move; the next `attend` does it. Raises FollowspotError."""
-        self._check_rows(order.plan)
+        if order.plan is not None:
+            self.pool.check_rows(order.plan)
         if not order.trial:
             self._moves.append(order)
 

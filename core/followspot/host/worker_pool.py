@@ -13,9 +13,10 @@ from followspot.control.relay import Relayed
 from followspot.control.swap import ChangeStatus
 from followspot.control.worker_messages import Change, Log, State
 from followspot.control.worker_orders import BuildWorker, TakeRing
+from followspot.errors import FollowspotError
 from followspot.graph.change import with_stages
 from followspot.graph.move import host_workers
-from followspot.graph.plan import Plan, PlannedStage
+from followspot.graph.plan import MAX_NEW_EDGES, Plan, PlannedStage
 from followspot.graph.ship import plan_from_data, plan_to_data
 from followspot.host.rings import RingEnd, Rings
 from followspot.host.worker_process import WorkerProcess
@@ -44,6 +45,7 @@ class WorkerPool:
     ) -> None:
         self.order = order
         self.plan: Plan = plan_from_data(order.plan)
+        self._rows = self.plan.rows + MAX_NEW_EDGES
         self.workers: dict[str, WorkerProcess] = {}
         self.over = set(order.over)
         """Workers of any host that have ended."""
@@ -142,6 +144,11 @@ class WorkerPool:
         self._plan_data = plan_to_data(self.plan)
         for stage in stages:
             self.states.pop(stage.name, None)
+
+    def check_rows(self, plan: Mapping[str, Any]) -> None:
+        """Raise FollowspotError if the ledger has no rows for the edges of a new plan."""
+        if plan_from_data(dict(plan)).rows > self._rows:
+            raise FollowspotError(f"the run has had {MAX_NEW_EDGES} new edges: start it anew for more")
 
     def adopt(self, plan: Mapping[str, Any]) -> None:
         """Take a new plan whose stages are in the same workers, or new in one that has them already."""

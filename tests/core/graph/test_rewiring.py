@@ -12,10 +12,12 @@ from tests.core.graph.composed import TRACKER, edges, names, planned, stage
 from tests.core.graph.test_subgraph_in_place import NESTED, WING, after, by_name, travelled
 from tests.core.graph.test_subgraphs import EACH, SHARED, TWO, ZONED
 
-from followspot.errors import InputError
+from followspot.errors import FollowspotError, InputError
 from followspot.graph.change import change_of
 from followspot.graph.difference import only_worker
 from followspot.graph.plan import Plan, PlannedWorker
+from followspot.graph.ship import plan_to_data
+from followspot.host.worker_pool import WorkerPool
 
 SMOOTHED = TRACKER.replace("outputs: {tracks: track.tracks", "outputs: {tracks: second.tracks") + (
     "  second: {uses: toy.track, in: {blobs: pair}, with: {model: constant}}\n"
@@ -133,3 +135,14 @@ def test_a_file_that_does_not_fit_the_running_graph_says_why(tmp_path: Path, fil
     with pytest.raises(InputError) as caught:
         change_of(plan, [f"hall={tmp_path / 'other.yaml'}"])
     assert said in str(caught.value)
+
+
+def test_a_ledger_without_a_row_for_a_new_edge_refuses(tmp_path: Path) -> None:
+    plan = travelled(planned(tmp_path, SHARED, other=SMOOTHED))
+    found = after(plan, f"hall={tmp_path / 'other.yaml'}")
+    pool = WorkerPool.__new__(WorkerPool)
+    pool._rows = found.rows
+    pool.check_rows(plan_to_data(found))
+    pool._rows -= 1
+    with pytest.raises(FollowspotError, match="has had 1024 new edges"):
+        pool.check_rows(plan_to_data(found))
