@@ -322,7 +322,7 @@ ROOM = [
         "kind: color",
         "kind: depth\n    model: ¦cylinder",
         "a depth camera cannot be a cylinder",
-        "pinhole, or fisheye",
+        "pinhole, rational, or fisheye",
     ),
     Broken("room", "size: [320, 240]", "size: ¦[320]", "size has 2 numbers, not 1"),
     Broken("room", "size: [320, 240]", "size: ¦[320, 0]", "whole pixels", "each from 1 to 32768"),
