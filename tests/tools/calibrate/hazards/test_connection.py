@@ -11,6 +11,7 @@ from tests.tools.calibrate.rooms import MadeRoom, off_by, waved_room
 from followspot.errors import FollowspotError
 from followspot.geometry import undistort
 from followspot_calibrate.adjust import Free
+from followspot_calibrate.wand.diagnostics import warnings_of
 from followspot_calibrate.wand.incremental_sfm import grow
 from followspot_calibrate.wand.pairs import match
 from followspot_calibrate.wand.solving import solve
@@ -66,6 +67,14 @@ def test_a_camera_that_was_recorded_at_half_the_size_is_told():
     room.sightings.pixel[:, 2] = room.sightings.pixel[:, 2] / 2
     with pytest.raises(FollowspotError, match=r"points of cam2 fit .* of 640x480 px only: was it"):
         solve(room.sightings, room.cameras, "known")
+
+
+def test_a_place_by_chance_of_a_camera_of_half_the_size_is_warned_about():
+    """Three cameras and 150 points leave the wrong lens room for a place."""
+    room = waved_room(3, 150, seed=1)
+    room.sightings.pixel[:, 2] = room.sightings.pixel[:, 2] / 2
+    told = warnings_of(solve(room.sightings, room.cameras, "known"))
+    assert any("the points of cam2 reach" in one and "at another size" in one for one in told)
 
 
 def test_a_camera_of_another_recording_is_not_told_to_wave():

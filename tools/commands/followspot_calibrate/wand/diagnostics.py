@@ -6,6 +6,7 @@ from collections.abc import Collection
 
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.wand.diagnosis import DEEP, shallow
+from followspot_calibrate.wand.hazards.apart import other_size
 from followspot_calibrate.wand.hazards.bulbs import length_warnings
 from followspot_calibrate.wand.hazards.moved import Moved, moved_cameras
 from followspot_calibrate.wand.hazards.planar import FLAT, REMEDY, flatness
@@ -25,11 +26,19 @@ def warnings_of(solved: Solved, unit: float | None = None, fps: float | None = N
     told += sparse_warnings(solved.sightings, settled, {one.number for one in moved})
     if solved.intrinsics == "free":
         told += depth_warnings(settled)
+    else:
+        told += size_warnings(solved.sightings)
     if solved.planar:
         told.append(f"the points lie nearly in a plane, heights above it are less certain: {REMEDY}")
     if solved.rods is not None:
         told += length_warnings(settled, solved.rods, solved.sightings.pixel)
     return told
+
+
+def size_warnings(sightings: Sightings) -> list[str]:
+    """Cameras whose points look like those of a smaller recording, which may have got a place by chance."""
+    found = (other_size(sightings, number) for number in range(len(sightings.cameras)))
+    return [told for told in found if told]
 
 
 def late_warnings(timed: Timed, fps: float | None) -> list[str]:
