@@ -4,9 +4,16 @@ import gc
 import sys
 from pathlib import Path
 
+import pytest
+
 sys.path.insert(0, str(Path(__file__).parents[1]))
 gc.set_threshold(20_000, 20, 20)  # tests make little garbage: to look for it took 8 % of a run
 
 
 def pytest_collection_finish() -> None:
     gc.freeze()
+
+
+def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> None:
+    if nextitem is None or item.path != nextitem.path:
+        gc.collect()  # cycles may hold pictures
