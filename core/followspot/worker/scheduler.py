@@ -282,7 +282,7 @@ class Worker:
                 continue
             if source.pull() or source.done:
                 pulled, reached = True, min(reached, source.watermark)
-            elif source.early:
+            elif source.keeps:
                 reached = min(reached, source.watermark + 1)
         return pulled
 
@@ -296,7 +296,7 @@ class Worker:
             return
         deadlines = [c.overdue_at for c in self.runners if c.overdue_at is not None and not c.done]
         deadlines += [
-            s.not_before / 1e9 for s in self.sources if s.early and not s.done and not self.hold.holds(s)
+            s.not_before / 1e9 for s in self.sources if s.keeps and not s.done and not self.hold.holds(s)
         ]
         others = deadlines or self.ends.readers or self.ends.writers or self.live or self.hold.holding
         if not (others or any(runner.asks for runner in self.runners)):

@@ -67,6 +67,11 @@ class SourceRunner(StageRunner):
         """Whether the next message is made and must not be sent yet."""
         return self.not_before > time.monotonic_ns()
 
+    @property
+    def keeps(self) -> bool:
+        """Whether a message is made that has not been sent yet."""
+        return self._kept is not NOTHING
+
     def expected(self) -> int | None:
         """How many messages will come; None if the source does not know."""
         length = self.stage.length()

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import threading
+import time
 from pathlib import Path
 
+import pytest
 from tests.core.worker.solo import Solo
 from tests.integration.running import wait_until
 
@@ -53,3 +55,18 @@ def test_while_a_source_waits_its_worker_works_and_no_other_source_goes_ahead(tm
     thread.join(PATIENCE)
     assert not thread.is_alive()
     assert slow.yielded == 2  # what waited is not sent when the run ends
+
+
+def test_what_falls_due_just_before_the_worker_sleeps_is_sent(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = solo(tmp_path)
+    finished = run.worker._finished
+
+    def finished_late() -> bool:
+        time.sleep(0.025)  # longer than from one message to the next
+        return finished()
+
+    monkeypatch.setattr(run.worker, "_finished", finished_late)
+    assert run.run().errors == ()
+    assert [source.yielded for source in run.worker.sources] == [9, 5]
