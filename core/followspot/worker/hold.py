@@ -21,8 +21,8 @@ class SourceHold:
         self.sources: Sequence[SourceRunner] = ()
         self.order: HoldSources | None = None
         """The order that holds the sources, None if they are free."""
-        self._aligned_at: int | None = None
-        """Capture time, ns, from which on a source holds while the worker comes to rest; else None."""
+        self._aligned = False
+        """Whether sources hold at one capture time while the worker comes to rest."""
         self._hold_at = 0
         """Messages of the source that the order names, after which it holds."""
 
@@ -34,8 +34,8 @@ class SourceHold:
     def holds(self, source: SourceRunner) -> bool:
         """True if this source sends nothing now."""
         order = self.order
-        if self._aligned_at is not None:  # even if paused: a source that is behind sends what is missing
-            return isinstance(source, LiveSourceRunner) or source.watermark >= self._aligned_at
+        if self._aligned:  # even if paused: a source that is behind sends what is missing
+            return isinstance(source, LiveSourceRunner) or source.at_limit
         if order is None:
             return False
         if source.name == order.source:
@@ -55,16 +55,24 @@ class SourceHold:
     @property
     def holding(self) -> bool:
         """True if anything holds sources."""
-        return self.order is not None or self._aligned_at is not None
+        return self.order is not None or self._aligned
 
-    def align(self) -> None:
-        """Hold each source as soon as it has reached the newest capture time of any; live ones at once."""
-        replayed = [s.watermark for s in self.sources if not (s.done or isinstance(s, LiveSourceRunner))]
-        self._aligned_at = max(replayed, default=-1)
+    def align(self, window: int) -> None:
+        """Hold each source after the newest capture time of any and the window, ns, in which joins match it.
+
+        So no source has sent a part of what belongs together. Live sources hold at once.
+        """
+        replayed = [s for s in self.sources if not (s.done or isinstance(s, LiveSourceRunner))]
+        newest = max((source.watermark for source in replayed), default=-1)
+        for source in replayed:
+            source.until = newest + window
+        self._aligned = True
 
     def set_free(self) -> None:
         """Hold sources only as the operator says."""
-        self._aligned_at = None
+        for source in self.sources:
+            source.until = END
+        self._aligned = False
 
     def release(self) -> None:
         """Let all sources go on."""

@@ -89,7 +89,8 @@ class HotSwap:
         if self._rewiring is not None:
             patience = _LIVE_REST_TIMEOUT if self._rewiring.wiring.live else _REST_TIMEOUT
             deadline = time.monotonic() + patience
-            self.worker.at_rest(Rest(partial(self._rewire_at, order), deadline, self._rewiring.calm))
+            act, rewiring = partial(self._rewire_at, order), self._rewiring
+            self.worker.at_rest(Rest(act, deadline, rewiring.calm, rewiring.window))
             return
         built, self._built, self._id = self._built, (), ""
         try:

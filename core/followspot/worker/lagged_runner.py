@@ -54,17 +54,28 @@ class LaggedRunner(OutputsRunner):
         seq = firing.seq if given.seq < 0 else given.seq
         return Header(firing.source, seq, given.time, firing.entered)
 
+    def leave(self) -> None:
+        """See `StageRunner.leave`; then send what the stage still owes."""
+        super().leave()
+        self._send_remaining()
+
     def _idle(self) -> None:
         """Without a firing, wait; at the end of the inputs send what remains first."""
-        if self._last is not None and self.join.watermark() == END:
-            firing, self._last = self._last, None
-            try:
-                self._unsent.extend(self._stamped(tuple(self.stage.remaining()), firing))
-            except Exception as error:
-                recover(self, firing, error)
-            self._send_waiting()
+        if self.join.watermark() == END:
+            self._send_remaining()
         if not self._unsent:
             super()._idle()
+
+    def _send_remaining(self) -> None:
+        """Send what the stage gives when no firing follows, once."""
+        if self._last is None:
+            return
+        firing, self._last = self._last, None
+        try:
+            self._unsent.extend(self._stamped(tuple(self.stage.remaining()), firing))
+        except Exception as error:
+            recover(self, firing, error)
+        self._send_waiting()
 
     def _announce(self, watermark: int) -> None:
         """Announce nothing: messages for earlier firings are still owed."""

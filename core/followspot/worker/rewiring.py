@@ -19,6 +19,7 @@ from followspot.worker.input_queue import InputQueue
 from followspot.worker.ledger import COLUMNS, Ledger
 from followspot.worker.live_source import LiveSourceRunner
 from followspot.worker.replacement import Replacement, discarded, dry_run, prepared
+from followspot.worker.sampled_input import NearestInput
 from followspot.worker.scheduler import Worker
 from followspot.worker.stage_runner import StageRunner
 from followspot.worker.tapping import Tap
@@ -74,6 +75,14 @@ class Rewiring:
         except FollowspotError:
             self.discard()
             raise
+
+    @property
+    def window(self) -> int:
+        """The widest window, ns, in which an input of a stage that comes or goes matches messages."""
+        joins = [runner.join for runner in (*self.gone, *self.new)]
+        matched = [queue for join in joins if len(join.members) > 1 for queue in join.members]
+        near = [one for join in joins for one in join.sampled if isinstance(one, NearestInput)]
+        return max((queue.window for queue in (*matched, *(one.queue for one in near))), default=0)
 
     def calm(self) -> bool:
         """Whether no join of a stage that goes has parts of what other workers send. Without other workers,
@@ -144,8 +153,7 @@ class Rewiring:
     def _finish_those_that_go(self) -> None:
         """Fire what waits for partners that will not come any more, then close the stages."""
         for runner in self.gone:
-            if type(runner) is StageRunner:
-                _fire_the_rest(runner)
+            runner.leave()
             self.worker.drain()
         for runner in self.gone:
             _end_taps(runner)
@@ -215,10 +223,3 @@ def _is_same(runner: StageRunner, stage: PlannedStage) -> bool:
 def _queues(runner: StageRunner) -> list[InputQueue]:
     """The queues of all edges into a stage."""
     return [*runner.join.members, *(queue for sampled in runner.join.sampled for queue in sampled.queues)]
-
-
-def _fire_the_rest(runner: StageRunner) -> None:
-    """Fire with what is there: at rest, the partners of a message do not come any more."""
-    while runner.has_room() and (fire_at := runner.join.ready(overdue=True)) is not None:
-        firing = runner.take(fire_at)
-        runner.deliver(runner.run(firing), firing.header)

@@ -47,12 +47,13 @@ _watermark = attrgetter("watermark")
 
 class Rest(NamedTuple):
     """What to do once a worker is at rest. act: gets whether it is; deadline: s, monotonic, to act anyway;
-    calm: says whether nothing waits that other workers have yet to complete.
+    calm: says whether nothing waits that other workers have yet to complete; window: ns, see `align`.
     """
 
     act: Callable[[bool], None]
     deadline: float
     calm: Callable[[], bool]
+    window: int
 
 
 class Worker:
@@ -112,7 +113,7 @@ class Worker:
         Call between two firings, in the worker's thread. Another call takes the place of the last.
         """
         self._rest = rest
-        self.hold.align()
+        self.hold.align(rest.window)
 
     def drain(self) -> None:
         """Fire what is ready until nothing is; no source sends anything. Raises StageError."""
@@ -282,7 +283,7 @@ class Worker:
                 continue
             if source.pull() or source.done:
                 pulled, reached = True, min(reached, source.watermark)
-            elif source.keeps:
+            elif source.keeps and not self.hold.holds(source):
                 reached = min(reached, source.watermark + 1)
         return pulled
 

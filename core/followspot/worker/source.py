@@ -11,6 +11,7 @@ from typing import Any
 
 from followspot.messages import Header, InvalidMessage, in_range
 from followspot.outputs import WrongOutput, check_yielded
+from followspot.transport.token import END
 from followspot.worker.error_policy import recover
 from followspot.worker.stage_runner import StageRunner
 
@@ -33,8 +34,11 @@ class SourceRunner(StageRunner):
     not_before = 0
     """When the message that is kept may be sent, ns of the monotonic clock."""
     stopped = False
+    until = END
+    """Capture time, ns, after which it sends nothing for now."""
     _items: Iterator[Any] | None = None
     _kept: Any = NOTHING
+    _kept_time = 0
 
     def pull(self) -> bool:
         """Send the next message; False if there is none now. Raises StageError."""
@@ -53,8 +57,8 @@ class SourceRunner(StageRunner):
         except (WrongOutput, InvalidMessage) as error:
             self._left_out(item, error)
             return True
-        if self.early:
-            self._kept = item
+        if self.early or header.time > self.until:
+            self._kept, self._kept_time = item, header.time
             return False
         self.watermark = header.time
         self.send(item, header)
@@ -71,6 +75,11 @@ class SourceRunner(StageRunner):
     def keeps(self) -> bool:
         """Whether a message is made that has not been sent yet."""
         return self._kept is not NOTHING
+
+    @property
+    def at_limit(self) -> bool:
+        """Whether every message up to `until` has been sent."""
+        return (self.keeps and self._kept_time > self.until) or self.watermark >= self.until
 
     def expected(self) -> int | None:
         """How many messages will come; None if the source does not know."""

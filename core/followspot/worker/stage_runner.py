@@ -210,6 +210,12 @@ class StageRunner:
         except Exception as error:
             stage.context.warn(f"the stage that was replaced did not close: {type(error).__name__}: {error}")
 
+    def leave(self) -> None:
+        """Fire with what is there: the stage leaves the graph, and no partners of a message come any more."""
+        while not self.done and self.has_room() and (fire_at := self.join.ready(overdue=True)) is not None:
+            firing = self.take(fire_at)
+            self.deliver(self.run(firing), firing.header)
+
     @property
     def asks(self) -> bool:
         """Whether answers of the stage are under way, which will wake the worker."""
