@@ -218,7 +218,8 @@ class OwnRun(ScriptHandle):
     def _asked(self, request: Request, timeout: float) -> Any:
         if self._dispatcher is None or self._ended.is_set():
             raise FollowspotError("the run has ended")
-        return self._dispatcher.dispatch(request)
+        with self._subscribed.yielding():  # the loop over a subscription may be what asks
+            return self._dispatcher.dispatch(request)
 
     def _failure(self) -> Exception | None:
         """The error of the run after its end; None if it succeeded."""

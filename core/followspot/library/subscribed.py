@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from typing import Any
 from uuid import uuid4
@@ -39,6 +40,14 @@ class Subscribed:
     def found(self, word: str) -> Subscription[Any] | None:
         """The subscription of this name; None if `ports=` did not name it."""
         return self._subscriptions.get(word)
+
+    @contextmanager
+    def yielding(self) -> Iterator[None]:
+        """Let no subscription hold up the run meanwhile."""
+        with ExitStack() as stack:
+            for subscription in self._subscriptions.values():
+                stack.enter_context(subscription.yielding())
+            yield
 
     def check_read(self) -> None:
         """Raises FollowspotError if the run waits for a subscription without a reader."""

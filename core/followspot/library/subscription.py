@@ -6,6 +6,7 @@ import asyncio
 import threading
 from collections import deque
 from collections.abc import AsyncIterator, Callable, Collection, Iterator
+from contextlib import contextmanager
 from typing import Any, Generic, TypeVar
 
 from followspot.closing import Closing
@@ -22,8 +23,9 @@ _STALLED = 1.0
 class Subscription(Closing, Generic[M]):
     """Iterates over the messages of one or more ports until the run ends. Leaving the loop closes it.
 
-    A lossless subscription holds up the run while `CAPACITY` messages wait. Any other keeps the newest, and
-    `dropped` counts the rest. Iterate with ``for`` in a thread or with ``async for`` in an event loop;
+    A lossless subscription holds up the run while `CAPACITY` messages wait, except while the run obeys a
+    request of this process (`yielding`). Any other keeps the newest, and `dropped` counts the rest. Iterate
+    with ``for`` in a thread or with ``async for`` in an event loop;
     ``next(subscription)`` takes one message and leaves the subscription open.
     """
 
@@ -52,7 +54,7 @@ class Subscription(Closing, Generic[M]):
         self._begun = False
         self._messages: deque[M] = deque()
         self._changed = threading.Condition()
-        self._senders = 0
+        self._senders = self._requests = 0
         self._ended = self._closed = False
 
     def __iter__(self) -> Iterator[M]:
@@ -94,18 +96,27 @@ class Subscription(Closing, Generic[M]):
             self._changed.notify_all()
         self._on_close()
 
+    @contextmanager
+    def yielding(self) -> Iterator[None]:
+        """Hold nothing up meanwhile: the loop itself may wait for the run, and all messages are kept."""
+        self._request(1)
+        try:
+            yield
+        finally:
+            self._request(-1)
+
     def put(self, message: M, missing: int = 0) -> None:
         """Add a message of the run; wait while a lossless subscription is full.
 
         missing: messages before it that did not come.
         """
         with self._changed:
-            while self.lossless and len(self._messages) >= CAPACITY and not self._closed:
+            while self._is_full and self.lossless and not (self._closed or self._requests):
                 self._changed.wait()
             if self._closed:
                 return
             self.dropped += missing
-            if len(self._messages) >= CAPACITY:
+            if self._is_full and not self.lossless:
                 self._messages.popleft()
                 self.dropped += 1
             self._messages.append(message)
@@ -131,9 +142,19 @@ class Subscription(Closing, Generic[M]):
             self._changed.notify_all()
 
     @property
+    def _is_full(self) -> bool:
+        return len(self._messages) >= CAPACITY
+
+    @property
     def _holds_up(self) -> bool:
         """True if the run waits for the first read."""
-        return self.lossless and not (self._begun or self._closed) and len(self._messages) >= CAPACITY
+        return self.lossless and not (self._begun or self._closed) and self._is_full
+
+    def _request(self, change: int) -> None:
+        """Count a request that begins (1) or ends (-1)."""
+        with self._changed:
+            self._requests += change
+            self._changed.notify_all()
 
     def check_siblings(self) -> None:
         """Raises FollowspotError if the run is held up by a subscription that no loop reads."""
