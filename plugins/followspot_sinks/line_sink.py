@@ -90,5 +90,5 @@ def below(folder: Path, name: Path) -> Path:
 
 def seconds(time: int) -> str:
     """Nanoseconds as exact decimal seconds."""
-    whole, rest = divmod(time, 1_000_000_000)
-    return f"{whole}.{rest:09d}"
+    whole, rest = divmod(abs(time), 1_000_000_000)
+    return f"{'-' if time < 0 else ''}{whole}.{rest:09d}"

@@ -46,6 +46,13 @@ def test_tracks_are_one_row_per_target_and_frame(tmp_path: Path) -> None:
     ]
 
 
+def test_times_before_zero_are_written_as_they_are(tmp_path: Path) -> None:
+    _, *rows = (
+        saved(tmp_path, tracks(0, -1_250_000_000, 1), tracks(1, -250_000_000, 1)).read_text().splitlines()
+    )
+    assert [float(row.split(",")[1]) for row in rows] == [-1.25, -0.25]
+
+
 def test_a_sink_that_is_resumed_adds_to_what_the_run_has_written(tmp_path: Path) -> None:
     whole = saved(tmp_path / "whole", tracks(0, 0), tracks(1, 10)).read_text()
     saved(tmp_path, tracks(0, 0))
