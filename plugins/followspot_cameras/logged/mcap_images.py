@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from mcap.exceptions import McapError
 from mcap.reader import McapReader, make_reader
+from mcap.records import Channel, Message, Schema
 from mcap.summary import Summary
 
 from followspot.errors import InputError
@@ -70,14 +70,19 @@ def _topic(params: LogParams, summary: Summary) -> str:
 
 def _images(path: Path, reader: McapReader, topic: str) -> Iterator[StoredImage | None]:
     """The pictures of a topic. Raises InputError where the file is damaged."""
+    for schema, channel, message in _messages(path, reader, topic):
+        try:
+            name = schema.name if schema is not None else ""
+            yield stored_image(name, channel.message_encoding, message.data, message.log_time)
+        except ValueError:
+            yield None
+
+
+def _messages(path: Path, reader: McapReader, topic: str) -> Iterator[tuple[Schema | None, Channel, Message]]:
+    """The messages of a topic. Raises InputError where the file is damaged."""
     try:
-        for schema, channel, message in reader.iter_messages(topics=[topic]):
-            try:
-                name = schema.name if schema is not None else ""
-                yield stored_image(name, channel.message_encoding, message.data, message.log_time)
-            except ValueError:
-                yield None
-    except McapError as error:
+        yield from reader.iter_messages(topics=[topic])
+    except Exception as error:  # of the reader, or of the package that unpacks a chunk
         raise _damaged(path, error) from None
 
 

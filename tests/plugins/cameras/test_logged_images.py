@@ -31,6 +31,7 @@ from followspot_cameras.logged.stored_image import StoredImage
 
 WIDTH, HEIGHT = SIZE
 STAMPS = [1_700_000_000_000_000_007, 1_700_000_000_100_000_000, 1_700_000_001_000_000_000]
+SCHEMA = "foxglove.CompressedImage"
 FRAMES = [(stamp, number) for number, stamp in enumerate(STAMPS)]
 
 
@@ -201,6 +202,18 @@ def test_hostile_files_are_refused_with_a_remedy(tmp_path: Path) -> None:
         (tmp_path / path).write_bytes(b"no log")
         with pytest.raises(InputError, match=r"cannot be read as a ROS bag(.|\n)*give a file"):
             check(RosBag, tmp_path / path)
+
+
+def test_a_chunk_that_cannot_be_unpacked_is_refused_with_a_remedy(tmp_path: Path) -> None:
+    path = tmp_path / "log.mcap"
+    mcap(path, SCHEMA, "json", [message(SCHEMA, "json", *frame) for frame in FRAMES])
+    begins_zstd = bytes.fromhex("28b52ffd")
+    whole = path.read_bytes()
+    assert begins_zstd in whole
+    path.write_bytes(whole.replace(begins_zstd, b"none"))
+    for act in (check, play):
+        with pytest.raises(InputError, match=r"is no whole MCAP file(.|\n)*mcap recover"):
+            act(McapImages, path)
 
 
 def test_pictures_of_another_size_are_refused_before_they_are_converted(tmp_path: Path) -> None:
