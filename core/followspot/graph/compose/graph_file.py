@@ -65,7 +65,8 @@ class GraphFiles:
 
     def root(self, path: Path) -> GraphFile:
         """The file of the graph itself. Raises InputError if it cannot be read."""
-        return self._read(path, (), None, "check the path")
+        remedy = "check the path; `followspot graphs` lists and copies the graphs that come with followspot"
+        return self._read(path, (), None, remedy)
 
     def used(self, node: Node, key: str, above: tuple[str, ...], outer: Place) -> GraphFile | None:
         """The file that a node names below `key`; None if a mistake was noted.
