@@ -56,6 +56,12 @@ def test_what_was_changed_is_never_replaced(tmp_path: Path, capsys: pytest.Captu
     assert 'did you mean "glowballs"?' in capsys.readouterr().err
 
 
+def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "taken").write_text("a file")
+    assert main(["graphs", "glowballs", "--to", "taken"]) == 2
+    assert "taken cannot be written" in capsys.readouterr().err
+
+
 def test_the_demo_runs_in_any_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["demo", "--frames", "2", "--quiet", "--set", "save.path=mine.csv", "--out", "out"]) == 0
     assert (tmp_path / "out" / "mine.csv").read_text().count("\n") > 1

@@ -14,7 +14,7 @@ def copy_graphs(names: Iterable[str], to: Path) -> list[Path]:
     """Copy graphs and what they need into a folder; return the new files.
 
     Files that are there already and say the same are left alone. Raises InputError, and copies nothing, if a
-    graph is unknown or a file there says something else.
+    graph is unknown or a file there says something else; also if the folder cannot be written.
     """
     source = graphs_folder()
     wanted = {path: to / path.relative_to(source) for name in names for path in files_of(graph_file(name))}
@@ -22,7 +22,11 @@ def copy_graphs(names: Iterable[str], to: Path) -> list[Path]:
     for path, target in wanted.items():
         if path not in new and (not target.is_file() or target.read_bytes() != path.read_bytes()):
             raise InputError.of(f"{target} exists and says something else", "choose another folder with --to")
-    for path, target in new.items():
-        target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(path, target)
+    try:
+        for path, target in new.items():
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(path, target)
+    except OSError as error:
+        text = f"{error.filename or to} cannot be written: {error.strerror}"
+        raise InputError.of(text, "choose another folder with --to") from None
     return list(new.values())
