@@ -28,7 +28,10 @@ _TIMEOUT = 60.0
 """Seconds in which new stages must be built, and again to take over."""
 _POLL_INTERVAL = 0.01
 """Seconds between two polls of the host."""
-_APART = "run it in one worker, or stop it and start it with --set {name}.graph=FILE"
+_APART = (
+    "run it in one worker, and record only ports outside {name} (--record-ports); or stop it and start it "
+    "with --set {name}.graph=FILE"
+)
 
 
 def rewire(run: Coordinator, new: Plan, name: str, *, fresh: bool) -> None:
