@@ -1,45 +1,32 @@
 """Runs `followspot` commands in processes that are forked from one that has imported what most of them need.
 
 A command that starts anew imports for half a second and more, and the tests start hundreds. Each still has a
-process, a folder, an environment and outputs of its own. Tests that change what can be imported, or that send
-signals, start a new interpreter instead (`COMMAND`).
-
-`python tests/commands.py FD` is the process that forks; FD is a socket to the test.
+process, a folder, an environment and outputs of its own, and signals do what they do to others. Tests that
+change what can be imported start a new interpreter instead (`COMMAND`).
 """
 
 from __future__ import annotations
 
-import atexit
 import functools
-import gc
 import json
 import os
-import pkgutil
+import select
 import signal
 import socket
-import struct
 import subprocess
 import sys
-import tempfile
-import threading
-import traceback
+import time
 from collections.abc import Mapping
-from importlib import import_module
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING
+
+from tests.forking import NUMBER
+
+if TYPE_CHECKING:
+    from typing import IO, Self
 
 COMMAND = [sys.executable, "-m", "followspot.cli.main"]
-WARM = (
-    "followspot_accuracy.scorings",
-    "followspot_balls.color_blobs",
-    "followspot_balls.mean_shift",
-    "followspot_sim.picture",
-    "followspot_sinks.csv_file",
-    "followspot_target_filter.stage",
-    "rich.table",
-)
-"""What the demo imports beside the core."""
-NUMBER = struct.Struct("=q")
 
 
 def command(
@@ -53,25 +40,96 @@ def command(
 
     check: whether it must work.
     """
+    with launch(*words, cwd=cwd, env=env) as started:
+        try:
+            out, errors = started.communicate(timeout)
+        except subprocess.TimeoutExpired:
+            started.kill()
+            raise
+    done = subprocess.CompletedProcess(started.args, started.wait(), out, errors)
+    assert not check or not done.returncode, done.stderr + done.stdout
+    return done
+
+
+class Started:
+    """A command that goes on, with what tests need of `subprocess.Popen`.
+
+    pid: its process; stdout, stderr: what it says.
+    """
+
+    def __init__(self, words: list[str], status: socket.socket, stdout: IO[str], stderr: IO[str]) -> None:
+        self.args, self.stdout, self.stderr = words, stdout, stderr
+        self.returncode: int | None = None
+        self._status = status
+        self.pid = _number(status)
+        self._said: tuple[Future[str], Future[str]] | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *found: object) -> None:
+        self.wait()
+        if self._said is None:
+            self.stdout.close()
+            self.stderr.close()
+
+    def poll(self) -> int | None:
+        """Its exit code, None while it goes on."""
+        if self.returncode is None and select.select([self._status], [], [], 0)[0]:
+            self.wait()
+        return self.returncode
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Its exit code. Raises subprocess.TimeoutExpired."""
+        if self.returncode is None:
+            if not select.select([self._status], [], [], timeout)[0]:
+                raise subprocess.TimeoutExpired(self.args, timeout or 0.0)
+            self.returncode = _number(self._status)
+            self._status.close()
+        return self.returncode
+
+    def communicate(self, timeout: float | None = None) -> tuple[str, str]:
+        """The rest of what it says until its end. Raises subprocess.TimeoutExpired."""
+        until = None if timeout is None else time.monotonic() + timeout
+        if self._said is None:
+            readers = ThreadPoolExecutor(2)
+            self._said = readers.submit(_rest, self.stdout), readers.submit(_rest, self.stderr)
+            readers.shutdown(wait=False)
+        try:
+            out, errors = (said.result(until and max(until - time.monotonic(), 0.0)) for said in self._said)
+        except TimeoutError:
+            raise subprocess.TimeoutExpired(self.args, timeout or 0.0) from None
+        self.wait(until and max(until - time.monotonic(), 0.0))
+        return out, errors
+
+    def send_signal(self, number: signal.Signals) -> None:
+        if self.poll() is None:
+            os.kill(self.pid, number)
+
+    def kill(self) -> None:
+        self.send_signal(signal.SIGKILL)
+
+    def terminate(self) -> None:
+        self.send_signal(signal.SIGTERM)
+
+
+Process = subprocess.Popen[str] | Started
+
+
+def launch(*words: object, cwd: Path | None = None, env: Mapping[str, str] | None = None) -> Started:
+    """What `subprocess.Popen([*COMMAND, *words], stdout=PIPE, stderr=PIPE, text=True)` starts."""
     said = list(map(str, words))
     order = json.dumps([said, str(cwd or Path.cwd()), dict(os.environ if env is None else env)]).encode()
-    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as errors:
-        server = _server()
-        socket.send_fds(server, [NUMBER.pack(len(order))], [out.fileno(), errors.fileno()])
-        server.sendall(order)
-        pid = _number(server)
-        server.settimeout(timeout)
-        try:
-            code = _number(server)
-        except TimeoutError:
-            os.kill(pid, signal.SIGKILL)
-            server.settimeout(None)
-            _number(server)
-            raise subprocess.TimeoutExpired(said, timeout, _text(out), _text(errors)) from None
-        server.settimeout(None)
-        done = subprocess.CompletedProcess(said, code, _text(out), _text(errors))
-    assert not check or not code, done.stderr + done.stdout
-    return done
+    status, theirs = socket.socketpair()
+    out, out_end = os.pipe()
+    errors, errors_end = os.pipe()
+    server = _server()
+    socket.send_fds(server, [NUMBER.pack(len(order))], [out_end, errors_end, theirs.fileno()])
+    server.sendall(order)
+    for end in (out_end, errors_end):
+        os.close(end)
+    theirs.close()
+    return Started(said, status, os.fdopen(out), os.fdopen(errors))
 
 
 @functools.cache
@@ -80,7 +138,7 @@ def _server() -> socket.socket:
     here, there = socket.socketpair()
     with there:
         subprocess.Popen(
-            [sys.executable, __file__, str(there.fileno())],
+            [sys.executable, Path(__file__).with_name("forking.py"), str(there.fileno())],
             pass_fds=[there.fileno()],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
@@ -89,63 +147,12 @@ def _server() -> socket.socket:
     return here
 
 
-def _number(server: socket.socket) -> int:
-    text = server.recv(NUMBER.size, socket.MSG_WAITALL)
+def _number(status: socket.socket) -> int:
+    text = status.recv(NUMBER.size, socket.MSG_WAITALL)
     assert len(text) == NUMBER.size, "the process that starts commands has ended"
     return int(NUMBER.unpack(text)[0])
 
 
-def _text(file: object) -> str:
-    file.seek(0)  # type: ignore[attr-defined]
-    return file.read().decode()  # type: ignore[attr-defined,no-any-return]
-
-
-def serve(orders: socket.socket) -> None:
-    """Fork a process for each order, and tell its process id and its exit code."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the test decides
-    package = import_module("followspot")
-    for name in (*(m.name for m in pkgutil.walk_packages(package.__path__, "followspot.")), *WARM):
-        import_module(name)
-    assert len(list(Path("/proc/self/task").iterdir())) == 1, "a fork would lose threads"
-    gc.freeze()
-    while True:
-        size, outputs, _, _ = socket.recv_fds(orders, NUMBER.size, 2)
-        if not size:
-            return
-        order = orders.recv(NUMBER.unpack(size)[0], socket.MSG_WAITALL)
-        if (pid := os.fork()) == 0:
-            orders.close()
-            _become(outputs, *json.loads(order))
-        for descriptor in outputs:
-            os.close(descriptor)
-        orders.sendall(NUMBER.pack(pid))
-        orders.sendall(NUMBER.pack(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])))
-
-
-def _become(outputs: list[int], words: list[str], folder: str, environment: dict[str, str]) -> NoReturn:
-    """Be a process with this command, as a new interpreter would be."""
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    for number, descriptor in enumerate(outputs, 1):
-        os.dup2(descriptor, number)
-        os.close(descriptor)
-    os.chdir(folder)
-    os.environ.clear()
-    os.environ.update(environment)
-    sys.argv[1:] = words
-    code = 1
-    try:
-        code = import_module("followspot.cli.main").main()
-    except SystemExit as end:
-        code = end.code if isinstance(end.code, int) else int(end.code is not None)
-    except BaseException:  # as the interpreter does
-        traceback.print_exc()
-    threading._shutdown()  # type: ignore[attr-defined]
-    atexit._run_exitfuncs()
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(code)
-
-
-if __name__ == "__main__":
-    sys.path.pop(0)  # a command does not find what stands beside the tests
-    serve(socket.socket(fileno=int(sys.argv[1])))
+def _rest(output: IO[str]) -> str:
+    with output:
+        return output.read()

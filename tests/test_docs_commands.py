@@ -30,8 +30,10 @@ ELSEWHERE = {
     r"python3 -m venv": ".ci/run",
     r"python tools/bench": "tests/tools/test_benchmarks.py",
     r"followspot .*--dashboard|followspot dashboard": "tests/integration/test_dashboard.py",
-    r"followspot (top|hz|echo|logs)": "tests/tools/watch",
+    r"followspot (runs|top|hz|echo|logs)": "tests/tools/watch",
     r"followspot (swap|set)": "tests/integration/test_swap.py",
+    r"followspot mark|followspot run .*--keep": "tests/tools/flight/test_kept_runs.py",
+    r"followspot save": "tests/tools/page/test_save.py",
     r"followspot move": "tests/integration/test_move.py",
     r"followspot (pause|step|resume)": "tests/integration/test_pause.py",
     r"followspot (agent|router)|followspot run .*--(connect|listen)": "tests/integration/test_agents.py",
@@ -83,21 +85,30 @@ def run_here() -> list[str]:
 
 @pytest.mark.parametrize("page", run_here())
 def test_the_commands_of_a_page_work_one_after_the_other(
-    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "graphs").symlink_to(ROOT / "graphs")
     write_files(page, tmp_path)
     for line in shown(page):
         if elsewhere(line) is None:
-            assert main(shortened(line)) == 0, line
+            command, _, file = line.partition(" > ")
+            capsys.readouterr()
+            assert main(shortened(command)) == 0, line
+            if file:
+                Path(file).write_text(capsys.readouterr().out)
 
 
 def shortened(line: str) -> list[str]:
-    """The command's words; of a run only the first pictures."""
+    """The command's words; of a run and of a simulation only the first pictures."""
     name, *words = shlex.split(line)
     assert name == "followspot", line
-    few = {"run": ["--frames", "2", "--quiet"], "record": ["--frames", "2", "--quiet"], "replay": ["--quiet"]}
+    few = {
+        "run": ["--frames", "2", "--quiet"],
+        "record": ["--frames", "2", "--quiet"],
+        "replay": ["--quiet"],
+        "simulate": ["--frames", "10"],
+    }
     return [*words, *few.get(words[0], [])]
 
 

@@ -48,7 +48,8 @@ def test_what_is_built_is_held_by_a_test() -> None:
 
 @pytest.mark.parametrize("line", commands())
 def test_every_command_is_understood_and_its_variants_can_be_planned(line: str) -> None:
-    args = build_parser().parse_args(shlex.split(line)[1:])
+    words = shlex.split(line)[1:]
+    args = build_parser(words).parse_args(words)
     assert callable(args.run_command)
     if line.startswith("followspot compare "):
         args.graphs, args.rooms = [str(ROOT / graph) for graph in args.graphs], [ROOM]

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from followspot.errors import FollowspotError, InputError, Mistake
     from followspot.library.connect import ConnectedRun, connect
     from followspot.library.graph import Graph
+    from followspot.library.keep import Keep
     from followspot.library.recording import Recording, open_recording
     from followspot.library.report import Report
     from followspot.library.run import OwnRun, RunFailed, check, run
@@ -54,6 +55,7 @@ _HOME = {
     "ConnectedRun": "library.connect",
     "connect": "library.connect",
     "Graph": "library.graph",
+    "Keep": "library.keep",
     "Recording": "library.recording",
     "open_recording": "library.recording",
     "Report": "library.report",
@@ -108,6 +110,7 @@ __all__ = [
     "InputError",
     "InputPath",
     "Joined",
+    "Keep",
     "Lagged",
     "Latest",
     "Member",

@@ -43,6 +43,10 @@ class Form:
         """Note a mistake at a value."""
         self.mistakes.append(Mistake(node.place, text, remedy))
 
+    def unfit(self, key: str, text: str, remedy: str) -> None:
+        """Note a mistake at a key that is there."""
+        self.mistakes.append(Mistake(self.entries[key].key, text, remedy))
+
     def unknown(self, node: Node, text: str, word: str, known: Collection[str], noun: str) -> None:
         """Note a mistake at the key of a value: an unknown word."""
         self.mistakes.append(Mistake(node.key, text, did_you_mean(word, known, noun)))

@@ -71,6 +71,14 @@ def plain(values: Array | list[Any]) -> list[Any]:
     return list(values.tolist())
 
 
+def named_columns(kind: type[Message]) -> dict[str, tuple[Column, int]]:
+    """The table columns that a type's declaration says, by name: a column of the message, and which of the
+    numbers in its rows; names as in files and JSON.
+    """
+    columns = _layout(kind).columns  # type: ignore[arg-type]  # classes can be hashed
+    return {head: (column, index) for column, heads in columns for index, head in enumerate(heads)}
+
+
 class _Layout(NamedTuple):
     """What the declaration of a type says of its table.
 

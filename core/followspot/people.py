@@ -58,6 +58,9 @@ class Appearances(Message):
     """Pose at the last update of the appearance: x, y, height (m), heading, pan, tilt (rad)."""
     stature: Array = column("P", 2)
     """Height of the person and its sigma, m, from all updates."""
+    contact: Array = column("P", 2)
+    """Horizontal distance from the camera (m) by the feet on the floor at the last update, and its precision
+    (1/m^2), 0 if they were not seen."""
     seen: Array = column("P", dtype="i8", unit="ns")
     """Capture time of the last update."""
     left: Array = column("P", dtype="u1")

@@ -12,6 +12,7 @@ from functools import cache
 from typing import Any, Literal, get_args, get_origin
 
 from followspot.errors import FollowspotError
+from followspot.firing import FIRINGS, Firing
 from followspot.messages import Message
 from followspot.stage import (
     DeferredOutput,
@@ -95,7 +96,9 @@ class Ports:
         return next((port for port in self.inputs if self.any_name or port.name == name), None)
 
     def output(self, name: str) -> OutputSpec | None:
-        """The output of that name."""
+        """The output of that name; a recording reads the firings of a stage with inputs like an output."""
+        if name == FIRINGS and self.inputs:
+            return OutputSpec(FIRINGS, Firing)
         return next((port for port in self.outputs if port.name == name), None)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from followspot.messages import Array
 
 Trigger = Literal["line", "software", "action"]
+Match = Literal["number", "time"]
 Model = Literal["pinhole", "rational", "fisheye", "cylinder"]
 
 
@@ -125,7 +126,8 @@ class Sync:
     trigger: "line", the leading camera triggers the others over a cable; "software", each camera is triggered
     by its own host, at moments that the hosts' clocks share; "action", the host of the leading camera sends
     action commands of GigE Vision to all at once; camera: the leading one, "" for none; rate: triggers a
-    second, 0 for a line; the keys are those of action commands.
+    second, 0 if a line's is unknown; the keys are those of action commands; match: "number" if pictures of
+    one trigger get one capture time, by their numbers, "time" if each keeps that of the camera's clock.
     """
 
     trigger: Trigger
@@ -134,6 +136,7 @@ class Sync:
     device_key: int = 1
     group_key: int = 1
     group_mask: int = 1
+    match: Match = "number"
 
 
 @dataclass(frozen=True, eq=False)

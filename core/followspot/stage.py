@@ -151,8 +151,18 @@ class Context:
     """Count frames that the device made and that did not come, for a live source: with packets missing
     (`packet_loss`), given up because they were not taken in time (`device_overrun`), or left out in the
     numbers of the frames (`gap`). The ledger shows them as lost at the source."""
+    run_begun: Callable[[], int] = time.monotonic_ns
+    """When the stages of this host began together, ns of `time.monotonic_ns`."""
     post: Post | None = None
     """Channel to the observers of a tap on another host than the operator's."""
+
+    def begun(self) -> int:
+        """Since when a source that plays at a pace counts, ns of `time.monotonic_ns`.
+
+        That is when all sources of this host began, in whichever workers they are; for one that comes later
+        (`resumed`) it is now.
+        """
+        return time.monotonic_ns() if self.resumed else self.run_begun()
 
     @classmethod
     def serving(cls, camera: Camera, room: Room | None = None, **rest: Any) -> Context:
@@ -289,6 +299,13 @@ class Stage:
 
     def length(self) -> int | None:
         """Number of messages that a source will yield, if known after `setup`; for progress only."""
+        return None
+
+    def capture_time(self, number: int) -> int | None:
+        """Capture time of the message of this number, from 0, of a source, ns, if known after `setup`.
+
+        A run of N frames ends its sensors at that of the last frame; without it, soon after the last frame.
+        """
         return None
 
     def remaining(self) -> Iterable[Any]:

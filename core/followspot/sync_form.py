@@ -7,10 +7,11 @@ from typing import cast
 
 from followspot.errors import did_you_mean
 from followspot.form import Form
-from followspot.room import Sync, Trigger
+from followspot.room import Match, Sync, Trigger
 
-KEYS = ("trigger", "camera", "rate", "device_key", "group_key", "group_mask")
+KEYS = ("trigger", "camera", "rate", "device_key", "group_key", "group_mask", "match")
 TRIGGERS = ("line", "software", "action")
+MATCHES = ("number", "time")
 LARGEST_KEY = (1 << 32) - 1
 
 
@@ -27,9 +28,12 @@ def sync_of(form: Form, cameras: Collection[str]) -> Sync | None:
         own.wrong(own.entries["camera"], text, did_you_mean(leader, cameras, "cameras"))
     rate = own.number("rate", least=0.01, most=10_000, required=trigger in ("software", "action"))
     keys = [_key(own, name) for name in ("device_key", "group_key", "group_mask")]
+    match = own.text("match", choices=MATCHES) or "number"
     if trigger is None:
         return None
-    return Sync(cast(Trigger, trigger), leader or "", rate or 0.0, *keys)
+    return Sync(
+        cast(Trigger, trigger), leader or "", rate or 0.0, keys[0], keys[1], keys[2], cast(Match, match)
+    )
 
 
 def _key(form: Form, name: str) -> int:

@@ -182,7 +182,7 @@ def mistakes_or_none(read_it: Callable[[], Node]) -> Sequence[Mistake]:
     return ()
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=120, deadline=None)
 @given(st.text(max_size=80) | st.text(alphabet="ab:{}[]&*!<-?|>'\"#%@, \n\t0.", max_size=80))
 @example("a: \ud800")
 @example("a: \x85b: 1")
@@ -193,7 +193,7 @@ def test_any_text_is_read_or_is_a_mistake_with_a_place(text: str) -> None:
         assert mistake.place.column >= 1
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(data=st.binary(max_size=60))
 def test_any_file_is_read_or_is_a_mistake(tmp_path_factory: pytest.TempPathFactory, data: bytes) -> None:
     path = tmp_path_factory.getbasetemp() / "fuzz.yaml"

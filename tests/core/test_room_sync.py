@@ -25,6 +25,7 @@ def written(folder: Path, text: str) -> Path:
     [
         ("{trigger: software, rate: 29.97}", Sync("software", rate=29.97)),
         ("{trigger: line, camera: cam0}", Sync("line", "cam0")),
+        ("{trigger: line, camera: cam0, rate: 60, match: time}", Sync("line", "cam0", 60.0, match="time")),
         (
             "{trigger: action, camera: cam0, rate: 60, device_key: 66, group_key: 2, group_mask: 0}",
             Sync("action", "cam0", 60.0, 66, 2, 0),
@@ -50,6 +51,7 @@ def test_sync_is_read_and_written(tmp_path: Path, text: str, expected: Sync) -> 
         ("{trigger: line, camera: cam9}", r'there is no camera "cam9"(.|\n)*cam0'),
         ("{trigger: action, camera: cam0, rate: 5, group_key: 1.5}", "group_key is no whole number"),
         ("{trigger: action, camera: cam0, rate: 5, device_key: 4294967296}", "device_key"),
+        ("{trigger: line, camera: cam0, match: tim}", 'did you mean "time"'),
         ("{trigger: line, camera: cam0, fps: 3}", 'sync has no key "fps"'),
     ],
 )

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
+import pytest
 
 from followspot.rotation import (
     angle_between,
     canonical,
+    cross,
     from_rotation_vector,
     inverse,
     matrix,
@@ -57,3 +59,11 @@ def test_what_is_not_known_stays_so() -> None:
     assert np.isnan(canonical(unknown)).all()
     assert np.isnan(rotation_vector(unknown)).all()
     assert np.isnan(turned(unknown, np.ones((1, 3)))).all()
+
+
+@pytest.mark.parametrize("shapes", [((3,), (3,)), ((4, 1, 3), (4, 2, 3)), ((3,), (5, 3))])
+def test_a_cross_product_is_that_of_numpy_bit_for_bit(
+    shapes: tuple[tuple[int, ...], tuple[int, ...]],
+) -> None:
+    a, b = (np.random.default_rng(seed).normal(size=shape) for seed, shape in enumerate(shapes))
+    np.testing.assert_array_equal(cross(a, b), np.cross(a, b))

@@ -12,7 +12,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from tests.commands import COMMAND
+from tests.commands import COMMAND, Process, launch
 from tests.integration.running import STAGES
 
 PORT = 7450
@@ -169,7 +169,7 @@ class Hosts:
 class Agent:
     """A ready `followspot agent`, on this host or in a namespace."""
 
-    def __init__(self, process: subprocess.Popen[str], folder: Path) -> None:
+    def __init__(self, process: Process, folder: Path) -> None:
         self.process = process
         assert process.stderr is not None
         self.lines: list[str] = []
@@ -190,13 +190,10 @@ class Agent:
     def end(self) -> int:
         self.process.terminate()
         self.process.communicate(timeout=30)
-        return self.process.returncode
+        return self.process.wait()
 
 
 def near_agent(name: str, folder: Path, *options: str | Path, at: str = "tcp/127.0.0.1:0") -> Agent:
     """An agent on this host, reached through loopback; at: its endpoint, by default at a free port."""
     words = ["agent", "--name", name, "--listen", at, "--plugin", STAGES, *options]
-    process = subprocess.Popen(
-        [*COMMAND, *map(str, words)], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=folder
-    )
-    return Agent(process, folder)
+    return Agent(launch(*words, cwd=folder), folder)

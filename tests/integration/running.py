@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 import os
 import re
-import subprocess
 import time
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tests.commands import COMMAND, command
+from tests.commands import Process, Started, command, launch
 
 STAGES = Path(__file__).parent.parent / "stages" / "ticks.py"
 
@@ -58,20 +57,19 @@ def write_graph(folder: Path, stages: str, name: str = "graph") -> Path:
     return path
 
 
-def start(graph: Path, out: Path, *options: str) -> subprocess.Popen[str]:
+def start(graph: Path, out: Path, *options: str) -> Started:
     """Start `followspot run`."""
-    words = [*COMMAND, *words_of(graph, out, *options)]
-    return subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    return launch(*words_of(graph, out, *options))
 
 
 def words_of(graph: Path, out: Path, *options: str) -> list[str]:
     return ["run", str(graph), "--plugin", str(STAGES), "--out", str(out), "--json", *options]
 
 
-def finish(process: subprocess.Popen[str], out: Path) -> Finished:
+def finish(process: Process, out: Path) -> Finished:
     """Wait for the end of a started run."""
     stdout, stderr = process.communicate(timeout=90)
-    return finished(process.returncode, stdout, stderr, out)
+    return finished(process.wait(), stdout, stderr, out)
 
 
 def finished(code: int, stdout: str, stderr: str, out: Path) -> Finished:

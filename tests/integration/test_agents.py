@@ -6,12 +6,14 @@ import json
 import signal
 import subprocess
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from threading import Timer
 from typing import Any
+from urllib.request import urlopen
 
 import pytest
-from tests.commands import COMMAND, command
+from tests.commands import Started, command, launch
 from tests.integration.hosts import Agent, free_port, near_agent
 from tests.integration.running import (
     STAGES,
@@ -24,6 +26,7 @@ from tests.integration.running import (
     workers,
     write_graph,
 )
+from tests.tools.page.bundled import UNREACHED, made
 
 import followspot as fs
 from followspot.control.zenoh_rpc import agents
@@ -65,7 +68,7 @@ class Room:
         self.agents[name] = near_agent(name, home, *others, at=self.endpoints[name])
         return self.agents[name]
 
-    def begin(self, *options: str) -> subprocess.Popen[str]:
+    def begin(self, *options: str) -> Started:
         placement = ("--placement", str(self.folder / "hosts.yaml"))
         return start(self.graph, self.folder / "out", *placement, *self.connect, *options)
 
@@ -95,7 +98,7 @@ def grows(path: Path, fits: Callable[[int], bool] = lambda value: True, more: in
     assert wait_until(lambda: sum(map(fits, values(path)[before:])) >= more, 40.0), values(path)[-5:]
 
 
-def ended(process: subprocess.Popen[str], out: Path) -> Finished:
+def ended(process: Started, out: Path) -> Finished:
     process.send_signal(signal.SIGINT)
     return finish(process, out)
 
@@ -140,6 +143,25 @@ def test_a_script_holds_and_ends_a_run_under_agents(room: Room) -> None:
         assert run.over()
 
 
+def page_of(run: str, connect: list[str]) -> Started | None:
+    """The page of a run under agents, once it shows the work of both; None if npm cannot be reached."""
+    code, said = made()
+    if code == UNREACHED:
+        return None
+    assert code == 0, said
+    page = launch("dashboard", run, "--dashboard-at", "127.0.0.1:0", "--plugin", STAGES, *connect)
+    url = page.stderr.readline().split()[-1]
+    assert wait_until(lambda: shown_hosts(url) == {"pc-left", "pc-right"})
+    return page
+
+
+def shown_hosts(url: str) -> set[str]:
+    """The hosts of the stages that have fired, as the page of a run tells."""
+    with suppress(OSError), urlopen(f"{url}status", timeout=20) as answer:
+        return {stage["host"] for stage in json.load(answer)["stages"] if stage["fired"]}
+    return set()
+
+
 def test_a_detached_run_outlives_its_operators(room: Room) -> None:
     process = room.begin("--detach", "--host", "pc-right")
     stdout, stderr = process.communicate(timeout=60)
@@ -149,8 +171,8 @@ def test_a_detached_run_outlives_its_operators(room: Room) -> None:
     (written,) = room.folder.glob(f"pc-right/runs/*-{run}-pc-right/ticks.csv")
     grows(written)
     watched_from_elsewhere(run, room.connect)
-    looking = subprocess.Popen([*COMMAND, "attach", *room.connect], stderr=subprocess.PIPE, text=True)
-    assert looking.stderr is not None
+    page = page_of(run, room.connect)
+    looking = launch("attach", *room.connect)
     assert run[:8] in looking.stderr.readline()
     looking.kill()
     looking.communicate()
@@ -170,6 +192,9 @@ def test_a_detached_run_outlives_its_operators(room: Room) -> None:
     grows(written, of_left, 5)
     done = command("attach", "graph", "--stop", "--json", *room.connect)
     assert done.returncode == 0, done.stderr + done.stdout
+    if page is not None:
+        page.communicate(timeout=60)
+        assert page.returncode == 0, "the page ends with its run"
     summary: dict[str, Any] = json.loads(done.stdout)
     assert balanced(summary)
     assert any("worker left is back" in line for line in summary["warnings"])
@@ -181,7 +206,7 @@ def test_a_detached_run_outlives_its_operators(room: Room) -> None:
     assert "there is no run graph" in gone.stderr
 
 
-def killed(room: Room) -> subprocess.Popen[str]:
+def killed(room: Room) -> Started:
     """A run whose operator was killed; both agents keep it running."""
     process = room.begin()
     grows(room.folder / "out" / "ticks.csv", of_left, 5)
@@ -255,11 +280,6 @@ def test_an_agent_beyond_loopback_needs_consent_and_says_what_it_means(tmp_path:
     refused = command("agent", "--name", "pc-left", "--listen", "tcp/0.0.0.0:0")
     assert refused.returncode == 1
     assert "open to other hosts without protection" in refused.stderr
-    process = subprocess.Popen(
-        [*COMMAND, "agent", "--name", "pc-left", "--listen", "tcp/0.0.0.0:0", "--insecure"],
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    agent = Agent(process, tmp_path)
+    agent = Agent(launch("agent", "--name", "pc-left", "--listen", "tcp/0.0.0.0:0", "--insecure"), tmp_path)
     assert "warning: --insecure" in agent.lines[0]
     assert agent.end() == 0

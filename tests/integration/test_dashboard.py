@@ -6,8 +6,6 @@ import json
 import re
 import signal
 import socket
-import subprocess
-import sys
 import tempfile
 import threading
 import time
@@ -20,6 +18,7 @@ from urllib.parse import urlsplit
 from urllib.request import urlopen
 
 import pytest
+from tests.commands import Started, launch
 from tests.core.worker.solo import Solo
 from tests.integration.hosts import Agent, near_agent
 from tests.tools.page.browser import CHROMIUM, Browser, browser
@@ -119,19 +118,17 @@ def cameras_seen(page: ClientConnection) -> set[str]:
 
 
 @contextmanager
-def watched(out: Path, *options: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+def watched(out: Path, *options: str) -> Iterator[tuple[Started, str]]:
     """A run with a page, and the page's address."""
     bundle()
-    command = [sys.executable, "-m", "followspot.cli.main", "run", str(GRAPH), "--json", "--out", str(out)]
-    command += ["--dashboard-at", "127.0.0.1:0", *options]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+    words = ["run", GRAPH, "--json", "--out", out, "--dashboard-at", "127.0.0.1:0", *options]
+    with launch(*words) as process:
         try:
-            assert process.stderr is not None
             line = process.stderr.readline()
             found = re.search(r"http://\S+/", line)
             assert found, line
             rest: list[str] = []
-            reading = threading.Thread(target=lambda: rest.extend(process.stderr or ()), daemon=True)
+            reading = threading.Thread(target=lambda: rest.extend(process.stderr), daemon=True)
             reading.start()
             yield process, found[0]
             reading.join(timeout=60)

@@ -47,6 +47,7 @@ CASES = {
     "show": Case("show.yaml", "balls/track.tracks", ("balls/fuse", "balls.mean")),
 }
 HEAVY = {
+    "building, a whole zone",
     "show",
     "depth, colour and infrared",
     "3 colour and 3 infrared",

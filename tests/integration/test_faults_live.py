@@ -20,7 +20,7 @@ from tests.integration.running import (
     write_graph,
 )
 
-from followspot.operator.run_handle import run_here
+from followspot.operator.connect import run_here
 
 PAIR = """
 a:    {uses: ticks.live, with: {count: 1000000, period: 0.02}}

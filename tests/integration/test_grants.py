@@ -12,7 +12,7 @@ from tests.integration.running import finish, start, wait_until, write_graph
 
 from followspot.control.tapping import Tapping
 from followspot.errors import FollowspotError
-from followspot.operator.run_handle import runs_here
+from followspot.operator.connect import runs_here
 
 HOST = "pc-left"
 TELLS = """
@@ -25,10 +25,12 @@ PLACEMENT = f"placement: hosts\nworkers:\n  left: {{host: {HOST}, stages: [a, te
 @pytest.mark.parametrize(
     ("receiver", "options", "says"),
     [
-        ("host: 203.0.113.9", (), "would send to 203.0.113.9"),
+        pytest.param("host: 203.0.113.9", (), "would send to 203.0.113.9", marks=pytest.mark.thorough),
         ("host: 203.0.113.9", ("--send-to", "203.0.113.8"), "agent --send-to 203.0.113.9"),
         ("host: 127.0.0.1, port: {port}", (), ""),
-        ("host: 127.0.0.2, port: {port}", ("--send-to", "203.0.113.9"), ""),
+        pytest.param(
+            "host: 127.0.0.2, port: {port}", ("--send-to", "203.0.113.9"), "", marks=pytest.mark.thorough
+        ),
     ],
 )
 def test_an_agent_sends_where_its_owner_allows(

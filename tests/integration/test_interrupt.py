@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import signal
-import subprocess
 from pathlib import Path
 
 import pytest
-from tests.commands import COMMAND
+from tests.commands import Started, launch
 from tests.integration.running import STAGES, Finished, finish, run, start, wait_until, write_graph
 
 from followspot.errors import FollowspotError
@@ -27,7 +26,7 @@ class Tell(Stage):
 """
 
 
-def interrupted(process: subprocess.Popen[str], came: Path) -> Finished:
+def interrupted(process: Started, came: Path) -> Finished:
     """The end of a run that gets Ctrl-C after its first frame."""
     wait_until(lambda: process.poll() is not None or (came.exists() and came.stat().st_size > 0), 60.0)
     process.send_signal(signal.SIGINT)
@@ -66,10 +65,7 @@ def test_a_replay_in_real_time_ends_before_its_second_message_is_due(tmp_path: P
     recording, out = tmp_path / "r.mcap", tmp_path / "again"
     assert run(graph, "--record", str(recording)).code == 0
     words = ["replay", recording, "--speed", "0.00001", "--plugin", STAGES, "--out", out, "--json"]
-    process = subprocess.Popen(
-        [*COMMAND, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    finished = interrupted(process, out / "ticks.csv")
+    finished = interrupted(launch(*words), out / "ticks.csv")
     assert finished.code == 0, finished.errors
     assert finished.summary["stopped"]
     assert len(finished.values()) <= 2

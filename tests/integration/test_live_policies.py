@@ -59,3 +59,25 @@ def check_overload(finished: Finished) -> None:
     assert counts["sent"] == 3000 == counts["delivered"] + counts["dropped"]
     after = finished.edge("ten.", "line.")
     assert (after["sent"], after["dropped"]) == (len(waited), 0), "where nothing was too slow, nothing was"
+
+
+BESIDE = """
+near:  {uses: ticks.live, with: {count: 400, period: 0.002}}
+kept:  {uses: ticks.write, in: {number: near}}
+other: {uses: ticks.live, with: {count: 400, period: 0.002}}
+ten:   {uses: ticks.counter, in: {number: other}, with: {sleep: 0.005}}
+line:  {uses: ticks.write, in: {number: ten}, with: {path: line.csv}}
+"""
+
+
+def test_a_stage_that_always_has_work_leaves_turns_to_the_camera_of_its_worker(tmp_path: Path) -> None:
+    graph = write_graph(tmp_path, BESIDE)
+    (tmp_path / "beside.yaml").write_text(
+        "placement: beside\nworkers:\n  here: {stages: [near, kept, ten]}\n"
+    )
+    finished = run(graph, "--placement", str(tmp_path / "beside.yaml"))
+    assert finished.code == 0, finished.errors
+    assert balanced(finished.summary)
+    firings = finished.edge("other.", "ten.")["delivered"]
+    assert firings >= DEPTH
+    assert finished.edge("near.", "kept.")["delivered"] >= firings // 4

@@ -11,7 +11,7 @@ from tests.integration.hosts import free_port, near_agent
 from tests.integration.running import Finished, balanced, finish, start, wait_until, write_graph
 
 from followspot.errors import FollowspotError
-from followspot.operator.run_handle import run_here
+from followspot.operator.connect import run_here
 
 STAGES = """
 a:    {uses: ticks.live, with: {count: 1000000, period: 0.02}}

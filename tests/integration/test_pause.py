@@ -14,7 +14,8 @@ from tests.integration.running import STAGES, finish, start, write_graph
 
 import followspot as fs
 from followspot.control.stage_status import StageStatus
-from followspot.operator.run_handle import RunHandle, runs_here
+from followspot.operator.connect import runs_here
+from followspot.operator.run_handle import RunHandle
 
 PERIOD = 10_000_000
 COUNT = 60

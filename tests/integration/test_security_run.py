@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from pathlib import Path
 
 import pytest
-from tests.commands import COMMAND, command
+from tests.commands import command, launch
 from tests.integration.hosts import Agent, free_port
 from tests.integration.running import balanced
 
@@ -38,13 +37,8 @@ def spread(room: Path, to: Path) -> Path:
 
 def test_an_operator_runs_a_graph_over_tls_and_a_camera_host_may_not(certs: Path, tmp_path: Path) -> None:
     endpoint = f"tls/127.0.0.1:{free_port()}"
-    words = ["agent", "--name", "pc-left", "--listen", endpoint, "--certificates", str(certs / "pc-left")]
-    agent = Agent(
-        subprocess.Popen(
-            [*COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path
-        ),
-        tmp_path,
-    )
+    words = ["agent", "--name", "pc-left", "--listen", endpoint, "--certificates", certs / "pc-left"]
+    agent = Agent(launch(*words, cwd=tmp_path), tmp_path)
     room = spread(ROOM, tmp_path / "room.yaml")
     run = ["run", GRAPH, "--room", room, "--frames", "20", "--placement", "camera", "--json", "--quiet"]
     try:

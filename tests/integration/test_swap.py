@@ -6,7 +6,6 @@ import json
 import math
 import os
 import signal
-import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import pairwise
@@ -16,13 +15,13 @@ import msgpack
 import numpy as np
 import pytest
 import zenoh
-from tests.commands import command
+from tests.commands import Started, command
 from tests.integration import running
 from tests.integration.hosts import near_agent
 from tests.integration.running import STAGES, Finished, balanced, finish, start, workers, write_graph
 
 from followspot.errors import FollowspotError
-from followspot.operator.run_handle import run_here
+from followspot.operator.connect import run_here
 
 PATIENCE = 90.0
 """Seconds that bound a failure on a busy machine."""
@@ -62,7 +61,7 @@ class Going:
         self.name = str(self.process.pid)
 
     @classmethod
-    def of(cls, process: subprocess.Popen[str], out: Path) -> Going:
+    def of(cls, process: Started, out: Path) -> Going:
         """The run of a process that was started elsewhere."""
         run = cls.__new__(cls)
         run.out, run.process, run.name = out, process, str(process.pid)

@@ -8,11 +8,13 @@ from pathlib import Path
 
 import pytest
 from tests.integration.hosts import near_agent
-from tests.integration.running import balanced, finish, start, write_graph
+from tests.integration.running import STAGES, balanced, finish, start, write_graph
+from tests.integration.test_swap import APART as OTHER_WORKER
 from tests.integration.test_swap import Going, going, wait_until
 
+import followspot as fs
 from followspot.errors import FollowspotError
-from followspot.operator.run_handle import run_here
+from followspot.operator.connect import run_here
 
 SLOW = """\
 inputs: {number: [b.number, t.number]}
@@ -67,9 +69,11 @@ def quick(n: int, first: int) -> int:
     return n * 1000 + first + 2 * (n - first + 1) + n + 1000
 
 
-def test_a_replay_goes_on_with_another_inside_and_loses_nothing(tmp_path: Path) -> None:
+@pytest.mark.parametrize("apart", ["", "hall/b", "a"])
+def test_a_replay_goes_on_with_another_inside_and_loses_nothing(tmp_path: Path, apart: str) -> None:
+    """In one worker, or with a stage that goes, or the source, in a worker of its own."""
     there, _ = files(tmp_path)
-    with going(tmp_path, WHOLE, 1) as run:
+    with going(tmp_path, WHOLE, 2 if apart else 1, apart) as run:
         report = run_here(run.name).change([there])
         assert [(s.stage, s.before, s.uses) for s in report.stages] == [
             ("hall/b", "ticks.add", ""),
@@ -97,16 +101,16 @@ def test_a_replay_goes_on_with_another_inside_and_loses_nothing(tmp_path: Path) 
     assert finished.edge("hall/all", "hall/late")["delivered"] == 1200 - first
 
 
-@pytest.mark.parametrize("apart", ["", "hall/b", "keep"])
+@pytest.mark.parametrize("apart", ["", "hall/b", "side"])
 def test_a_live_run_goes_on_with_another_inside_and_back(tmp_path: Path, apart: str) -> None:
-    """With hall/b in a worker of its own both start anew, with keep in one the other goes on, and may die."""
+    """A worker without stages ends, none starts anew; one may die afterwards."""
     there, back = files(tmp_path)
     with going(tmp_path, LIVE, 2 if apart else 1, apart) as run:
         before = run.workers()
         run_here(run.name).change([there])
         assert is_reached(run, quick=True)
-        assert (run.workers() == before) == (apart != "hall/b")
-        if apart == "keep":
+        assert set(run.workers()) <= set(before), "none starts anew"
+        if apart == "side":
             lines = len(run.values())
             os.kill(before[0], signal.SIGKILL)
             assert wait_until(lambda: len(run.values()) < lines), "its file begins anew"
@@ -117,6 +121,32 @@ def test_a_live_run_goes_on_with_another_inside_and_back(tmp_path: Path, apart: 
     assert finished.code == 0, finished.errors
     assert balanced(finished.summary)
     assert finished.summary["workers"]
+
+
+def test_a_stage_that_comes_back_has_no_fault_of_the_one_that_left(tmp_path: Path) -> None:
+    files(tmp_path)
+    graph = write_graph(tmp_path, LIVE)
+    with fs.run(graph, out=tmp_path / "out", plugin_files=[STAGES]) as run:
+        messages = iter(run["hall/b.out"])  # whose end is a warning of the stage
+        next(messages)
+
+        def faults() -> dict[str, str]:
+            return {stage.stage: stage.error for worker in run.status().workers for stage in worker.stages}
+
+        run.swap("hall", str(tmp_path / "quick.yaml"))
+        assert wait_until(lambda: "hall/b" not in faults())
+        run.swap("hall", str(tmp_path / "part.yaml"))
+        assert wait_until(lambda: "hall/b" in faults())
+        assert faults()["hall/b"] == ""
+
+
+def test_a_port_within_that_a_script_reads_must_be_in_the_file(tmp_path: Path) -> None:
+    files(tmp_path)
+    graph = write_graph(tmp_path, LIVE)
+    with fs.run(graph, out=tmp_path / "out", plugin_files=[STAGES], ports=["hall/b.out"]) as run:
+        with pytest.raises(FollowspotError, match=r"reads hall/b\.out, which the file lacks"):
+            run.swap("hall", str(tmp_path / "quick.yaml"))
+        assert next(iter(run["hall/b.out"]))
 
 
 def is_reached(run: Going, *, quick: bool) -> bool:
@@ -197,27 +227,19 @@ def test_a_paused_replay_takes_another_inside_between_two_frames(tmp_path: Path)
     assert finished.edge("slow", "hall/meet")["lost"] == finished.edge("z", "hall/meet")["lost"] == 0
 
 
-def test_a_replay_in_two_workers_refuses_and_goes_on(tmp_path: Path) -> None:
-    there, _ = files(tmp_path)
-    with going(tmp_path, WHOLE, 2, "hall/b") as run:
-        with pytest.raises(FollowspotError) as refused:
-            run_here(run.name).change([there])
-        assert 'stages of "hall" come and go in the workers main, other, and a replay' in str(refused.value)
-        run.grows()
-        finished = run.stopped()
-    assert finished.values() == [slow(n) for n in range(len(finished.values()))]
-
-
-def test_a_stage_that_cannot_be_built_leaves_the_graph_as_it_was(tmp_path: Path) -> None:
+@pytest.mark.parametrize("apart", ["", "side"])
+def test_a_stage_that_cannot_be_built_leaves_the_graph_as_it_was(tmp_path: Path, apart: str) -> None:
     there, _ = files(tmp_path)
     broken = QUICK.replace("ticks.add, with: {term: 1000}", "ticks.tally, with: {broken: true}")
     (tmp_path / "quick.yaml").write_text(broken)
-    with going(tmp_path, LIVE, 1) as run:
+    with going(tmp_path, LIVE, 2 if apart else 1, apart) as run:
+        before = run.workers()
         with pytest.raises(FollowspotError) as refused:
             run_here(run.name).change([there])
         assert str(refused.value).startswith("stage hall/odd (ticks.tally) cannot be built: RuntimeError")
         run.grows()
         assert run.values()[-1] < 20_000
+        assert run.workers() == before
         finished = run.stopped()
     assert finished.code == 0, finished.errors
     assert all(not e["from"].startswith("hall/odd.") for e in finished.summary["edges"])
@@ -248,3 +270,27 @@ def test_a_sub_graph_on_another_host_begins_anew_with_another_inside(tmp_path: P
     assert balanced(finished.summary)
     assert finished.edge("a", "hall/b")["delivered"] > 0
     assert finished.edge("a", "hall/odd.")["delivered"] > 0
+
+
+@pytest.mark.thorough
+def test_two_workers_of_an_agent_go_on_with_another_inside_and_back(tmp_path: Path) -> None:
+    there, back = files(tmp_path)
+    agent = near_agent("pc-left", tmp_path)
+    (tmp_path / "apart.yaml").write_text(OTHER_WORKER.replace("STAGE", "hall/t"))
+    options = ("--placement", str(tmp_path / "apart.yaml"), "--host", "pc-left", "--connect", agent.endpoint)
+    process = start(write_graph(tmp_path, WHOLE), tmp_path / "out", *options)
+    try:
+        assert wait_until(lambda: list(tmp_path.glob("runs/*/ticks.csv")))
+        (written,) = tmp_path.glob("runs/*/ticks.csv")
+        for word in (there, back):
+            run_here(str(process.pid)).change([word])
+        finished = finish(process, tmp_path / "out")
+    finally:
+        process.kill()
+        agent.process.kill()
+        agent.process.communicate()
+    assert finished.code == 0, finished.errors
+    assert balanced(finished.summary)
+    lost = {name: finished.edge("", "")[name] for name in ("dropped", "late", "unmatched", "invalid", "lost")}
+    assert set(lost.values()) == {0}
+    assert [int(line.split(",")[0]) for line in written.read_text().splitlines()] == list(range(1200))

@@ -18,7 +18,7 @@ from urllib.request import urlopen
 import pytest
 from tests.commands import command
 from tests.integration.hosts import Agent, near_agent
-from tests.integration.running import STAGES, Finished, finish, start, wait_until, workers, write_graph
+from tests.integration.running import STAGES, Finished, finished, start, wait_until, workers, write_graph
 from tests.tools.page.bundled import bundle
 
 from followspot.operator import remote_host
@@ -46,13 +46,13 @@ class Watched:
         (folder / "two.yaml").write_text(placement)
         where = ("--placement", str(folder / "two.yaml"), "--dashboard-at", "127.0.0.1:0")
         self.process = start(graph, self.out, *where, *options)
-        assert self.process.stderr is not None
         self.said: list[str] = []
         line = self.process.stderr.readline()
         found = re.search(r"http://\S+/", line)
         assert found, line + self.process.stderr.read()
         self.url = found[0]
-        threading.Thread(target=lambda: self.said.extend(self.process.stderr or ()), daemon=True).start()
+        self.listener = threading.Thread(target=lambda: self.said.extend(self.process.stderr), daemon=True)
+        self.listener.start()
 
     def looked(self, *words: str) -> subprocess.CompletedProcess[str]:
         """The output of a command that reads the run."""
@@ -89,7 +89,9 @@ class Watched:
 
     def ended(self) -> Finished:
         self.process.send_signal(signal.SIGINT)
-        return finish(self.process, self.out)
+        summary = self.process.stdout.read()
+        self.listener.join(PATIENCE)
+        return finished(self.process.wait(PATIENCE), summary, "".join(self.said), self.out)
 
 
 @pytest.fixture

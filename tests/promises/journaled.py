@@ -5,13 +5,12 @@ from __future__ import annotations
 import json
 import os
 import signal
-import subprocess
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Self
 
-from tests.commands import COMMAND
+from tests.commands import Process, command
 from tests.integration.running import Finished, alive, finish, wait_until, workers
 from tests.promises.books import Books, books_of, disagreements
 
@@ -33,7 +32,7 @@ class Journaled:
         self.out = out
         self.workers = workers
         self.books = Books(folder)
-        self.process: subprocess.Popen[str]
+        self.process: Process
         self.killed: set[int] = set()
 
     def __enter__(self) -> Self:
@@ -45,9 +44,9 @@ class Journaled:
             self.process.kill()
             self.process.communicate()
 
-    def within(self) -> Sequence[str]:
-        """What a command begins with to see what the run sees."""
-        return []
+    def told(self, *words: str) -> str:
+        """What a command says that sees what the run sees."""
+        return command(*words, timeout=FOREVER, check=True).stdout
 
     def parents(self) -> Sequence[int]:
         """Processes that start workers."""
@@ -93,10 +92,7 @@ class Journaled:
 
     def status(self) -> list[dict[str, Any]]:
         """The ledger as `followspot top` shows it now."""
-        words = [*self.within(), *COMMAND, "top", self.name, "--json"]
-        said = subprocess.run(words, capture_output=True, text=True, timeout=FOREVER, check=False)
-        assert said.returncode == 0, said.stderr
-        edges: list[dict[str, Any]] = json.loads(said.stdout)["edges"]
+        edges: list[dict[str, Any]] = json.loads(self.told("top", self.name, "--json"))["edges"]
         return edges
 
     def end(self) -> Finished:

@@ -7,6 +7,8 @@ import os
 import select
 import socket
 from collections.abc import Iterable
+from functools import partial
+from mmap import mmap
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +19,6 @@ from tests.promises.edge_words import Picture, word
 
 from followspot.messages import Array
 from followspot.transport.ring.reader import RingReader
-from followspot.transport.ring.slots import Lease
 from followspot.transport.ring.writer import RingWriter
 
 ROUNDS = 2_000
@@ -43,6 +44,10 @@ class RingEnds(RuleBasedStateMachine):
         self.unsure: set[int] = set()
         """Of these, readers that may have been: a datagram waited for one of the readers."""
         self.writer: RingWriter | None = None
+        self.together: list[set[int]] = []
+        """For each reader, those that share its datagrams as the writer knows."""
+        self.processes: list[set[int]] = []
+        """For each reader, those that share its datagrams and die with it."""
 
     def turn_until_all_sleep(self) -> None:
         for _ in range(ROUNDS):
@@ -98,6 +103,7 @@ class RingEnds(RuleBasedStateMachine):
         self.mourn(index for index, owed in enumerate(self.port.readers) if owed and index in self.dead)
         for index in self.dead:
             self.port.readers[index] = None
+            self.part(index)
         self.asleep = False
 
     def mourn(self, dead: Iterable[int]) -> None:
@@ -109,7 +115,8 @@ class RingEnds(RuleBasedStateMachine):
         assert self.writer.perished() == []
 
     def welcome(self, index: int, sock: socket.socket) -> None:
-        self.readers[index] = RingReader(sock, Picture)
+        self.readers[index] = found = RingReader(sock, Picture, self.reader)
+        found.notify = partial(self.take, index, found)
         self.dead.discard(index)
         self.informed.discard(index)
         self.unsure.discard(index)
@@ -128,11 +135,23 @@ class RingEnds(RuleBasedStateMachine):
         for token in reader.poll():
             due = owed.receive(word(token))
             if isinstance(token, Picture):
-                sampled = [kept for kept in self.kept[index] if kept.header.seq >= self.reign]
+                sampled = self.sampled(index, token)
                 wants = isinstance(due, Spoken) and due.slot
                 room = sum(map(lies_in_a_slot, sampled)) <= self.port.depth
                 assert lies_in_a_slot(token) == (wants and room), "a reader has its share of slots"
                 self.kept[index].append(token)
+
+    def sampled(self, index: int, message: Picture) -> list[Picture]:
+        """What this reader, and those that share its datagrams, held when the message was read."""
+        held = [kept for mate in self.processes[index] for kept in self.kept[mate]]
+        once = {id(kept): kept for kept in held}.values()
+        return [kept for kept in once if self.reign <= kept.header.seq < message.header.seq]
+
+    def part(self, index: int) -> None:
+        """The writer knows that this reader shares no datagrams any more."""
+        for mate in self.together[index] - {index}:
+            self.together[mate] = self.together[mate] - {index}
+        self.together[index] = {index}
 
     @staticmethod
     def readable(fileno: int) -> bool:
@@ -146,7 +165,7 @@ def lies_in_a_slot(message: Picture) -> bool:
     array: Any = message.pixels
     while isinstance(array.base, np.ndarray):
         array = array.base
-    return isinstance(array.base, Lease)
+    return isinstance(array.base, mmap)
 
 
 def open_descriptors() -> set[tuple[int, int]]:

@@ -5,14 +5,12 @@ from __future__ import annotations
 import os
 import random
 import signal
-import subprocess
 import uuid
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from subprocess import PIPE
 
 import pytest
-from tests.commands import COMMAND
+from tests.commands import launch
 from tests.integration.hosts import Agent, Hosts, free_port, namespaces_are_permitted, near_agent
 from tests.integration.running import Finished, alive, finish, start, wait_until, write_graph
 from tests.promises.books import books_of, impossible
@@ -76,9 +74,7 @@ class TwoHosts(Journaled):
 
     def move(self, stage: str, place: str) -> None:
         """As an operator does."""
-        words = [*self.within(), *COMMAND, "move", self.name, stage, place]
-        said = subprocess.run(words, capture_output=True, text=True, timeout=FOREVER, check=False)
-        assert said.returncode == 0, said.stderr
+        self.told("move", self.name, stage, place)
 
     def stop_agent(self) -> None:
         """Until the operator misses it."""
@@ -113,8 +109,11 @@ class Apart(TwoHosts):
         where = ("--connect", hosts.endpoint("pc-left"), "--insecure", "--out", str(self.out), "--json")
         self.process = hosts.start("desk", "run", self.graph, *self.words, *where)
 
-    def within(self) -> list[str]:
-        return ["ip", "netns", "exec", self.hosts.space("desk")]
+    def told(self, *words: str) -> str:
+        asked = self.hosts.start("desk", *words)
+        said, errors = asked.communicate(timeout=FOREVER)
+        assert asked.returncode == 0, errors
+        return said
 
     def new_agent(self) -> Agent:
         return self.hosts.agent("pc-left", "--plugin", STAGES)
@@ -185,8 +184,8 @@ class Detached(Near):
         return [self.agent.process.pid]
 
     def end(self) -> Finished:
-        words = [*COMMAND, "attach", self.name, "--stop", "--json", "--connect", self.endpoint]
-        return finish(subprocess.Popen(words, stdout=PIPE, stderr=PIPE, text=True), self.out)
+        said = launch("attach", self.name, "--stop", "--json", "--connect", self.endpoint)
+        return finish(said, self.out)
 
 
 @pytest.mark.thorough

@@ -13,12 +13,14 @@ from tests.promises.edge_model import ABSENT, END, Advance, Owed, Spoken
 from tests.promises.edge_words import SMALL, intact, picture
 from tests.promises.ring_ends import RingEnds, open_descriptors
 
+from followspot.transport.ring.links import Home
 from followspot.transport.ring.writer import RingWriter
-from followspot.transport.token import Watermark
+from followspot.transport.token import UNKNOWN, Watermark
 
 READERS = st.integers(0, 2)
 SIZES = st.sampled_from([SMALL, 5_000, 5_000, 9_000, 40_000])
 """In the datagram, in a slot, and in slots that are larger than those before."""
+HOMES = ["abc", "aab", "aba", "aaa"]
 HOARDS = st.sets(READERS)
 FEW = st.integers(1, 4)
 
@@ -26,17 +28,22 @@ FEW = st.integers(1, 4)
 class RingEdge(RingEnds):
     """A port with three readers; each end is moved by what its descriptors say, and at odd times."""
 
-    @initialize(readers=st.integers(1, 3), depth=st.sampled_from([1, 2, 4]))
-    def begin(self, readers: int, depth: int) -> None:
+    @initialize(readers=st.integers(1, 3), depth=st.sampled_from([1, 2, 4]), homes=st.sampled_from(HOMES))
+    def begin(self, readers: int, depth: int, homes: str) -> None:
+        """homes: the process of each reader; those of one process share datagrams at first."""
         self.set_up(readers, depth)
+        self.homes = homes
         self.writer_returns()
 
     # What the writer does.
 
     @precondition(lambda self: self.speaks and self.writer.credit())
-    @rule(size=SIZES, lent=st.booleans(), keeps=st.booleans(), wastes=st.booleans())
-    def send(self, size: int, lent: bool, keeps: bool, wastes: bool = False) -> None:
-        """With credit; that an array is lent, which the stage uses or not, does not take it."""
+    @rule(size=SIZES, lent=st.booleans(), keeps=st.booleans(), wastes=st.booleans(), known=st.booleans())
+    def send(self, size: int, lent: bool, keeps: bool, wastes: bool = False, known: bool = False) -> None:
+        """With credit; that an array is lent, which the stage uses or not, does not take it.
+
+        known: the watermark after the message goes with it.
+        """
         assert self.writer is not None
         self.time += 10
         if wastes:
@@ -44,9 +51,12 @@ class RingEdge(RingEnds):
         loan = self.writer.loan((size,), "u1") if lent else None
         spoken = Spoken(self.number, self.time, slot=size > SMALL)
         message = picture(spoken, size, loan)
-        self.writer.send(message)
+        self.time += 7 * known
+        self.writer.send(message, self.time if known else UNKNOWN)
         self.number += 1
         self.say(spoken)
+        if known:
+            self.say(Advance(self.time))
         if keeps:
             self.sent.append(message)
 
@@ -207,14 +217,17 @@ class RingEdge(RingEnds):
     @precondition(lambda self: any(self.readers))
     @rule(index=READERS)
     def reader_dies(self, index: int) -> None:
-        found = self.reader(index)
-        if found is not None:
-            if self.over and self.writer is not None:
-                (self.informed if self.writer.flush() else self.unsure).add(index)
-            found.close()
-            self.readers[index] = None
-            self.kept[index].clear()
-            self.dead.add(index)
+        """With all that share its datagrams: their process dies."""
+        for mate in tuple(self.processes[index]) if index < len(self.readers) else ():
+            found = self.reader(mate)
+            if found is not None:
+                if self.over and self.writer is not None:
+                    (self.informed if self.writer.flush() else self.unsure).add(mate)
+                found.close()
+                self.readers[mate] = None
+                self.kept[mate].clear()
+                self.dead.add(mate)
+            self.processes[mate] = {mate}
 
     @precondition(lambda self: self.writer and None in self.readers)
     @rule(index=READERS)
@@ -225,7 +238,12 @@ class RingEdge(RingEnds):
         assert self.writer is not None
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self.writer.replace(index, ours)
-        self.mourn([index] if self.port.readers[index] is not None else [])
+        together = set(self.together[index])
+        found_dead = together if index == min(together) else {index}
+        self.mourn(i for i in found_dead if self.port.readers[i] is not None)
+        for mate in found_dead:
+            self.port.readers[mate] = None
+            self.part(mate)
         self.welcome(index, theirs)
         self.asleep = False
 
@@ -263,7 +281,12 @@ class RingEdge(RingEnds):
         """It begins with all those that are there; the others return later."""
         pairs = [socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) for _ in self.readers]
         away = {index for index, found in enumerate(self.readers) if found is None}
-        self.writer = RingWriter([ours for ours, _ in pairs], self.port.depth)
+        homes = [] if self.number else [Home(self.homes[index], index) for index in range(len(pairs))]
+        self.together = [
+            {i} | {h.edge for h in homes if h.worker == self.homes[i]} for i, _ in enumerate(pairs)
+        ]
+        self.processes = [set(mates) for mates in self.together]
+        self.writer = RingWriter([ours for ours, _ in pairs], self.port.depth, homes)
         self.over = False
         self.reign = self.number
         self.informed.clear()

@@ -105,7 +105,13 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> Stand:
     return stand(case, tmp_path_factory.mktemp("demo"), record=False)
 
 
-@pytest.mark.parametrize("way", [("two", "zenoh"), ("camera", "ring")], ids=" ".join)
+@pytest.mark.parametrize(
+    "way",
+    [
+        pytest.param(("two", "zenoh"), id="two zenoh", marks=pytest.mark.thorough),
+        pytest.param(("camera", "ring"), id="camera ring"),
+    ],
+)
 def test_the_demo_gives_the_same_bytes_in_processes_of_its_own(
     demo: Stand, tmp_path: Path, way: tuple[str, str]
 ) -> None:

@@ -17,6 +17,7 @@ from followspot import Context, Source, Stage
 from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
+from followspot.transport.token import UNKNOWN
 from followspot.worker.input_queue import UNCHANGED, InputQueue
 from followspot.worker.join import Join
 from followspot.worker.ledger import DROPPED, LATE, UNMATCHED, EdgeCount, Ledger
@@ -84,16 +85,18 @@ class PortOfRun(RuleBasedStateMachine):
     # The sender.
 
     @precondition(lambda self: self.speaks and self.output.has_room())
-    @rule(size=SIZES, count=st.integers(1, 6))
-    def produce(self, size: int, count: int) -> None:
+    @rule(size=SIZES, count=st.integers(1, 6), known=st.booleans())
+    def produce(self, size: int, count: int, known: bool = False) -> None:
+        """known: the watermark after each message goes with it."""
         for _ in range(count):
             if self.output.has_room():
                 self.time += 10
                 spoken = Spoken(self.number, self.time)
                 self.number += 1
                 self.expect(spoken)
-                self.output.send(picture(spoken, size), header(spoken))
-                self.announced = self.time + 1 + LATENESS
+                self.announced = self.time + (9 if known else 1 + LATENESS)
+                following = self.announced if known else UNKNOWN
+                self.output.send(picture(spoken, size), header(spoken), following)
 
     @precondition(lambda self: self.speaks and self.output.has_room())
     @rule()

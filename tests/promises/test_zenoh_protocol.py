@@ -14,7 +14,7 @@ from tests.promises.edge_words import SMALL, Picture, picture
 from tests.promises.zenoh_ends import TIMEOUT, ZenohEnds, readable
 from tests.promises.zenoh_hosts import READERS
 
-from followspot.transport.token import Watermark
+from followspot.transport.token import UNKNOWN, Watermark
 from followspot.transport.zenoh.edge import ZenohReader, ZenohWriter
 
 
@@ -34,8 +34,9 @@ class ZenohEdge(ZenohEnds):
     # What the writer does.
 
     @precondition(lambda self: self.speaks)
-    @rule(size=st.sampled_from([SMALL, 40_000]), count=st.integers(1, 3))
-    def send(self, size: int, count: int) -> None:
+    @rule(size=st.sampled_from([SMALL, 40_000]), count=st.integers(1, 3), known=st.booleans())
+    def send(self, size: int, count: int, known: bool = False) -> None:
+        """known: the watermark after each message goes with it."""
         assert self.writer is not None
         for _ in range(count):
             if self.writer.credit():
@@ -43,7 +44,11 @@ class ZenohEdge(ZenohEnds):
                 spoken = Spoken(self.number, self.time)
                 self.number += 1
                 self.say(spoken)
-                self.writer.send(picture(spoken, size))
+                message = picture(spoken, size)
+                if known:
+                    self.time += 7
+                    self.say(Advance(self.time))
+                self.writer.send(message, self.time if known else UNKNOWN)
 
     @precondition(lambda self: self.speaks)
     @rule(times=st.sampled_from([1, 1, 2, 300]))

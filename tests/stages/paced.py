@@ -40,3 +40,18 @@ class Punctual(Stage):
     def process(self, number: Paced) -> None:
         if time.monotonic_ns() < number.due:
             raise RuntimeError(f"{number.value} came early")
+
+
+class Begun(Stage):
+    """Says since when a source that plays at a pace counts."""
+
+    def process(self) -> Source[Paced]:
+        yield at(0, Paced(0, self.context.begun()))
+
+
+class Together(Stage):
+    """Fails if two sources do not count from the same moment."""
+
+    def process(self, left: Paced, right: Paced) -> None:
+        if left.due != right.due:
+            raise RuntimeError(f"{left.due} is not {right.due}")

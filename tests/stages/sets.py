@@ -2,11 +2,24 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections import deque
 from itertools import count
 
-from followspot import Joined, Lagged, Message, Nearest, Outputs, Source, Stage, StageParams, at
+from followspot import (
+    Joined,
+    Lagged,
+    Latest,
+    Message,
+    Nearest,
+    Outputs,
+    Source,
+    Stage,
+    StageParams,
+    Window,
+    at,
+)
 
 PERIOD = 10_000_000
 """Nanoseconds between two notes."""
@@ -34,6 +47,30 @@ class Count(Stage):
             yield at(moment, Note(number, 1), due=begun + moment // 5)
 
 
+class Device(Stage):
+    """A live source of four notes; the later ones wait for a file `go` in the output folder."""
+
+    class Params(StageParams):
+        first: int = 1
+        """Notes that come at once."""
+
+    params: Params
+    live = True
+
+    def setup(self) -> None:
+        self.over = threading.Event()
+
+    def close(self) -> None:
+        self.over.set()
+
+    def process(self) -> Source[Note]:
+        for number in range(4):
+            while number >= self.params.first and not (self.context.out / "go").exists():
+                if self.over.wait(0.01):
+                    return
+            yield at(number * PERIOD, Note(number, 1))
+
+
 class Pass(Stage):
     """Passes notes on."""
 
@@ -51,6 +88,13 @@ class Pair(Stage):
 
     def process(self, notes: Joined[Note]) -> Note:
         return Note(min(note.number for note in notes), len(notes))
+
+
+class Recent(Stage):
+    """Passes notes on, with feedback and with all notes of another stream."""
+
+    def process(self, note: Note, before: Latest[Note] = None, beside: Window[Note] = ()) -> Note:
+        return note
 
 
 class Several(Stage):

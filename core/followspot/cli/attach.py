@@ -12,7 +12,12 @@ from followspot.plugins.hooks import Command
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("run", nargs="?", metavar="RUN", help="name of the graph, if several runs go on")
+    parser.add_argument(
+        "run",
+        nargs="?",
+        metavar="RUN",
+        help="the graph, or the beginning of the run's name, if several go on",
+    )
     parser.add_argument("--stop", action="store_true", help="end the run; its outputs are complete")
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress")

@@ -24,17 +24,12 @@ def add_graph_options(parser: argparse.ArgumentParser) -> None:
 def add_plan_options(parser: argparse.ArgumentParser) -> None:
     """Add --room, --placement, --set, --plugin, --edges, --seed, and the plan options of plugins."""
     parser.add_argument("--room", metavar="FILE", help="room file instead of the graph's own")
-    parser.add_argument(
-        "--cameras",
-        type=_names,
-        default=(),
-        metavar="NAME,...",
-        help="cameras of the room that take part (default: all)",
-    )
+    add_cameras_option(parser, "cameras of the room that take part (default: all)")
     parser.add_argument(
         "--placement",
-        metavar="FILE|camera|stage",
-        help="which worker runs which stage: a placement file, or one worker per camera or per stage",
+        metavar="FILE|camera|stage|auto:REPORT",
+        help="which worker runs which stage: a placement file, one worker per camera or per stage, or what is"
+        " fastest by the report (--json) of an earlier run; auto-latency:REPORT for the least latency",
     )
     parser.add_argument(
         "--edges",
@@ -45,6 +40,11 @@ def add_plan_options(parser: argparse.ArgumentParser) -> None:
     add_change_options(parser)
     for options in load_plan_options():
         options.configure(parser)
+
+
+def add_cameras_option(parser: argparse.ArgumentParser, meaning: str) -> None:
+    """Add --cameras. meaning: its help in this command."""
+    parser.add_argument("--cameras", type=_names, default=(), metavar="NAME,...", help=meaning)
 
 
 def add_plugin_option(parser: argparse.ArgumentParser, meaning: str) -> None:

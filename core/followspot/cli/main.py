@@ -51,7 +51,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if not hasattr(args, "run_command"):
         parser.print_help()
         return 2
-    if unknown:
+    if unknown and not args.parser.took_more(args, unknown):
         args.parser.error(args.parser.unknown(unknown))
     try:
         return int(args.run_command(args))
@@ -107,6 +107,18 @@ def build_parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
 
 class _Parser(argparse.ArgumentParser):
     """Suggests the word that a wrong word may have meant."""
+
+    def took_more(self, args: argparse.Namespace, words: Sequence[str]) -> bool:
+        """Give words after an option to the argument that takes several: options may stand anywhere.
+
+        Returns False if there is none, or if one of the words is an option.
+        """
+        found = next((one for one in self._get_positional_actions() if one.nargs == "+"), None)
+        if found is None or any(word.startswith("-") for word in words):
+            return False
+        more = [self._get_value(found, word) for word in words]
+        setattr(args, found.dest, [*getattr(args, found.dest), *more])
+        return True
 
     def unknown(self, words: Sequence[str]) -> str:
         """The error message for arguments that no option takes."""

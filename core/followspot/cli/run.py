@@ -20,6 +20,8 @@ _SOON = 1.0
 
 if TYPE_CHECKING:
     from followspot.graph.plan import Plan
+    from followspot.library.execute import RunReport
+    from followspot.scoring import Score
     from followspot.transport.zenoh.network import Network
 
 
@@ -29,11 +31,14 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:
-    """Add --out, --frames, --json, --quiet, --restart, --detach, --host, --media and the network options."""
+    """Add --out, --frames, --json, --quiet, --verbose, --restart, --detach, --host, --media, the network."""
     parser.add_argument("--out", metavar="DIR", help="folder for outputs (default: runs/GRAPH-DATE-TIME)")
-    parser.add_argument("--frames", type=frame_count, metavar="N", help="stop after N frames of each source")
+    parser.add_argument("--frames", type=frame_count, metavar="N", help="stop after N frames of each camera")
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress")
+    parser.add_argument(
+        "-v", "--verbose", action="store_true", help="all lines of the log, not only warnings and errors"
+    )
     parser.add_argument(
         "--restart",
         action="store_true",
@@ -76,7 +81,7 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
     """Run a plan with the given options and print the summary. Returns the exit code."""
     from followspot.cli.progress import ProgressBar
     from followspot.cli.run_log import ShownLog
-    from followspot.library.execute import RunOptions, run_plan, run_scores
+    from followspot.library.execute import RunOptions, run_plan
     from followspot.library.report import Report
 
     plan = placed(plan, args.host)
@@ -103,15 +108,9 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
             network=network,
             media=media_folder(plan, args.media),
             restart=args.restart,
-            on_log=ShownLog(out, bar.say).take,
+            on_log=ShownLog(out, bar.say, verbose=args.verbose).take,
         )
-    try:
-        seconds = _SOON if report.stopped else math.inf
-        scores = run_scores(plan, out, report.frames, seconds)
-    except FollowspotError as error:  # the run has ended; print its summary all the same
-        print(f"followspot: cannot score the run: {error}", file=sys.stderr)
-        scores = {}
-    whole = Report(report, out, scores)
+    whole = Report(report, out, _scores(report, out, quiet=args.quiet))
     if args.json:
         print(json.dumps(whole.to_json()))
     else:
@@ -119,6 +118,24 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
         for host, folder in report.outs.items():
             print(f"outputs on {host}: {folder}")
     return 0 if report.ok else 1
+
+
+def _scores(report: RunReport, out: Path, *, quiet: bool) -> dict[str, Score]:
+    """Scores of a run that has ended, none if that fails or the user does not wait for them."""
+    from followspot.library.execute import run_scores
+
+    if report.stopped and report.plan.room.truth is not None and not quiet:
+        print(
+            f"followspot: outputs are complete; scoring {report.frames} frames, Ctrl-C leaves that out",
+            file=sys.stderr,
+        )
+    try:
+        return run_scores(report.plan, out, report.frames, _SOON if report.stopped else math.inf)
+    except FollowspotError as error:
+        print(f"followspot: cannot score the run: {error}", file=sys.stderr)
+    except KeyboardInterrupt:
+        print("followspot: the run is not scored", file=sys.stderr)
+    return {}
 
 
 def _detach(plan: Plan, args: argparse.Namespace, network: Network) -> int:

@@ -1,4 +1,4 @@
-"""The log of a run: all records go to a file, warnings and errors also to standard error."""
+"""The log of a run: all records go to a file, warnings and errors also to standard error, or all."""
 
 from __future__ import annotations
 
@@ -17,17 +17,21 @@ _NUMBER = re.compile(r"\d+")
 class ShownLog:
     """Writes each record to the output folder; shows warnings and errors, similar ones once.
 
-    say: shows a line.
+    say: shows a line; verbose: whether to show every record.
     """
 
-    def __init__(self, out: Path, say: Callable[[str], None]) -> None:
+    def __init__(self, out: Path, say: Callable[[str], None], *, verbose: bool = False) -> None:
         self._file = LogFile(out)
         self._say = say
+        self._verbose = verbose
         self._shown: set[tuple[str, str, str]] = set()
 
     def take(self, record: LogRecord) -> None:
         """Take a record. Threads must not call this at the same time."""
         self._file.write(record)
+        if self._verbose:
+            self._say(f"followspot: {line_of(record)}")
+            return
         if record.level == "info" or len(self._shown) >= _MOST:
             return
         kind = (record.worker, record.stage, _NUMBER.sub("#", record.text))

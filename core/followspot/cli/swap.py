@@ -56,7 +56,7 @@ def _swap(args: argparse.Namespace) -> int:
     state of the old one if both stages support that; no message is lost. If a new stage cannot be built, the
     old stages go on, and the command says why. A sub-graph is replaced by another file that offers the
     outputs that are read. If its stages and edges are others, the sources wait until the old stages have
-    processed everything; in several workers, these start anew, and a replay refuses.
+    processed everything; workers of a live run over several hosts start anew.
 
     Examples:
       followspot swap glowballs fuse=balls.mean

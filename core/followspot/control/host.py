@@ -28,7 +28,7 @@ WorkerPhase = Literal["starting", "ready", "running", "absent", "over"]
 class RunOrder:
     """Everything that a host needs to prepare a run.
 
-    run: unique name; plan: as `plan_to_data` gives it; frames: messages per source, None for all; out: folder
+    run: unique name; plan: as `plan_to_data` gives it; frames: of each camera, None for all; out: folder
     for outputs, None if the host chooses one; restart: whether hosts restart workers that die; detached:
     whether the run goes on without an operator; incarnations: of workers that ran under an earlier agent;
     over: workers of any host that have ended for good; reference: the run's reference host, which stays the
@@ -72,6 +72,8 @@ class WorkerStatus:
     paths: tuple[PathStatus, ...] = ()
     age_s: Age | None = None
     host: str = ""
+    last_times: dict[str, Nanoseconds] = field(default_factory=dict)
+    """Capture times, ns, of the last frames of a limited run, by source, as far as sources know them."""
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import pydantic
 from followspot.control.dispatch import Request, Role, RunRequest
 from followspot.control.host import RunOrder
 from followspot.control.origin import Origin
-from followspot.ranges import Age
+from followspot.ranges import Age, Count, Nanoseconds
 
 Known = Literal["here", "timed out", "unknown"]
 """How an agent knows a run; timed out: the agent ended it because its operator was silent."""
@@ -22,7 +22,8 @@ class ListedRun:
     """A run under an agent.
 
     over: it has ended on this host; detached: it goes on without an operator; silent_s: time since the last
-    request of an operator for it, s; origin: the operator's process.
+    request of an operator for it, s; origin: the operator's process; fired: frames done on this host; age_s:
+    since this agent has it, s; folder: of its outputs on this host.
     """
 
     run: _Name
@@ -31,6 +32,9 @@ class ListedRun:
     detached: bool = False
     silent_s: Age = 0.0
     origin: Origin = Origin()
+    fired: Count = 0
+    age_s: Age = 0.0
+    folder: _Name = ""
 
 
 class PrepareRun(Request):
@@ -41,8 +45,12 @@ class PrepareRun(Request):
 
 
 class StartRun(RunRequest):
-    """Start the stages: all hosts are ready."""
+    """Start the stages: all hosts are ready.
 
+    begun: when those of the host begin, ns of its monotonic clock; 0 in a request to a host.
+    """
+
+    begun: Nanoseconds = 0
     roles: ClassVar[tuple[Role, ...]] = ("host", "worker")
 
 

@@ -6,6 +6,7 @@ A host cannot tell a dead operator from one with an unplugged cable. An operator
 from __future__ import annotations
 
 import os
+import pwd
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,7 +23,8 @@ class Origin:
     """The identity of a process; an unknown field is "" or -1 and proves nothing.
 
     name: of the host in its certificate, "" without one; machine: machine id; boot: boot id; space: id of the
-    PID namespace; pid: process id there; started: start time, ticks since the boot.
+    PID namespace; pid: process id there; started: start time, ticks since the boot; user: that started it,
+    for lists of runs.
     """
 
     name: str = ""
@@ -31,6 +33,7 @@ class Origin:
     space: str = ""
     pid: int = -1
     started: int = -1
+    user: str = ""
 
     def dead(self, here: Origin) -> bool:
         """True if this process has certainly died; here: the process that asks."""
@@ -46,7 +49,19 @@ def own_origin(name: str) -> Origin:
     with suppress(OSError):
         space = str((_PROC / "self/ns/pid").readlink())
     pid = os.getpid()
-    return Origin(name, _text(_MACHINE), _text(_BOOT), space, pid, _started(pid))
+    return Origin(name, _text(_MACHINE), _text(_BOOT), space, pid, _started(pid), user_of(pid))
+
+
+def user_of(pid: int) -> str:
+    """The user of a process of this machine; "" if it does not exist, a number for a user without a name."""
+    try:
+        number = (_PROC / str(pid)).stat().st_uid
+    except OSError:
+        return ""
+    try:
+        return pwd.getpwuid(number).pw_name
+    except KeyError:
+        return str(number)
 
 
 def _started(pid: int) -> int:

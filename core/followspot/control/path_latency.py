@@ -9,7 +9,9 @@ from followspot.ranges import Count, Figure
 
 @dataclass(frozen=True)
 class PathLatency:
-    """Latency of one path, ms. worst_id: the frame with the worst latency."""
+    """Latency of one path, ms. worst_id: the frame with the worst latency; budget_ms: the longest
+    time allowed, None if it has no budget; late: messages that took longer.
+    """
 
     origin: str
     sink: str
@@ -18,3 +20,5 @@ class PathLatency:
     p95_ms: Figure
     worst_ms: Figure
     worst_id: str
+    budget_ms: Figure | None = None
+    late: Count = 0

@@ -57,9 +57,17 @@ class StageStatus:
 
 @dataclass(frozen=True)
 class PathStatus:
-    """Latency from a source to a sink until now, ms."""
+    """Latency from a source to a sink until now, ms.
+
+    count: messages; budget_ms: the longest time allowed, None if the path has no budget; late: messages that
+    took longer; recent_ms: 95th percentile of the newest messages, None if they are few.
+    """
 
     origin: str
     sink: str
     p50_ms: Figure
     p95_ms: Figure
+    count: Count = 0
+    budget_ms: Figure | None = None
+    late: Count = 0
+    recent_ms: Figure | None = None

@@ -11,16 +11,21 @@ from typing import Any, ClassVar, Literal
 from followspot.control.dispatch import Role, RunRequest
 from followspot.graph.plan import PlannedStage
 from followspot.graph.subgraph_use import SubgraphUse
+from followspot.ranges import Count, Nanoseconds
 
-Step = Literal["build", "take_over", "discard"]
-ChangePhase = Literal["building", "built", "done", "failed"]
+Step = Literal["build", "hold", "rest", "take_over", "go_on", "discard"]
+ChangePhase = Literal["building", "built", "held", "resting", "done", "failed"]
 
 
 class ChangeOrder(RunRequest):
     """One step of a change. id: of the change; stages: the replacements; fresh: whether they start without
     the state of the old stages; subgraphs: of the plan after the change, for the hosts.
 
-    plan: the plan after a change in which stages and edges come or go, all of them in `worker`; else None.
+    plan: the plan after a change in which stages and edges come or go, all of them in `workers`; else None.
+
+    Several workers come to rest together: in "hold" their sources stop at once; in "rest" these
+    go on to `until`, ns, the stages `leaving` give what they still have, and each worker answers once it has
+    nothing more to do; all take over, and all go on. A live run has no "hold". turn: counts the steps.
     """
 
     id: str
@@ -28,15 +33,33 @@ class ChangeOrder(RunRequest):
     stages: tuple[PlannedStage, ...]
     fresh: bool = False
     subgraphs: tuple[SubgraphUse, ...] | None = None
-    worker: str = ""
+    workers: tuple[str, ...] = ()
+    turn: Count = 0
+    until: Nanoseconds = -1
+    leaving: tuple[str, ...] = ()
     plan: dict[str, Any] | None = None
     roles: ClassVar[tuple[Role, ...]] = ("host", "worker")
 
 
 @dataclass(frozen=True)
+class Rested:
+    """What workers say at rest. time: newest capture time that a source has sent, ns; window: the widest in
+    which an input of a stage that comes or goes matches messages, ns; activity: firings and receipts so far.
+    """
+
+    time: Nanoseconds = -1
+    window: Nanoseconds = 0
+    activity: Count = 0
+
+
+@dataclass(frozen=True)
 class ChangeStatus:
-    """The status of the newest change, in a worker or on a host. error: why it failed, else ""."""
+    """The status of the newest change, in a worker or on a host. error: why it failed, else ""; turn: of the
+    step.
+    """
 
     id: str = ""
     phase: ChangePhase = "done"
     error: str = ""
+    turn: Count = 0
+    rested: Rested = Rested()

@@ -31,9 +31,13 @@ class Listening(WorkerMessage):
 
 
 class Ready(WorkerMessage):
-    """The worker waits for `StartRun`. expected: messages of its longest source, None if unknown."""
+    """The worker waits for `StartRun`.
+
+    expected: messages of its longest source, None if unknown; last_times: see `WorkerStatus`.
+    """
 
     expected: Count | None
+    last_times: dict[str, Nanoseconds]
 
 
 class Progress(WorkerMessage):

@@ -29,7 +29,7 @@ class WorkerOrder(Request):
 class BuildWorker(WorkerOrder):
     """Build the stages and wait for `StartRun`. Beside it: the memory of the ledger.
 
-    worker: name; plan: of the run, in JSON types; out: folder for outputs; frames: messages per source, None
+    worker: name; plan: of the run, in JSON types; out: folder for outputs; frames: of each camera, None
     for all; incarnation: how often the worker was started before; restart: whether workers that die are
     started again; over: workers that have ended; states: checkpoints to carry on from, by stage.
     """
@@ -99,7 +99,17 @@ class HoldSources(Relayed):
         return [*others, self] if self.held else others
 
 
-RELAYED: tuple[type[Relayed], ...] = (PlaceTaps, RemoveTaps, HoldSources)
+class EndSensors(Relayed):
+    """End sources of sensors: those of a replay after a capture time, live ones at once.
+
+    sensors: names of the sources; time: of the last message that one may send, ns.
+    """
+
+    sensors: tuple[str, ...]
+    time: Nanoseconds
+
+
+RELAYED: tuple[type[Relayed], ...] = (PlaceTaps, RemoveTaps, HoldSources, EndSensors)
 """Orders that the operator relays to all workers."""
 ORDERS = by_verb(
     (

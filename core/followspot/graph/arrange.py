@@ -47,10 +47,11 @@ def plan(
         plugin_files=plugin_files,
         notes=(*checked.notes, *placed.notes, *_notes(planned, edges)),
         offered=checked.offered,
-        warnings=checked.warnings,
+        warnings=(*checked.warnings, *placed.warnings),
         room_document=checked.room_document,
         subgraphs=checked.subgraphs,
         origins=origins(checked),
+        budgets=placed.budgets,
     )
 
 

@@ -13,7 +13,7 @@ from followspot.graph.expand import expand
 from followspot.graph.interface_check import check_interface
 from followspot.graph.load import Loaded, load
 from followspot.graph.placement import Placed, place
-from followspot.graph.plan import Plan
+from followspot.graph.plan import Plan, Written
 from followspot.graph.told_once import told_once
 from followspot.graph.tune import tuned
 from followspot.plugins.registry import use_plugin_files
@@ -53,7 +53,11 @@ def compile_graph(
         strict=strict,
         subscribed=subscribed,
     )
-    return plan(checked, placed, edges, seed=seed, plugin_files=files)
+    found = plan(checked, placed, edges, seed=seed, plugin_files=files)
+    if change is not None:
+        return found
+    named = "" if room is None else str(Path(room).absolute())
+    return replace(found, written=Written(str(Path(path).absolute()), named, tuple(cameras)))
 
 
 def checked_graph(

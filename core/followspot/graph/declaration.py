@@ -23,6 +23,8 @@ from followspot.graph.plan import (
 from followspot.graph.selector import Selector, read_selector
 from followspot.ranges import MAX_WAIT
 
+ROOM_SOURCE = "room.source"
+"""Stands for the source stage that the room declares for each camera or sensor."""
 ENVELOPE = (
     "uses",
     "each",

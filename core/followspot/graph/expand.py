@@ -8,15 +8,13 @@ from dataclasses import dataclass, field
 from followspot.document import Node, child
 from followspot.errors import Mistake, Place
 from followspot.graph.absent import absent, lack
-from followspot.graph.declaration import StageDeclaration
+from followspot.graph.declaration import ROOM_SOURCE, StageDeclaration
 from followspot.graph.instances import ANY, Groups, Instance, Wire
 from followspot.graph.load import Loaded
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.graph.wiring import Wiring
 from followspot.room import Member, Room
 
-ROOM_SOURCE = "room.source"
-"""Stands for the source stage that the room declares for each camera or sensor."""
 MAX_INSTANCES = 10_000
 MAX_EDGES = 50_000
 

@@ -10,7 +10,7 @@ from followspot.document import Node
 from followspot.errors import shown
 from followspot.graph.check import Checked
 from followspot.graph.instances import CheckedStage, Instance
-from followspot.graph.override import is_set, options
+from followspot.graph.override import WHILE_IT_RAN, is_set, options
 from followspot.graph.parameters import plain_default
 from followspot.graph.plan import Origin
 
@@ -52,12 +52,14 @@ def origins(checked: Checked) -> dict[str, dict[str, Origin]]:
 
 
 def kept(instance: Instance) -> tuple[str, ...]:
-    """The parameters that `--set` gives an instance by the name of its stage, not by that of a sub-graph."""
+    """The parameters that `--set` gives an instance by the name of its stage, not by that of a sub-graph, and
+    those that a change gave.
+    """
     own = f"{instance.declared.name}."
     return tuple(
         parameter
         for parameter, node in instance.params.items()
-        if any(option.startswith(own) for option in options(node))
+        if node.place.file == WHILE_IT_RAN or any(option.startswith(own) for option in options(node))
     )
 
 

@@ -6,7 +6,8 @@ from collections.abc import Collection, Sequence
 
 from followspot.errors import Mistake, did_you_mean
 from followspot.graph.compose.promises import Noun, Promise, is_told
-from followspot.graph.expand import ROOM_SOURCE, Expanded
+from followspot.graph.declaration import ROOM_SOURCE
+from followspot.graph.expand import Expanded
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.ports import ports
 from followspot.stage import Stage

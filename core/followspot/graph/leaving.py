@@ -75,7 +75,11 @@ def _refusal(
     candidates: list[str],
     place: Place,
 ) -> Mistake:
-    output = names[0].partition(".")[2] if names else edge.from_port
+    if not names:
+        text = f'"{edge.to_stage}" reads {edge.from_stage}.{edge.from_port}, which the file lacks'
+        remedy = "let it read an output of the interface; a recording has ports that --record-ports names"
+        return Mistake(place, text, remedy)
+    output = names[0].partition(".")[2]
     if not any(name in found.outputs for name in names):
         return Mistake(place, f'sub-graph "{use.name}" has no output "{output}" in the file', "offer it")
     what = f"several ports ({', '.join(candidates)})" if candidates else "no port"

@@ -12,6 +12,8 @@ from followspot.graph.declaration import ENVELOPE
 SUBGRAPH = ("graph", "cameras", "each", "optional", "with", "in")
 """Keys of a stage that is a sub-graph."""
 _FILE = "--set"
+WHILE_IT_RAN = "(set while it ran)"
+"""File of the places of values that a change gave, which a file that comes later gets."""
 _DEEP = ("in", "with")
 _FORM = "write STAGE.KEY=VALUE, for example fuse.uses=balls.mean"
 
@@ -61,8 +63,8 @@ def read_override(option: str, mistakes: list[Mistake]) -> Override | None:
 
 
 def is_set(node: Node) -> bool:
-    """True if a value comes from `--set`."""
-    return node.place.file == _FILE
+    """True if a value comes from `--set`, or was set while the graph ran."""
+    return node.place.file in (_FILE, WHILE_IT_RAN)
 
 
 def below_set(tune: Node, given: Node | None) -> Node:

@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
 
 from followspot.document import Node, child, read
 from followspot.errors import InputError, Mistake, Place, did_you_mean
 from followspot.form import Form, is_name, kind_of
+from followspot.graph.auto import Measured, auto, check_measured, cores_here, unkept
+from followspot.graph.auto_placement import AIMS
+from followspot.graph.budget import Budget, read_budgets
+from followspot.graph.costs import MEASURE, read_costs
 from followspot.graph.expand import Expanded
 from followspot.graph.names import enclosing
 from followspot.graph.plan import PlannedWorker
+from followspot.graph.scheduling import KEYS, Scheduling, read_scheduling
 from followspot.room import Member
 
 MAIN = "main"
 """The worker of all stages that the placement assigns to no other."""
 _BY = ("camera", "stage")
+_AUTO = re.compile(r"auto(-(?P<aim>throughput|latency))?(:(?P<report>.+))?")
 
 
 @dataclass(frozen=True)
@@ -25,39 +34,93 @@ class Placed:
     worker_of: Mapping[str, str]
     workers: tuple[PlannedWorker, ...]
     notes: tuple[str, ...] = ()
+    budgets: tuple[Budget, ...] = ()
+    warnings: tuple[Mistake, ...] = ()
 
 
 def place(expanded: Expanded, placement: str | None, mistakes: list[Mistake]) -> Placed:
-    """Place a graph: in one worker, by "camera", by "stage", or as a placement file says; notes mistakes."""
+    """Place a graph: in one worker, by "camera", by "stage", by "auto:REPORT.json", or as a placement file
+    says; notes mistakes.
+    """
     if placement is None:
         return _together(expanded)
     if placement in _BY:
         return _by(placement, expanded)
+    if found := _AUTO.fullmatch(placement):
+        measured = _measured(expanded, found["report"], _option(placement), mistakes)
+        return _together(expanded) if measured is None else _auto(measured, found["aim"])
     root = _read(placement, mistakes)
     if root is None:
         return _together(expanded)
     if not expanded.complete:
         return _together(expanded)  # its names cannot be judged before the room is mended
-    form = Form(root, "a placement", ("placement", "by", "workers"), mistakes)
+    form = Form(root, "a placement", ("placement", "by", "workers", "budget", "costs", "aim"), mistakes)
     form.title("placement")
-    by = form.text("by", choices=_BY)
+    by = form.text("by", choices=(*_BY, "auto"))
     workers = form.mapping("workers")
     if by is not None and workers:
         mistakes.append(Mistake(form.entries["by"].key, "a placement is either by or workers", "remove one"))
-    if by is None and not workers:
+    budgets = _budgets(form, expanded, mistakes)
+    if by is None and not workers and not budgets:
         mistakes.append(
             Mistake(root.key, "the placement places nothing", "add by: camera, or workers: {...}")
         )
-    return _by(by, expanded) if by is not None else _listed(workers, expanded, mistakes)
+    aim, measured = form.text("aim", choices=AIMS), None
+    if by == "auto" or "costs" in form.entries:
+        where, report = form.entries.get("costs", form.entries.get("by", root)).place, form.text("costs")
+        file = None if report is None else str(Path(placement).parent / report)
+        measured = _measured(expanded, file, where, mistakes)
+    if by == "auto":
+        placed = _together(expanded) if measured is None else _auto(measured, aim)
+    else:
+        placed = _by(by, expanded) if by is not None else _listed(workers, expanded, mistakes)
+    if measured is None:
+        return replace(placed, budgets=budgets)
+    places = {budget: form.mapping("budget")[budget.written].key for budget in budgets}
+    warnings = tuple(unkept(measured, placed.worker_of, places))
+    return replace(placed, budgets=budgets, warnings=warnings)
+
+
+def _auto(measured: Measured, aim: str | None) -> Placed:
+    worker_of, hosts, notes = auto(measured, "latency" if aim == "latency" else "throughput")
+    return _placed(worker_of, hosts, notes)
+
+
+def _measured(
+    expanded: Expanded, report: str | None, where: Place, mistakes: list[Mistake]
+) -> Measured | None:
+    """The graph with its measured work; notes mistakes. where: what asks for it."""
+    if report is None:
+        text = "auto needs the measured work of the stages"
+        mistakes.append(Mistake(where, text, f"{MEASURE}, then --placement auto:report.json"))
+        return None
+    try:
+        measured = Measured(expanded, read_costs(Path(report)), cores_here(), where)
+    except InputError as error:
+        mistakes += [replace(mistake, place=where) for mistake in error.mistakes]
+        return None
+    found = list(check_measured(measured)) if expanded.complete else []
+    mistakes += found
+    return None if found or not expanded.complete else measured
+
+
+def _budgets(form: Form, expanded: Expanded, mistakes: list[Mistake]) -> tuple[Budget, ...]:
+    stages = dict.fromkeys(instance.declared.name for instance in expanded.instances.values())
+    forward = (wire for wire in expanded.wires if not wire.feed.delay)
+    wires = {(wire.source.declared.name, wire.target.declared.name) for wire in forward}
+    return read_budgets(form.mapping("budget"), stages, wires, mistakes)
 
 
 def _read(placement: str, mistakes: list[Mistake]) -> Node | None:
-    option = Place("--placement", 1, 1, max(1, len(placement)), placement or " ")
     try:
-        return read(placement, at=option, remedy="or write camera, or stage")
+        return read(placement, at=_option(placement), remedy="or write camera, stage, or auto:REPORT.json")
     except InputError as error:
         mistakes += error.mistakes
         return None
+
+
+def _option(placement: str) -> Place:
+    return Place("--placement", 1, 1, max(1, len(placement)), placement or " ")
 
 
 def _together(expanded: Expanded) -> Placed:
@@ -85,6 +148,7 @@ def _listed(workers: Mapping[str, Node], expanded: Expanded, mistakes: list[Mist
     and its camera or sensor.
     """
     hosts: dict[str, str] = {}
+    scheduled: dict[str, Scheduling] = {}
     stages: dict[str, str] = {}
     devices: dict[str, str] = {}
     names = {name: enclosing(i.declared.name) for name, i in expanded.instances.items()}
@@ -94,8 +158,9 @@ def _listed(workers: Mapping[str, Node], expanded: Expanded, mistakes: list[Mist
             mistakes.append(
                 Mistake(node.key, f'"{name}" cannot be the name of a worker', "letters, digits, _ and -")
             )
-        form = Form(node, f'worker "{name}"', ("host", "stages", "cameras", "sensors"), mistakes)
+        form = Form(node, f'worker "{name}"', ("host", "stages", "cameras", "sensors", *KEYS), mistakes)
         hosts[name] = form.host()
+        scheduled[name] = read_scheduling(form)
         _claim(name, child(node, "stages"), "stage", known_stages, stages, mistakes)
         _claim(name, child(node, "cameras"), "camera", expanded.room.cameras, devices, mistakes)
         _claim(name, child(node, "sensors"), "sensor", expanded.room.sensors, devices, mistakes)
@@ -110,7 +175,7 @@ def _listed(workers: Mapping[str, Node], expanded: Expanded, mistakes: list[Mist
         for name, node in workers.items()
         if name not in running
     ]
-    return _placed(worker_of, hosts)
+    return _placed(worker_of, hosts, scheduled=scheduled)
 
 
 def _claim(
@@ -143,7 +208,15 @@ def _claim(
             taken[name] = worker
 
 
-def _placed(worker_of: Mapping[str, str], hosts: Mapping[str, str], notes: tuple[str, ...] = ()) -> Placed:
+def _placed(
+    worker_of: Mapping[str, str],
+    hosts: Mapping[str, str],
+    notes: tuple[str, ...] = (),
+    scheduled: Mapping[str, Scheduling] = MappingProxyType({}),
+) -> Placed:
     """The workers in the order of their first instance."""
-    names = dict.fromkeys(worker_of.values())
-    return Placed(worker_of, tuple(PlannedWorker(name, hosts.get(name, "")) for name in names), notes)
+    workers = tuple(
+        PlannedWorker(name, hosts.get(name, ""), scheduled.get(name, Scheduling()))
+        for name in dict.fromkeys(worker_of.values())
+    )
+    return Placed(worker_of, workers, notes)

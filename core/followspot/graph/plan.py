@@ -12,6 +12,8 @@ from pydantic import Field
 
 from followspot.document import Node
 from followspot.errors import Mistake
+from followspot.graph.budget import Budget
+from followspot.graph.scheduling import Scheduling
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.ranges import Wait
 from followspot.room import Member, Room
@@ -125,6 +127,7 @@ class PlannedWorker:
 
     name: str
     host: str = ""
+    scheduling: Scheduling = Scheduling()
 
 
 def live_depth(rate: float | None) -> int:
@@ -147,6 +150,17 @@ class Origin:
 
     text: str
     kept: bool = False
+
+
+@dataclass(frozen=True)
+class Written:
+    """The files that a plan was made of, absolute paths. room: "" for the graph's own; cameras: the part of
+    the room that takes part, all if there are none.
+    """
+
+    graph: str
+    room: str = ""
+    cameras: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -173,10 +187,14 @@ class Plan:
     """What the room's file says; only the operator has it."""
     origins: Mapping[str, Mapping[str, Origin]] = field(default_factory=dict, compare=False)
     """What gave each parameter that is no default its value, by stage and parameter; for the operator."""
+    written: Written | None = field(default=None, compare=False)
+    """The files; None if there are none, or if the plan says something else; for the operator."""
     numbers: tuple[int, ...] = ()
     """Number of each edge, which it keeps while the run goes on; empty as long as they are 0, 1, 2, ..."""
     former: tuple[tuple[int, PlannedEdge], ...] = ()
     """Edges that have left the graph while it ran, with their numbers."""
+    budgets: tuple[Budget, ...] = ()
+    """The longest times of paths."""
 
     def numbered(self) -> Iterable[tuple[int, PlannedEdge]]:
         """Each edge with its number, which is its row in the ledger."""
@@ -199,6 +217,10 @@ class Plan:
     def worker_of(self, stage: str) -> str:
         """Name of the worker that runs this stage. Raises KeyError."""
         return self._workers[stage]
+
+    def scheduling_of(self, worker: str) -> Scheduling:
+        """How this worker is scheduled. Raises KeyError."""
+        return {found.name: found.scheduling for found in self.workers}[worker]
 
     def host_of(self, worker: str) -> str:
         """Host of this worker, "" for the operator's own. Raises KeyError."""

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from followspot.errors import InputError, Mistake, Place
+from followspot.firing import FIRINGS
 from followspot.graph.arrange import planned_edge, planned_stage
 from followspot.graph.cycles import cyclic, successors, topological
 from followspot.graph.leaving import leaving
@@ -77,18 +78,27 @@ def _edges(
     """The edges of the new plan; those that were there before are the same."""
     placed = Placed({stage.name: stage.worker for stage in stages.values()}, plan.workers)
     before = {edge.name + f" {edge.delay}": edge for edge in plan.edges}
-    outside = [
-        leaving(plan, use, found, edge, stages, place) if use.holds(edge.from_stage) else edge
-        for edge in plan.edges
-        if not use.holds(edge.to_stage)
-    ]
     inside = []
     for link in found.links:
         edge = planned_edge(link, placed)
         was = before.get(edge.name + f" {edge.delay}")
         same = was is not None and replace(edge, kind=was.kind, codec=was.codec) == was
         inside.append(was if was is not None and same else edge)
-    return [*outside, *inside]
+    return [*_outside(plan, use, found, stages, place), *inside]
+
+
+def _outside(
+    plan: Plan, use: SubgraphUse, found: Composed, stages: Mapping[str, PlannedStage], place: Place
+) -> list[PlannedEdge]:
+    """The edges to stages outside the file; the firings of a stage are read as long as its results are."""
+    outside = [edge for edge in plan.edges if not use.holds(edge.to_stage)]
+    before = [edge for edge in outside if edge.from_port != FIRINGS]
+    after = [leaving(plan, use, found, e, stages, place) if use.holds(e.from_stage) else e for e in before]
+    moved = {
+        old.from_stage for old, new in zip(before, after, strict=True) if old.from_stage != new.from_stage
+    }
+    read = stages.keys() - moved
+    return [*after, *(edge for edge in outside if edge.from_port == FIRINGS and edge.from_stage in read)]
 
 
 def _numbered(

@@ -8,7 +8,9 @@ from typing import Annotated, Any
 import pydantic
 
 from followspot.errors import FollowspotError
+from followspot.graph.budget import Budget
 from followspot.graph.plan import MAX_SEED, Plan, PlannedEdge, PlannedStage, PlannedWorker
+from followspot.graph.scheduling import Scheduling
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.room_file import from_data, to_data
 
@@ -41,6 +43,7 @@ class _Data(pydantic.BaseModel):
     subgraphs: tuple[SubgraphUse, ...] = ()
     numbers: tuple[Annotated[int, pydantic.Field(ge=0)], ...] = ()
     former: tuple[tuple[Annotated[int, pydantic.Field(ge=0)], PlannedEdge], ...] = ()
+    budgets: tuple[Budget, ...] = ()
 
 
 def plan_to_data(plan: Plan) -> dict[str, Any]:
@@ -51,12 +54,17 @@ def plan_to_data(plan: Plan) -> dict[str, Any]:
         **({"subgraphs": _USES.dump_python(plan.subgraphs, mode="json")} if plan.subgraphs else {}),
         **({"numbers": list(plan.numbers)} if plan.numbers else {}),
         **({"former": [[number, asdict(edge)] for number, edge in plan.former]} if plan.former else {}),
+        **(
+            {"budgets": [{**asdict(budget), "written": ""} for budget in plan.budgets]}
+            if plan.budgets
+            else {}
+        ),
         "version": VERSION,
         "graph": plan.graph,
         "room": to_data(plan.room),
         "stages": [_stage(stage) for stage in plan.stages],
         "edges": [asdict(edge) for edge in plan.edges],
-        "workers": [asdict(worker) for worker in plan.workers],
+        "workers": [_worker(worker) for worker in plan.workers],
         "seed": plan.seed,
         "plugin_files": list(plan.plugin_files),
         "notes": list(plan.notes),
@@ -65,6 +73,12 @@ def plan_to_data(plan: Plan) -> dict[str, Any]:
 
 def _stage(stage: PlannedStage) -> dict[str, Any]:
     return {**asdict(stage), "params": dict(stage.params), "kept": list(stage.kept)}
+
+
+def _worker(worker: PlannedWorker) -> dict[str, Any]:
+    wanted = worker.scheduling
+    said = {"scheduling": {**asdict(wanted), "cores": list(wanted.cores)}} if wanted != Scheduling() else {}
+    return {"name": worker.name, "host": worker.host, **said}
 
 
 def plan_from_data(data: Any) -> Plan:
@@ -91,6 +105,7 @@ def plan_from_data(data: Any) -> Plan:
         subgraphs=found.subgraphs,
         numbers=found.numbers,
         former=found.former,
+        budgets=found.budgets,
     )
 
 

@@ -21,6 +21,8 @@ def text(plan: Plan, *, fold: bool = True) -> str:
         rows = [(box.name, box.uses, " ".join(box.members)) for box in boxes]
         lines += ["", _title(worker), *_aligned(rows)]
     lines += ["", "edges", *_aligned(_edge_rows(found.lines))]
+    if plan.budgets:
+        lines += ["", "budgets", *(f"  {b.name}: {b.limit_ms:g} ms" for b in plan.budgets)]
     if not plan.live and any(edge.drops for edge in plan.edges):
         lines.append("note: no source is live, so nothing is dropped: every edge blocks")
     if any(box.stages > 1 for box in found.boxes):
@@ -49,7 +51,9 @@ def mermaid(plan: Plan, *, fold: bool = True) -> str:
 
 
 def _title(worker: PlannedWorker) -> str:
-    return f"worker {worker.name} on {worker.host}" if worker.host else f"worker {worker.name}"
+    title = f"worker {worker.name} on {worker.host}" if worker.host else f"worker {worker.name}"
+    told = str(worker.scheduling)
+    return f"{title}, {told}" if told else title
 
 
 def _edge_rows(lines: Sequence[Line]) -> list[tuple[str, str, str]]:

@@ -15,7 +15,7 @@ from followspot.document import Node
 from followspot.errors import InputError, Mistake
 from followspot.graph.given import origin_of
 from followspot.graph.instances import CheckedStage
-from followspot.graph.override import is_set
+from followspot.graph.override import WHILE_IT_RAN, is_set
 from followspot.graph.plan import Origin, Plan, PlannedStage
 from followspot.graph.rewiring import rewired
 from followspot.graph.subgraph_plan import GIVEN, Composed, composed_in
@@ -120,6 +120,8 @@ def _origins(plan: Plan, use: SubgraphUse, stage: CheckedStage) -> dict[str, Ori
 
 def _origin(node: Node, use: SubgraphUse, *, tuned: bool) -> Origin:
     """What gives a parameter its value: the new file, the room, or the graph that uses the file."""
+    if node.place.file == WHILE_IT_RAN:
+        return BY_A_CHANGE
     passed = node.place.file == GIVEN
     return Origin(use.name if passed else origin_of(node, tuned=tuned), is_set(node))
 

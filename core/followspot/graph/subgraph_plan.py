@@ -11,11 +11,12 @@ from followspot.errors import Mistake, Place
 from followspot.graph.check import check_inputs
 from followspot.graph.compose.in_place import InPlace, in_place
 from followspot.graph.connections import CheckedEdge, connect
-from followspot.graph.declaration import StageDeclaration, read_stage
-from followspot.graph.expand import ROOM_SOURCE, Expanded, expand
+from followspot.graph.declaration import ROOM_SOURCE, StageDeclaration, read_stage
+from followspot.graph.expand import Expanded, expand
 from followspot.graph.instances import CheckedStage, Instance
 from followspot.graph.interface_check import check_interface
 from followspot.graph.load import Loaded
+from followspot.graph.override import WHILE_IT_RAN
 from followspot.graph.parameters import validated
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.selector import Condition, Selector
@@ -48,7 +49,8 @@ def composed_in(plan: Plan, use: SubgraphUse, file: Node, mistakes: list[Mistake
     place, document = file.place, room_document(plan)
     around = _around(plan, use, place)
     entries = {name: node_of({"each": one.each.text}, place) for name, one in around.items() if one.each}
-    found = in_place(file, use, _given(plan, use, place), entries, plan.room, document, mistakes)
+    given, changed = _given(plan, use, place), _changed(plan, use, place)
+    found = in_place(file, use, given, changed, entries, plan.room, document, mistakes)
     if found is None:
         return None
     declared = {name: read_stage(name, node, mistakes) for name, node in found.stages.items()}
@@ -161,17 +163,32 @@ def _given(plan: Plan, use: SubgraphUse, place: Place) -> dict[str, Node]:
     found: dict[str, Node] = {}
     for name, by_set in use.given.items():
         at = place if by_set else replace(place, file=GIVEN)
-        leaves = [leaf.rpartition(".")[::2] for leaf in use.params.get(name, ())]
-        holders = [
-            (parameter in stage.kept, stage.params[parameter])
-            for group, parameter in leaves
-            for stage in plan.stages
-            if stage.group == group and parameter in stage.params
-        ]
+        holders = _holders(plan, use, name)
         if holders:
             _, value = min(holders, key=lambda holder: holder[0])
             found[name] = node_of(value, at)
     return found
+
+
+def _changed(plan: Plan, use: SubgraphUse, place: Place) -> dict[str, Node]:
+    """The parameters of the use that a change gave: all stages behind one keep the same value."""
+    found: dict[str, Node] = {}
+    for name in use.params:
+        holders = _holders(plan, use, name)
+        if holders and all(is_kept and value == holders[0][1] for is_kept, value in holders):
+            found[name] = replace(node_of(holders[0][1], replace(place, file=WHILE_IT_RAN)), key=place)
+    return found
+
+
+def _holders(plan: Plan, use: SubgraphUse, name: str) -> list[tuple[bool, Any]]:
+    """The value of a parameter of the interface in each instance that has it, and whether it is kept."""
+    leaves = [leaf.rpartition(".")[::2] for leaf in use.params.get(name, ())]
+    return [
+        (parameter in stage.kept, stage.params[parameter])
+        for group, parameter in leaves
+        for stage in plan.stages
+        if stage.group == group and parameter in stage.params
+    ]
 
 
 def _with_sources(

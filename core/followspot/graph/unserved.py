@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from followspot.graph.compose.feeds import sender
-from followspot.graph.declaration import Feed
-from followspot.graph.expand import ROOM_SOURCE, Expanded
+from followspot.graph.declaration import ROOM_SOURCE, Feed
+from followspot.graph.expand import Expanded
 from followspot.graph.instances import Instance, Wire
 
 

@@ -215,12 +215,15 @@ class Agent:
         own = {stage.name for stage in agent_run.run.plan.stages if stage.worker in agent_run.run.workers}
         if foreign := {stage.name for stage in order.stages} - own:
             raise FollowspotError(f"{', '.join(sorted(foreign))} of run {order.run[:8]} does not run here")
+        if missing := set(order.workers) - set(agent_run.run.workers):
+            text = f"worker {', '.join(sorted(missing))} of run {order.run[:8]} does not run here"
+            raise FollowspotError(text)
         if order.plan is not None:
             self._rewire(order, order.plan, agent_run)
             return
         stages = unpacked_stages(order.stages, self.options.grants)
         agent_run.run.ask(order.model_copy(update={"stages": stages}))
-        if order.step == "take_over":
+        if order.step == "take_over" and not order.workers:
             plan = with_stages(plan_from_data(agent_run.order.plan), order.stages, order.subgraphs)
             agent_run.order = replace(agent_run.order, plan=plan_to_data(plan))
             names = ", ".join(stage.name for stage in order.stages) or "what its sub-graphs offer"
@@ -228,8 +231,6 @@ class Agent:
 
     def _rewire(self, order: ChangeOrder, data: dict[str, Any], agent_run: AgentRun) -> None:
         """One step of a change in which stages of a worker here come or go. Raises FollowspotError."""
-        if order.worker not in agent_run.run.workers:
-            raise FollowspotError(f"worker {order.worker} of run {order.run[:8]} does not run here")
         plan = unpacked(data, self.options.name, self.options.grants, self.options.plugin_files)
         agent_run.run.ask(order.model_copy(update={"plan": plan}))
         if order.step == "take_over":

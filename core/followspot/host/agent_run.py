@@ -43,6 +43,7 @@ class AgentRun:
         self.run = run
         self.operator = OperatorTimeout(None if order.detached else operator_timeout, time.monotonic())
         self.started = False
+        self.began = time.monotonic()
         self._leave_deadline: float | None = None
 
     @property

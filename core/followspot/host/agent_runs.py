@@ -104,6 +104,9 @@ class AgentRuns:
                 agent_run.order.detached,
                 agent_run.operator.seconds(now),
                 agent_run.order.origin,
+                max((worker.fired for worker in agent_run.run.status().workers), default=0),
+                now - agent_run.began,
+                agent_run.run.out,
             )
             for agent_run in self
         ]

@@ -5,14 +5,21 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Mapping
 
-from followspot.control.swap import ChangeOrder, ChangePhase, ChangeStatus, Step
+from followspot.control.swap import ChangeOrder, ChangePhase, ChangeStatus, Rested, Step
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.host.worker_pool import WorkerPool
 
 _TIMEOUT = 60.0
 """Seconds after which a change that was built but neither taken over nor discarded blocks no other."""
-_AFTER: Mapping[Step, ChangePhase] = {"build": "built", "take_over": "done", "discard": "done"}
+_AFTER: Mapping[Step, ChangePhase] = {
+    "build": "built",
+    "hold": "held",
+    "rest": "resting",
+    "take_over": "done",
+    "go_on": "done",
+    "discard": "done",
+}
 
 
 class HostSwaps:
@@ -38,6 +45,8 @@ class HostSwaps:
             if workers[name].phase != "running":
                 raise FollowspotError(f"worker {name} is {workers[name].phase}; try again in a moment")
         self._change = change
+        if order.step == "build" and order.plan is not None:
+            self._pool.hand_over_rings(order.plan)
         for name, own_order in change.orders.items():
             workers[name].channel.tell(own_order)
 
@@ -55,10 +64,10 @@ class HostSwaps:
 
     def _adopt(self, order: ChangeOrder) -> None:
         """Let workers that start from now on begin with what has taken over."""
-        if order.plan is None:
-            self._pool.change(order.stages)
-        else:
+        if order.plan is not None:
             self._pool.adopt(order.plan)
+        elif order.stages:
+            self._pool.change(order.stages)
 
     def status(self) -> ChangeStatus:
         """The status of the newest change."""
@@ -75,8 +84,8 @@ class HostChange:
         """The order for each worker."""
         self._answers: dict[str, ChangeStatus] = {}
         self._expires = time.monotonic() + _TIMEOUT
-        if order is not None and order.plan is not None:
-            self.orders[order.worker] = order
+        if order is not None and order.workers:
+            self.orders = dict.fromkeys(order.workers, order)
         elif order is not None and plan is not None:
             for worker in dict.fromkeys(plan.worker_of(stage.name) for stage in order.stages):
                 own = tuple(stage for stage in order.stages if plan.worker_of(stage.name) == worker)
@@ -85,11 +94,11 @@ class HostChange:
     def blocks(self, order: ChangeOrder) -> bool:
         """True if another change is under way, so that this order must wait."""
         other = self.order is not None and self.order.id != order.id
-        return other and self.status().phase in ("building", "built") and time.monotonic() < self._expires
+        return other and self.status().phase not in ("done", "failed") and time.monotonic() < self._expires
 
     def heard(self, worker: str, answer: ChangeStatus) -> bool:
         """Take a worker's answer; return True if its replacements have taken over."""
-        if self.order is None or answer.id != self.order.id:
+        if self.order is None or (answer.id, answer.turn) != (self.order.id, self.order.turn):
             return False
         self._answers[worker] = answer
         return answer.phase == "done"
@@ -101,22 +110,30 @@ class HostChange:
         """
         if self.order is None or worker not in self.orders or self._answered(worker):
             return False
-        if self.order.step == "take_over":
-            self._answers[worker] = ChangeStatus(self.order.id, "done")
-            return True
-        self._answers[worker] = ChangeStatus(self.order.id, "failed", f"worker {worker} has ended")
-        return False
+        taken = self.order.step == "take_over"
+        why = "" if taken else f"worker {worker} has ended"
+        self._answers[worker] = ChangeStatus(
+            self.order.id, "done" if taken else "failed", why, self.order.turn
+        )
+        return taken
 
     def status(self) -> ChangeStatus:
         """The status of the change over all workers."""
         if self.order is None:
             return ChangeStatus()
         errors = [answer.error for answer in self._answers.values() if answer.phase == "failed"]
+        turn = self.order.turn
         if errors:
-            return ChangeStatus(self.order.id, "failed", "; ".join(errors))
+            return ChangeStatus(self.order.id, "failed", "; ".join(errors), turn)
         if self.order.step != "discard" and not all(self._answered(worker) for worker in self.orders):
-            return ChangeStatus(self.order.id, "building")
-        return ChangeStatus(self.order.id, _AFTER[self.order.step])
+            return ChangeStatus(self.order.id, "building", turn=turn)
+        found = [answer.rested for answer in self._answers.values()]
+        rested = Rested(
+            max((one.time for one in found), default=-1),
+            max((one.window for one in found), default=0),
+            sum(one.activity for one in found),
+        )
+        return ChangeStatus(self.order.id, _AFTER[self.order.step], turn=turn, rested=rested)
 
     def _answered(self, worker: str) -> bool:
         """True if a worker has done this step."""

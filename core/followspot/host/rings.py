@@ -6,7 +6,7 @@ A socket pair has no name: a kill leaves nothing behind, and no other process ca
 from __future__ import annotations
 
 import socket
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from typing import NamedTuple
 
 from followspot.control.worker_orders import Side
@@ -43,6 +43,16 @@ class Rings:
         rings = ((number, plan.edge(number)) for number in ring_edges(plan))
         ends = {n: (plan.worker_of(edge.from_stage), plan.worker_of(edge.to_stage)) for n, edge in rings}
         self._homes = {edge: pair for edge, pair in ends.items() if pair[0] in workers}
+
+    def added(self, plan: Plan, workers: set[str]) -> Iterator[RingEnd]:
+        """New ends for the edges that a plan adds between workers here that run already."""
+        for number in ring_edges(plan):
+            edge = plan.edge(number)
+            sender, receiver = plan.worker_of(edge.from_stage), plan.worker_of(edge.to_stage)
+            if number not in self._homes and sender in workers:
+                sending, receiving = socket_pair()
+                yield RingEnd(number, "sending", sender, "", sending)
+                yield RingEnd(number, "receiving", receiver, "", receiving)
 
     def take(self, worker: str) -> list[RingEnd]:
         """Remove and return the ends that a worker starts with: of first pairs, or of pairs made for it."""

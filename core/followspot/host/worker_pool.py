@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import selectors
+import time
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -65,6 +66,8 @@ class WorkerPool:
         self._standing_orders: list[Relayed] = []
         """Relayed orders to repeat to workers that start later."""
         self._answers: list[tuple[str, ChangeStatus]] = []
+        self._begun = 0
+        """When the first worker began, ns of the monotonic clock."""
 
     def names(self) -> list[str]:
         """The workers that the plan places on this host."""
@@ -106,7 +109,8 @@ class WorkerPool:
         worker.phase = "running"
         for order in tuple(self._standing_orders):
             worker.channel.tell(order)
-        worker.channel.tell(StartRun())
+        self._begun = self._begun or time.monotonic_ns()
+        worker.channel.tell(StartRun(begun=self._begun))
 
     def join(self, worker: WorkerProcess) -> None:
         """Start the stages of a restarted worker, and connect it to the running ones."""
@@ -149,6 +153,10 @@ class WorkerPool:
         """Raise FollowspotError if the ledger has no rows for the edges of a new plan."""
         if plan_from_data(dict(plan)).rows > self._rows:
             raise FollowspotError(f"the run has had {MAX_NEW_EDGES} new edges: start it anew for more")
+
+    def hand_over_rings(self, plan: Mapping[str, Any]) -> None:
+        """Give running workers the ends of the rings that come with a new plan."""
+        self._hand_over(self._rings.added(plan_from_data(dict(plan)), set(self.names())))
 
     def adopt(self, plan: Mapping[str, Any]) -> None:
         """Take a new plan whose stages are in the same workers, or new in one that has them already."""

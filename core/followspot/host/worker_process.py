@@ -78,6 +78,7 @@ class WorkerProcess:
         self.fired = 0
         self.time = -1
         self.expected: int | None = None
+        self.last_times: dict[str, int] = {}
         self.locators: list[str] = []
         self.report: WorkerReport | None = None
         self.stages: tuple[StageStatus, ...] = ()
@@ -129,7 +130,7 @@ class WorkerProcess:
         self.locators = list(message.locators)
 
     def _ready(self, message: Ready) -> None:
-        self.phase, self.expected = "ready", message.expected
+        self.phase, self.expected, self.last_times = "ready", message.expected, message.last_times
 
     def _progress(self, message: Progress) -> None:
         self.fired, self.time = message.fired, message.time
@@ -156,6 +157,7 @@ class WorkerProcess:
             self.stages,
             self.paths,
             time.monotonic() - self.heard,
+            last_times=self.last_times,
         )
 
     def exit_reason(self) -> str:

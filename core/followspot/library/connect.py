@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from followspot.library.script_handle import ScriptHandle
-from followspot.operator.run_handle import connected_run
+from followspot.operator.connect import connected_run
 from followspot.plugins.registry import use_plugin_files
 from followspot.transport.zenoh.network import Network
 

@@ -12,7 +12,7 @@ from followspot.document import dump
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.compile import compile_graph
 from followspot.graph.compose.graph_file import input_names
-from followspot.graph.expand import ROOM_SOURCE
+from followspot.graph.declaration import ROOM_SOURCE
 from followspot.graph.plan import Plan
 from followspot.graph.show import svg
 from followspot.plugins.registry import load_stage, offer_stage
@@ -170,7 +170,7 @@ class Graph:
         with TemporaryDirectory(prefix="followspot-graph-") as folder:
             path = Path(folder) / f"{self.name}.yaml"
             path.write_text(self.to_yaml(self.room and self.room.absolute()), encoding="utf-8")
-            return compile_graph(path, **options)
+            return replace(compile_graph(path, **options), written=None)
 
     def _repr_svg_(self) -> str | None:
         try:

@@ -5,11 +5,14 @@ from __future__ import annotations
 from followspot.control.clock_status import LIMIT_MS, ClockStatus
 from followspot.control.dispatch import NoAnswer
 from followspot.control.host import WorkerStatus
+from followspot.control.origin import user_of
 from followspot.control.stage_status import EdgeAge, PathStatus, StageState, StageStatus
 from followspot.control.tapping import Tapping
 from followspot.log.file import read_log
 from followspot.log.record import LEVELS, LogRecord
-from followspot.operator.run_handle import RunHandle, connected_run, run_here, runs_here
+from followspot.operator.connect import connected_run, run_here, runs_here
+from followspot.operator.marks import Kept, Mark, Moment
+from followspot.operator.run_handle import RunHandle
 from followspot.operator.run_status import OLD, RunStatus, is_old, is_unheard
 from followspot.worker.ledger import COUNTS, LOSSES, SOURCE_LOSSES, EdgeCount
 
@@ -23,7 +26,10 @@ __all__ = [
     "ClockStatus",
     "EdgeAge",
     "EdgeCount",
+    "Kept",
     "LogRecord",
+    "Mark",
+    "Moment",
     "NoAnswer",
     "PathStatus",
     "RunHandle",
@@ -38,4 +44,5 @@ __all__ = [
     "read_log",
     "run_here",
     "runs_here",
+    "user_of",
 ]

@@ -6,7 +6,7 @@ import json
 import threading
 import time
 from collections.abc import Mapping, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, suppress
 from pathlib import Path
 from typing import Any, TypedDict, Unpack
 
@@ -17,6 +17,8 @@ from followspot.graph.arrange import EdgeChoice
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.library.graph import Graph
+from followspot.library.keep import Keep
+from followspot.library.keeping import StartKeeping, keeping, unkept
 from followspot.library.report import Report
 from followspot.library.script_handle import ScriptHandle
 from followspot.library.subscribed import Subscribed
@@ -34,6 +36,9 @@ _POLL_INTERVAL = 1.0
 """Seconds between two checks whether the run waits for a subscription without a reader."""
 _BEGIN = 120.0
 """Seconds that stages may take to be set up before a run answers."""
+
+_RECORDER_POLL_INTERVAL = 0.05
+"""Seconds between two looks whether the flight recorder is ready."""
 
 Ready = tuple[Coordinator, Surroundings]
 
@@ -100,13 +105,15 @@ def run(
     restart: bool = False,
     network: Network = Network(),
     media: str | Path = ".",
+    keep: str | float | Keep | None = None,
 ) -> OwnRun:
     """Start a graph and return a handle on the run; use it in a ``with`` block, which ends the run.
 
     ports: STAGE.PORT of subscriptions that miss nothing: ``run["track.tracks"]`` iterates over the messages
     from the first one on; in a replay a slow loop holds up the run, in a live run it misses messages, which
     are counted. set: parameters and stages, ``{"fuse.uses": "balls.mean"}``; out: folder for outputs, by
-    default a new one below ``runs``; frames: of each source; the others: as the options of `followspot run`.
+    default a new one below ``runs``; frames: of each source; keep: a flight recorder holds so many seconds
+    (``"30s"``), and `OwnRun.mark` saves them; the others: as the options of `followspot run`.
     Raises InputError with every mistake.
     """
     plan = plan_of(
@@ -121,6 +128,7 @@ def run(
         edges=edges,
     )
     subscribed = Subscribed(plan, ports)
+    kept = keeping(subscribed.plan, keep)
     folder = Path(out or Path("runs") / f"{plan.graph}-{time.strftime('%Y%m%d-%H%M%S')}")
     folder.mkdir(parents=True, exist_ok=True)
     ready = prepared(
@@ -131,13 +139,15 @@ def run(
         restart=restart,
         in_process=subscribed.in_process,
     )
-    return OwnRun(subscribed, ready, folder)
+    return OwnRun(subscribed, ready, folder, kept)
 
 
 class OwnRun(ScriptHandle):
     """A run of this process. Its thread goes on until the sources end, `stop`, or the end of the block."""
 
-    def __init__(self, subscribed: Subscribed, ready: AbstractContextManager[Ready], out: Path) -> None:
+    def __init__(
+        self, subscribed: Subscribed, ready: AbstractContextManager[Ready], out: Path, keep: StartKeeping
+    ) -> None:
         super().__init__("", subscribed.plan.graph, self._asked, failure=self._failure)
         self.out = out
         self._subscribed = subscribed
@@ -149,8 +159,10 @@ class OwnRun(ScriptHandle):
         self._ended = threading.Event()
         """Not the thread's own end: `Thread.join` takes a thread for ended when Ctrl-C interrupts it."""
         subscribed.failure = self._failure
-        threading.Thread(target=self._live, args=(ready,), name="run", daemon=True).start()
+        threading.Thread(target=self._live, args=(ready, keep), name="run", daemon=True).start()
         self._begun.wait(_BEGIN)
+        if keep is not unkept:
+            self._await_recorder()
 
     def close(self) -> None:
         """End the run, and wait until its outputs are complete."""
@@ -200,13 +212,24 @@ class OwnRun(ScriptHandle):
         self._whole = Report(self._report, self.out, run_scores(plan, self.out, frames))
         return self._whole
 
-    def _live(self, ready: AbstractContextManager[Ready]) -> None:
+    def _await_recorder(self) -> None:
+        """Wait until the flight recorder holds what the run sends."""
+        deadline = time.monotonic() + _BEGIN
+        with suppress(FollowspotError):  # the run has ended
+            while self.kept() is None and time.monotonic() < deadline:
+                time.sleep(_RECORDER_POLL_INTERVAL)
+
+    def _live(self, ready: AbstractContextManager[Ready], keep: StartKeeping) -> None:
         try:
             with ready as (coordinator, around):
                 self.run = coordinator.name
                 self._dispatcher = run_dispatcher(coordinator, around)
-                with serve_requests(self.run, self.graph, self._dispatcher):
+                with (
+                    keep(self.run) as failed,
+                    serve_requests(self.run, self.graph, self._dispatcher),
+                ):
                     self._report = coordinator.execute(on_begin=self._begun.set)
+                    failed(self._report.errors)
         except BaseException as error:
             self._error = error
         finally:

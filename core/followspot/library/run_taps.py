@@ -40,10 +40,18 @@ class RunTaps:
             self.close()
             raise
 
-    def follow(self) -> None:
-        """Tap the ports on the present hosts of their stages. Raises FollowspotError."""
+    def follow(self, ports: Collection[str] | None = None) -> None:
+        """Tap the ports on the present hosts of their stages. Raises FollowspotError.
+
+        ports: from now on, instead of those before.
+
+        A stage that has left with a swap is tapped again if it comes back.
+        """
+        self._ports = self._ports if ports is None else ports
         plan = self._run.plan()
-        homes = {name: plan.host_of_stage(name.rpartition(".")[0]) for name in self._ports}
+        present = {stage.name for stage in plan.stages}
+        stages = {name: name.rpartition(".")[0] for name in self._ports}
+        homes = {name: plan.host_of_stage(stage) for name, stage in stages.items() if stage in present}
         if (near := [name for name, host in homes.items() if not host]) and self._around.out is None:
             raise FollowspotError(f"{', '.join(near)}: on the operator's host; subscribe there")
         moved = {name: host for name, host in homes.items() if self._homes.get(name) != host}
@@ -51,8 +59,8 @@ class RunTaps:
             self._receive({name: host for name, host in moved.items() if host})
             taps = [self._tapping(name, host) for name, host in moved.items()]
             self._run.tap(taps)
-            self._taps += taps
-            self._homes = homes
+            self._taps += [tap for tap in taps if tap not in self._taps]
+        self._homes = homes
 
     def close(self, timeout: float = 0.0) -> bool:
         """Remove the taps and their receivers; False if that was done before.

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from followspot.closing import Closing
 from followspot.control.dispatch import Ask
 from followspot.errors import FollowspotError
 from followspot.html import html_table
+from followspot.library.overlay import save_overlay
 from followspot.library.subscription import M, Subscription
 from followspot.library.tapped import TappedPorts
 from followspot.operator.run_handle import RunHandle
@@ -49,6 +51,13 @@ class ScriptHandle(RunHandle, Closing):
         port: STAGE.PORT, or a shorter name as `ports=` of `run` takes it. Raises FollowspotError.
         """
         return self._tapped.subscription(port)
+
+    def save(self, path: str | Path) -> tuple[str, ...]:
+        """Save what was changed as a new graph file that extends the run's own; the stages that it names.
+
+        path: NAME.yaml. Raises FollowspotError if nothing was, or an overlay cannot say it.
+        """
+        return save_overlay(self, path)
 
     def close(self) -> None:
         """End the subscriptions; the run goes on."""

@@ -17,12 +17,13 @@ from followspot.errors import FollowspotError, InputError
 from followspot.graph.change import with_stages
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
+from followspot.operator.chosen import Listed, chosen, names
 from followspot.operator.coordinator import Coordinator, order_of
 from followspot.operator.discovery import Agents, await_named, discovered_hosts, operator_session
 from followspot.operator.remote_host import RemoteHost
 from followspot.operator.report import RunReport
 from followspot.operator.run_dispatcher import run_dispatcher
-from followspot.operator.run_handle import Listed, RunHandle, chosen, names
+from followspot.operator.run_handle import RunHandle
 from followspot.operator.run_requests import Surroundings
 from followspot.transport.zenoh.network import Network
 from followspot.worker.wiring import RunOptions
@@ -30,13 +31,22 @@ from followspot.worker.wiring import RunOptions
 
 @dataclass(frozen=True)
 class FoundRun:
-    """A run under agents. hosts: names of the hosts whose agents list it; over: it has ended on all."""
+    """A run under agents. hosts: names of the hosts whose agents list it; over: it has ended on all.
+
+    detached: it goes on without an operator; owner: USER@HOST of the operator, as far as it is known; fired:
+    frames done; age_s: s; folders: of its outputs, HOST:FOLDER.
+    """
 
     run: str
     graph: str
     hosts: tuple[str, ...]
     over: bool
     pid: int | None = None
+    detached: bool = False
+    owner: str = ""
+    fired: int = 0
+    age_s: float = 0.0
+    folders: tuple[str, ...] = ()
 
     @property
     def label(self) -> str:
@@ -75,10 +85,31 @@ def find_runs(client: RpcClient) -> list[FoundRun]:
     return [_found(run, hosts) for run, hosts in by_run.items()]
 
 
+def runs_under(network: Network) -> list[FoundRun]:
+    """The runs of the agents that a network leads to; none if no agent answers.
+
+    Raises FollowspotError if the network cannot be used.
+    """
+    with operator_session(network) as session:
+        await_named(session, network)
+        return find_runs(RpcClient(session, network.own))
+
+
 def _found(run: str, hosts: Mapping[str, ListedRun]) -> FoundRun:
     """A run from the listing of each of its hosts."""
-    graph, *_ = (listed.graph for listed in hosts.values())
-    return FoundRun(run, graph, tuple(hosts), all(listed.over for listed in hosts.values()))
+    listed = list(hosts.values())
+    origin = listed[0].origin
+    return FoundRun(
+        run,
+        listed[0].graph,
+        tuple(hosts),
+        all(one.over for one in listed),
+        detached=listed[0].detached,
+        owner="@".join(text for text in (origin.user, origin.name) if text),
+        fired=max(one.fired for one in listed),
+        age_s=max(one.age_s for one in listed),
+        folders=tuple(f"{host}:{one.folder}" for host, one in hosts.items() if one.folder),
+    )
 
 
 class Attachment:

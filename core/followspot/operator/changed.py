@@ -7,6 +7,7 @@ from typing import Any
 
 from followspot.graph.change import Change
 from followspot.graph.move import anew
+from followspot.graph.not_taken import not_taken_over
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.subgraph_change import BY_A_CHANGE
 
@@ -16,7 +17,8 @@ class ChangedStage:
     """A changed stage. before, uses: the old and the new plugin stage, "" for one that comes or goes; params:
     parameters that differ now.
 
-    origins: what gave these their values, of those that the change itself does not give.
+    origins: what gave these their values, of those that the change itself does not give; not_taken: values
+    that were set before, for which no stage has a parameter now.
     """
 
     stage: str
@@ -24,10 +26,16 @@ class ChangedStage:
     uses: str
     params: dict[str, Any]
     origins: dict[str, str] = field(default_factory=dict)
+    not_taken: dict[str, Any] = field(default_factory=dict)
 
     @property
     def text(self) -> str:
         """One line."""
+        lost = [f"{name} = {value}" for name, value in self.not_taken.items()]
+        return self._change + (f"; not taken over: {', '.join(lost)}" if lost else "")
+
+    @property
+    def _change(self) -> str:
         if not self.uses:
             return f"{self.stage}: left ({self.before})"
         if not self.before:
@@ -83,7 +91,12 @@ def changed(run: str, plan: Plan, change: Change) -> Changed:
     old = {stage.name: stage for stage in plan.stages}
     new = change.applied(plan)
     there = {stage.name for stage in new.stages}
-    found = [ChangedStage(s.name, s.uses, "", {}) for s in plan.stages if s.name not in there]
+    lost = not_taken_over(plan, new)
+    found = [
+        ChangedStage(s.name, s.uses, "", {}, not_taken=lost.get(s.name, {}))
+        for s in plan.stages
+        if s.name not in there
+    ]
     for stage in new.stages:
         if stage.name not in old:
             found.append(ChangedStage(stage.name, "", stage.uses, {}))
@@ -93,7 +106,8 @@ def changed(run: str, plan: Plan, change: Change) -> Changed:
         params = _differing(old[stage.name], stage)
         given = new.origins.get(stage.name, {})
         origins = {name: given[name].text for name in params if name in given and given[name] != BY_A_CHANGE}
-        found.append(ChangedStage(stage.name, old[stage.name].uses, stage.uses, params, origins))
+        before, values = old[stage.name].uses, lost.get(stage.name, {})
+        found.append(ChangedStage(stage.name, before, stage.uses, params, origins, values))
     return Changed(run, plan.graph, tuple(found))
 
 

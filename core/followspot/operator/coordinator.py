@@ -13,16 +13,20 @@ from followspot.control.host import Host, HostLost, Others, RunOrder, WorkerStat
 from followspot.control.lifecycle import EndWorkers, StartRun, StopRun
 from followspot.control.progress import PROGRESS_PERIOD, OnProgress
 from followspot.control.relay import Relayed
+from followspot.control.worker_orders import EndSensors
 from followspot.errors import FollowspotError
+from followspot.graph.frame_count import accompanying_sources
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
 from followspot.host.clocks.host import reference
 from followspot.log.merged import MergedLog
 from followspot.log.record import Level, LogPage
 from followspot.log.run_log import OnLog
+from followspot.operator.budgets import BudgetWatch
 from followspot.operator.report import RunReport
 from followspot.operator.run_status import RunStatus
 from followspot.operator.run_view import RunView
+from followspot.operator.sensor_end import order_at_end, order_at_start
 from followspot.worker.wiring import RunOptions
 
 _STOP_TIMEOUT = 20.0
@@ -72,11 +76,14 @@ class Coordinator:
         """Hosts that do not answer, each with the reason as far as it is known."""
         self._news: list[str] = []
         self._one_change = Lock()
+        self._sensors_told = False
+        """Whether the sensors have been told when to end."""
         self._begun = begun
         self._prepared = list(hosts) if begun else []
         self._pending_orders: list[Relayed] = []
         """Orders relayed before all hosts were prepared; each host gets them after its preparation."""
         self._one_relay = Lock()
+        self._budgets = BudgetWatch()
 
     def stop(self) -> None:
         """End all sources; workers finish the messages in flight. Safe in a signal handler."""
@@ -106,6 +113,7 @@ class Coordinator:
         if not self._all_ready():
             self._end_early()
             return False
+        self._end_sensors(order_at_start)
         for host in self.hosts:
             host.ask(StartRun())
         self._begun = True
@@ -192,12 +200,22 @@ class Coordinator:
         """Poll until every worker has ended or is on a host that no longer answers."""
         while not (self._leaving or all(self._over(host) for host in self.hosts)):
             self._poll_hosts(on_progress)
+            self._end_sensors(order_at_end)
             if self._stop_asked or self._failed():
                 self._end_early()
             if self._stop_deadline is not None and time.monotonic() > self._stop_deadline:
                 return
             if self.order.restart:
                 self._announce_ended_workers()
+
+    def _end_sensors(self, order_of: Callable[[Plan, Iterable[WorkerStatus]], EndSensors | None]) -> None:
+        """Send the order that ends the sensors of a run of N frames, as soon as it is known."""
+        if self._sensors_told or self.order.frames is None or not accompanying_sources(self.plan):
+            return
+        order = order_of(self.plan, self._workers())
+        if order is not None:
+            self._sensors_told = True
+            self.relay(order)
 
     def _announce_ended_workers(self) -> None:
         """Tell all hosts which workers have ended, so that a restarted worker does not wait for them."""
@@ -217,10 +235,17 @@ class Coordinator:
                 if host.name not in self._silent:
                     self._report_event(str(error), "warning")
                 self._silent[host.name] = str(error)
+        self._watch_budgets()
         self.log.gather()
         if on_progress is not None:
             whole = self._view()
             on_progress(whole.progress(), whole.expected())
+
+    def _watch_budgets(self) -> None:
+        """Log each path that begins to miss its budget, or keeps it again, until a worker ends."""
+        if self.plan.budgets and not any(worker.phase == "over" for worker in self._workers()):
+            for line, is_missed in self._budgets.look(self._view().late()):
+                self._report_event(line, "warning" if is_missed else "info")
 
     def _report_event(self, line: str, level: Level) -> None:
         self.log.say(level, line)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import time
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -77,11 +78,12 @@ def prepared(
 
         order = order_of(plan, options, restart=restart)
         with discovered_hosts(plan, network, media, in_process) as (hosts, others):
-            around = Surroundings(options.out.resolve(), network.for_worker(network.connect))
+            near = network.for_worker(network.connect)
+            around = Surroundings(options.out.resolve(), near, plan.written, time.time())
             yield Coordinator(plan, hosts, order, on_log, others), around
             return
     run = local_run(plan, options, on_log, restart=restart, in_process=in_process)
-    yield run, Surroundings(options.out.resolve())
+    yield run, Surroundings(options.out.resolve(), None, plan.written, time.time())
 
 
 def local_run(

@@ -131,7 +131,7 @@ class RemoteOrders:
             return
         stages = packed_stages(order.stages, self._media)
         self._send(order.model_copy(update={"stages": stages}))
-        if order.step == "take_over":
+        if order.step == "take_over" and not order.workers:
             plan = with_stages(plan_from_data(self.order.plan), stages, order.subgraphs)
             self.order = replace(self.order, plan=plan_to_data(plan))
 

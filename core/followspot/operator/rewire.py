@@ -1,23 +1,25 @@
 """Another graph file in the place of a sub-graph, with other stages and edges, while the run goes on.
 
 If all that differs is in one worker, that worker builds what is new, comes to rest, and goes on with the new
-plan: nothing is lost. Else, in a live run, the workers that differ restart with the new plan, as in a move.
+plan: nothing is lost. So do all workers of one host together. In a live run over several hosts, the workers
+that differ restart with the new plan, as in a move.
 """
 
 from __future__ import annotations
 
 import time
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 from followspot.control.host import Host
 from followspot.control.move import MoveOrder
 from followspot.control.swap import ChangeOrder, ChangePhase
-from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.errors import FollowspotError
 from followspot.graph.difference import differing_workers, only_worker
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
+from followspot.operator.joint_rewire import can_rewire_together, check_replay, rewire_together
 from followspot.operator.move import move_hosts
 from followspot.worker.wiring import Wiring
 
@@ -28,17 +30,13 @@ _TIMEOUT = 60.0
 """Seconds in which new stages must be built, and again to take over."""
 _POLL_INTERVAL = 0.01
 """Seconds between two polls of the host."""
-_APART = (
-    "run it in one worker, and record only ports outside {name} (--record-ports); or stop it and start it "
-    "with --set {name}.graph=FILE"
-)
 
 
 def rewire(run: Coordinator, new: Plan, name: str, *, fresh: bool) -> None:
     """Bring a run from its plan to one with other stages and edges. name: of the sub-graph, for messages.
 
-    Raises InputError if it is a replay in which more than one worker would have to change, FollowspotError if
-    a host refuses or a stage cannot be built: the run goes on as it was.
+    Raises InputError if it is a replay over several hosts in which more than one worker would have to change,
+    FollowspotError if a host refuses or a stage cannot be built: the run goes on as it was.
     """
     old = run.plan
     worker = only_worker(old, new)
@@ -46,12 +44,12 @@ def rewire(run: Coordinator, new: Plan, name: str, *, fresh: bool) -> None:
         _in_place(run, new, worker, fresh=fresh)
         return
     if not old.live:
-        apart = sorted(differing_workers(old, new) | _noticing(old, new))
-        where = (
-            f"the workers {', '.join(apart)}" if len(apart) > 1 else f"worker {apart[0]}, which others feed"
-        )
-        text = f'stages of "{name}" come and go in {where}, and a replay would lose messages'
-        raise InputError([Mistake(None, text, _APART.format(name=name))])
+        check_replay(old, new, name)
+    if can_rewire_together(old, new):
+        host = next(found for found in run.hosts if found.name == new.workers[0].host)
+        rewire_together(host, old, new, fresh=fresh)
+        _tell_others(run, host, plan_to_data(new))
+        return
     move_hosts(old, new, run.hosts, differing_workers(old, new) | _noticing(old, new), fresh=fresh)
 
 
@@ -84,7 +82,7 @@ def _in_place(run: Coordinator, new: Plan, worker: str, *, fresh: bool) -> None:
 
     def order(step: str) -> ChangeOrder:
         return ChangeOrder.model_validate(
-            {"id": identity, "step": step, "stages": (), "fresh": fresh, "worker": worker, "plan": data}
+            {"id": identity, "step": step, "stages": (), "fresh": fresh, "workers": (worker,), "plan": data}
         )
 
     try:
@@ -99,9 +97,14 @@ def _in_place(run: Coordinator, new: Plan, worker: str, *, fresh: bool) -> None:
         with suppress(FollowspotError):
             host.ask(MoveOrder(plan=plan_to_data(run.plan)))
         raise
+    _tell_others(run, host, data)
+
+
+def _tell_others(run: Coordinator, host: Host, plan: dict[str, Any]) -> None:
+    """Let the hosts without a part in the change know the new plan."""
     for other in run.hosts:
         if other is not host:
-            other.ask(MoveOrder(plan=data))
+            other.ask(MoveOrder(plan=plan))
 
 
 def _step(host: Host, order: ChangeOrder, phase: ChangePhase) -> None:

@@ -13,12 +13,16 @@ from followspot.control.worker_orders import RELAYED
 from followspot.graph.ship import plan_to_data
 from followspot.operator.coordinator import Coordinator
 from followspot.operator.hot_swap import change_stages
+from followspot.operator.marks import Marks
 from followspot.operator.move import move_stages
 from followspot.operator.run_requests import (
     ChangeStages,
+    ExchangeMarks,
+    GetKept,
     GetPlan,
     GetStatus,
     GetSurroundings,
+    MarkMoment,
     MoveStages,
     Surroundings,
 )
@@ -33,6 +37,7 @@ def run_dispatcher(
     stop: ends the sources of the run; `Coordinator.stop` by default.
     """
     end = run.stop if stop is None else stop
+    marks = Marks(run.log.say)
 
     def status(_: GetStatus) -> RunStatus:
         found = run.status()
@@ -47,6 +52,9 @@ def run_dispatcher(
             GetSurroundings: lambda _: surroundings,
             ChangeStages: partial(change_stages, run),
             MoveStages: partial(move_stages, run),
+            MarkMoment: lambda request: marks.mark(request.after, request.note),
+            ExchangeMarks: lambda request: marks.exchange(request.kept, request.taken),
+            GetKept: lambda _: marks.kept,
             **dict.fromkeys(RELAYED, run.relay),
             StopRun: lambda _: end(),
         },

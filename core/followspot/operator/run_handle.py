@@ -1,27 +1,29 @@
-"""The handle on a run that the command line, the page, tools, notebooks and tests use, and how to get one."""
+"""The handle on a run that the command line, the page, tools, notebooks and tests use."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any
 from uuid import uuid4
 
 from followspot.control.dispatch import Ask, NoAnswer
 from followspot.control.lifecycle import StopRun
 from followspot.control.observation import GetLog
 from followspot.control.tapping import PlaceTaps, RemoveTaps, Tapping
-from followspot.control.unix_socket import served_here
 from followspot.control.worker_orders import HoldSources
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
 from followspot.log.record import LogPage
 from followspot.operator.changed import Changed, Moved
+from followspot.operator.marking import kept, mark
+from followspot.operator.marks import Kept, Mark, Moment
 from followspot.operator.run_requests import (
     ChangeStages,
+    ExchangeMarks,
     GetPlan,
     GetStatus,
     GetSurroundings,
@@ -31,7 +33,6 @@ from followspot.operator.run_requests import (
 from followspot.operator.run_status import RunStatus
 from followspot.operator.stepping import step
 from followspot.plugins.registry import use_plugin_files
-from followspot.transport.zenoh.network import Network
 
 ANSWER_TIMEOUT = 10.0
 """Seconds that a run has to answer; a run that is setting up its stages is slow."""
@@ -135,6 +136,27 @@ class RunHandle:
         """
         return step(self, count, source)
 
+    def mark(self, *, after: float = 5.0, note: str = "", wait: bool = False) -> Moment:
+        """Save what the flight recorder holds, and the `after` s to come, into a file; overlapping marks
+        share one.
+
+        wait: return when the file is complete, not as soon as its name is known. Raises FollowspotError if
+        the run has no flight recorder (`--keep`), or the disk does not take the file.
+        """
+        return mark(self.ask, after, note, wait=wait)
+
+    def kept(self) -> Kept | None:
+        """What the flight recorder holds, and the files of marks; None if the run has none."""
+        return kept(self.ask)
+
+    def exchange_marks(self, kept: Kept | None, taken: int) -> tuple[Mark, ...]:
+        """For flight recorders: tell the run what is held; the marks after the number `taken`.
+
+        kept: None if the recorder has ended.
+        """
+        found: tuple[Mark, ...] = self.ask(ExchangeMarks(kept=kept, taken=taken), ANSWER_TIMEOUT)
+        return found
+
     def stop(self) -> None:
         """End the sources; workers finish the messages in flight."""
         self.ask(StopRun(), ANSWER_TIMEOUT)
@@ -147,80 +169,3 @@ class RunHandle:
             return False
         except FollowspotError:
             return True
-
-
-@contextmanager
-def connected_run(wanted: str | None = None, network: Network | None = None) -> Iterator[RunHandle]:
-    """A handle on the run that `wanted` names. The run goes on when the block ends.
-
-    wanted: the graph's name, the beginning of the run's, or the process id of its operator; None names
-    the only run; network: leads to agents, asked if no run of this machine has the name; None asks none.
-    Raises FollowspotError if there is no such run, or several.
-    """
-    here = runs_here(wanted)
-    if network is None or any(names(run, wanted) for run in here):
-        yield _answering(chosen(here, wanted, "on this machine"))
-        return
-    from followspot.operator.attach import attached, handle_of
-
-    with attached(network, wanted, here) as attachment:
-        yield handle_of(attachment, network)
-
-
-def run_here(wanted: str | None = None) -> RunHandle:
-    """The same among the runs of this machine. Raises FollowspotError if there is no such run, or several."""
-    return _answering(chosen(runs_here(wanted), wanted, "on this machine"))
-
-
-def runs_here(wanted: str | None = None) -> list[RunHandle]:
-    """The user's runs on this machine, sorted by name; see `served_here`."""
-    return [RunHandle(found.run, found.graph, found.ask, found.pid) for found in served_here(wanted)]
-
-
-class Listed(Protocol):
-    """A run in a list of runs. label: how the list shows it; pid: of its operator's process, if known."""
-
-    @property
-    def run(self) -> str: ...
-
-    @property
-    def graph(self) -> str: ...
-
-    @property
-    def pid(self) -> int | None: ...
-
-    @property
-    def label(self) -> str: ...
-
-
-Run = TypeVar("Run", bound=Listed)
-
-
-def names(run: Listed, wanted: str | None) -> bool:
-    """True if `wanted` names this run, as `connected_run` takes it."""
-    return wanted is None or wanted in (run.graph, str(run.pid)) or run.run.startswith(wanted)
-
-
-def chosen(runs: Sequence[Run], wanted: str | None, where: str) -> Run:
-    """The run that `wanted` names: the one rule for the run that is meant, here and under agents.
-
-    where: these runs are, for the error message. Raises FollowspotError if there is no such run, or several.
-    """
-    fitting = [run for run in runs if names(run, wanted)]
-    if len(fitting) == 1:
-        return fitting[0]
-    if fitting:
-        raise FollowspotError(f"there are several runs: {_text(fitting)}; name one by the word in brackets")
-    raise FollowspotError(f"there is no run {wanted or ''}".rstrip() + f"; runs {where}: {_text(runs)}")
-
-
-def _text(runs: Sequence[Listed]) -> str:
-    """Runs in one line."""
-    return ", ".join(run.label for run in runs) or "none"
-
-
-def _answering(run: RunHandle) -> RunHandle:
-    """The run. Raises NoAnswer if its process does not answer."""
-    if not run.graph:
-        run.status(timeout=0.5)
-    return run

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
+
+import pydantic
 
 from followspot.control.dispatch import Request, Role
+from followspot.graph.plan import Written
 from followspot.operator.changed import Changed, Moved
+from followspot.operator.marks import Kept, Mark
 from followspot.operator.run_status import RunStatus
+from followspot.ranges import Count
 from followspot.transport.zenoh.network import Network
 
 
@@ -17,11 +22,14 @@ class Surroundings:
     """The surroundings of a run.
 
     out: its output folder on the operator's host, None if that is not this host; network: leads to its other
-    hosts, None if it has none.
+    hosts, None if it has none; written: the files of its graph on the operator's host, None if it has none;
+    began: when the operator prepared it, s since 1970, 0 if that is not known.
     """
 
     out: Path | None = None
     network: Network | None = None
+    written: Written | None = None
+    began: float = 0.0
 
 
 class _OperatorRequest(Request):
@@ -64,3 +72,25 @@ class MoveStages(_OperatorRequest):
     stages: tuple[str, ...]
     place: str
     answer: ClassVar[Any] = Moved
+
+
+class MarkMoment(_OperatorRequest):
+    """Save what the flight recorder holds and the next `after` seconds, s; the number of the mark."""
+
+    after: Annotated[float, pydantic.Field(ge=0.0, le=600.0)] = 5.0
+    note: Annotated[str, pydantic.Field(max_length=500)] = ""
+    answer: ClassVar[Any] = int
+
+
+class GetKept(_OperatorRequest):
+    """What the flight recorder holds; None if the run has none."""
+
+    answer: ClassVar[Any] = Kept | None
+
+
+class ExchangeMarks(_OperatorRequest):
+    """What the flight recorder tells the operator, None if it has ended; the marks after `taken`."""
+
+    kept: Kept | None
+    taken: Count
+    answer: ClassVar[Any] = tuple[Mark, ...]

@@ -31,7 +31,7 @@ class RunStatus:
     workers: all workers of the plan, with their ages; counts: the ledger's columns of all edges of the plan,
     one edge after the other; fired: frames done; expected: frames to be done, None if no source knows; news:
     events of the run, a line each; clocks: of the hosts that follow a reference clock, "" for the operator's
-    own; hosts: the remote hosts.
+    own; hosts: the remote hosts; late: a line for each path that misses its budget.
     """
 
     workers: tuple[WorkerStatus, ...]
@@ -41,6 +41,7 @@ class RunStatus:
     news: tuple[str, ...] = ()
     clocks: Mapping[str, ClockStatus] = field(default_factory=dict)
     hosts: tuple[SeenHost, ...] = ()
+    late: tuple[str, ...] = ()
 
     def later(self, seconds: float) -> RunStatus:
         """The same status, older by `seconds`."""
@@ -49,8 +50,11 @@ class RunStatus:
         return replace(self, workers=tuple(workers), hosts=tuple(hosts))
 
     def faults(self) -> tuple[str, ...]:
-        """A line for each host or worker that is absent or old; a faulty host's workers have no own line."""
-        return faults(self.hosts, self.workers)
+        """A line for each host or worker that is absent or old, and for each path that misses its budget.
+
+        A faulty host's workers have no line of their own.
+        """
+        return (*faults(self.hosts, self.workers), *self.late)
 
     def edges(self, plan: Plan) -> Iterator[tuple[PlannedEdge, EdgeCount]]:
         """Each edge with its counts."""
@@ -61,7 +65,7 @@ class RunStatus:
 
 
 def faults(hosts: Iterable[SeenHost], workers: Iterable[WorkerStatus]) -> tuple[str, ...]:
-    """See `RunStatus.faults`."""
+    """A line for each host or worker that is absent or old: see `RunStatus.faults`."""
     found = {host.name: line for host in hosts if (line := _host_fault(host))}
     others = (_worker_fault(worker) for worker in workers if worker.host not in found)
     return (*found.values(), *(line for line in others if line))

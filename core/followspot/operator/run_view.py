@@ -11,6 +11,7 @@ from followspot.control.progress import Progress
 from followspot.control.worker_report import WorkerReport
 from followspot.graph.plan import Plan
 from followspot.host.heartbeat import SILENCE
+from followspot.operator.budgets import missed, overruns
 from followspot.operator.report import RunReport, merge, summed
 from followspot.operator.run_status import RunStatus, SeenHost, faults
 from followspot.worker.ledger import COLUMNS, Ledger
@@ -39,7 +40,11 @@ class RunView:
         sinks = {stage.worker for stage in self.plan.stages if stage.name not in senders}
         fired = [worker.fired for worker in self.workers() if worker.name in sinks]
         newest = max((worker.time for worker in self.workers()), default=-1)
-        return Progress(min(fired, default=0), newest, faults(self._host_statuses(), self._worker_statuses()))
+        return Progress(
+            min(fired, default=0),
+            newest,
+            (*faults(self._host_statuses(), self._worker_statuses()), *self.late()),
+        )
 
     def expected(self) -> int | None:
         """Frames that the run will process; None if no source knows."""
@@ -55,7 +60,12 @@ class RunView:
             self._news(),
             self._clocks(),
             tuple(self._host_statuses()),
+            self.late(),
         )
+
+    def late(self) -> tuple[str, ...]:
+        """A line for each path that misses its budget."""
+        return tuple(missed(self.plan, self._worker_statuses())) if self.plan.budgets else ()
 
     def _host_statuses(self) -> Iterator[SeenHost]:
         """The remote hosts that should answer: all whose workers have not ended."""
@@ -98,7 +108,7 @@ class RunView:
             seconds,
             stopped=stopped,
             restarts={name: worker.restarts for name, worker in found.items()},
-            news=self._news(),
+            news=(*self._news(), *overruns(self.plan, found.values())),
             clocks=self._clocks(),
             outs={name: status.out for name, status in self.hosts.items() if name},
         )

@@ -6,6 +6,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from followspot.firing import FIRINGS
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
 from followspot.operator.scored import class_of
 from followspot.ports import Ports, ports
@@ -85,7 +86,8 @@ class _Run:
     def silent_ports(self, stage: str) -> Iterator[str]:
         """The ports of a stage on whose edges no message had rows."""
         for port in dict.fromkeys(edge.from_port for edge, _ in self.out[stage]):
-            if not any(count.filled for edge, count in self.out[stage] if edge.from_port == port):
+            filled = any(count.filled for edge, count in self.out[stage] if edge.from_port == port)
+            if port != FIRINGS and not filled:
                 yield port
 
     def is_fed(self, stage: str) -> bool:

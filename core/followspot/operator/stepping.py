@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Collection
-from typing import TYPE_CHECKING
+from typing import Protocol
 from uuid import uuid4
 
-from followspot.control.dispatch import NoAnswer
+from followspot.control.dispatch import Ask, NoAnswer
 from followspot.control.stage_status import StageStatus
 from followspot.control.worker_orders import HoldSources
 from followspot.errors import FollowspotError
-
-if TYPE_CHECKING:
-    from followspot.operator.run_handle import RunHandle
+from followspot.graph.plan import Plan
+from followspot.operator.run_status import RunStatus
 
 _TIMEOUT = 10.0
 """Seconds that the run has to take an order."""
@@ -23,7 +22,19 @@ _POLL_INTERVAL = 0.02
 """Seconds between two polls of the sources."""
 
 
-def step(run: RunHandle, count: int, source: str | None) -> int:
+class Steps(Protocol):
+    """A run that steps, as its handle shows it."""
+
+    ask: Ask
+
+    def plan(self) -> Plan:
+        """The plan as it is now."""
+
+    def status(self) -> RunStatus:
+        """The status of the run now. Raises FollowspotError if it has ended."""
+
+
+def step(run: Steps, count: int, source: str | None) -> int:
     """Let a replay go on for the next `count` capture times of a source; see `RunHandle.step`."""
     plan = run.plan()
     fed = {edge.to_stage for edge in plan.edges}
@@ -48,7 +59,7 @@ def step(run: RunHandle, count: int, source: str | None) -> int:
         time.sleep(_POLL_INTERVAL)
 
 
-def _statuses(run: RunHandle, names: Collection[str]) -> dict[str, StageStatus] | None:
+def _statuses(run: Steps, names: Collection[str]) -> dict[str, StageStatus] | None:
     """The status of these stages; None if the run has ended."""
     try:
         workers = run.status().workers

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
+from followspot.control.path_latency import PathLatency
 from followspot.operator.report import RunReport
 from followspot.plugins.hooks import load_scorers
 from followspot.tables import table
@@ -62,6 +63,7 @@ def data(report: RunReport, scores: Mapping[str, Any]) -> dict[str, Any]:
                 "p95_ms": round(path.p95_ms, 4),
                 "worst_ms": round(path.worst_ms, 4),
                 "worst_id": path.worst_id,
+                **({} if path.budget_ms is None else {"budget_ms": path.budget_ms, "late": path.late}),
             }
             for worker in report.workers
             for path in worker.paths
@@ -103,6 +105,7 @@ def _clocks(report: RunReport) -> str:
 
 def _latency(report: RunReport) -> str:
     paths = [path for worker in report.workers for path in worker.paths]
+    budgets = any(path.budget_ms is not None for path in paths)
     rows = [
         (
             f"{path.origin} -> {path.sink}",
@@ -111,10 +114,17 @@ def _latency(report: RunReport) -> str:
             f"{path.p95_ms:.2f}",
             f"{path.worst_ms:.2f}",
             path.worst_id,
+            *(_kept(path) if budgets else ()),
         )
         for path in paths
     ]
-    return table(("path", "messages", "p50 ms", "p95 ms", "worst ms", "worst frame"), rows)
+    head = ("path", "messages", "p50 ms", "p95 ms", "worst ms", "worst frame")
+    return table((*head, *(("budget ms", "late") if budgets else ())), rows)
+
+
+def _kept(path: PathLatency) -> tuple[str, str]:
+    """Budget, and how many messages were late; "" for none."""
+    return ("", "") if path.budget_ms is None else (f"{path.budget_ms:g}", str(path.late))
 
 
 def _lost_at_source(report: RunReport) -> str:

@@ -93,6 +93,19 @@ class Scorer:
     load: Callable[[], Any]
 
 
+@dataclass(frozen=True)
+class Keeper:
+    """Keeps the last seconds of runs of scripts (`keep=` of `followspot.run`).
+
+    start: from the plan, a `followspot.Keep` and the name of the run to a context that is open while the run
+    goes on; it yields a function that takes the errors of a run that failed. check: raises FollowspotError
+    if a plan cannot be kept so.
+    """
+
+    check: Callable[[Any, Any], None]
+    start: Callable[[Any, Any, str], AbstractContextManager[Callable[[Sequence[str]], None]]]
+
+
 class Hooks:
     """Specifications of the hooks."""
 
@@ -112,6 +125,10 @@ class Hooks:
     def followspot_scorers(self) -> Sequence[Scorer]:  # type: ignore[empty-body]
         """Scores of runs against ground truth."""
 
+    @hookspec
+    def followspot_keepers(self) -> Sequence[Keeper]:  # type: ignore[empty-body]
+        """Flight recorders of runs of scripts."""
+
 
 @dataclass(frozen=True)
 class HookModule:
@@ -125,24 +142,26 @@ class HookModule:
 
 @dataclass(frozen=True)
 class LoadedHooks:
-    """All hook modules with their commands, options, readers and scorers."""
+    """All hook modules with their commands, options, readers, scorers and keepers."""
 
     modules: tuple[HookModule, ...]
     commands: tuple[Command, ...]
     plan_options: tuple[PlanOptions, ...]
     readers: tuple[RecordingReader, ...] = ()
     scorers: tuple[Scorer, ...] = ()
+    keepers: tuple[Keeper, ...] = ()
 
 
 @dataclass(frozen=True)
 class _Offer:
-    """Commands, options, readers and scorers of one module; problem: why some are missing."""
+    """Commands, options, readers, scorers and keepers of one module; problem: why some are missing."""
 
     problem: str = ""
     commands: list[Command] = field(default_factory=list)
     plan_options: list[PlanOptions] = field(default_factory=list)
     readers: list[RecordingReader] = field(default_factory=list)
     scorers: list[Scorer] = field(default_factory=list)
+    keepers: list[Keeper] = field(default_factory=list)
 
 
 @cache
@@ -153,6 +172,7 @@ def load_hooks() -> LoadedHooks:
     plan_options: list[PlanOptions] = []
     readers: list[RecordingReader] = []
     scorers: list[Scorer] = []
+    keepers: list[Keeper] = []
     taken = dict.fromkeys(RESERVED, "followspot")
     for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
         offer = _load(entry)
@@ -160,6 +180,7 @@ def load_hooks() -> LoadedHooks:
         plan_options += offer.plan_options
         readers += offer.readers
         scorers += offer.scorers
+        keepers += offer.keepers
         for command in offer.commands:
             other = taken.get(command.title) or taken.get(command.parent or "")
             if other:
@@ -169,7 +190,14 @@ def load_hooks() -> LoadedHooks:
                 commands.append(command)
         distribution = entry.dist.name if entry.dist is not None else "?"
         modules.append(HookModule(entry.name, entry.value, distribution, problem))
-    return LoadedHooks(tuple(modules), tuple(commands), tuple(plan_options), tuple(readers), tuple(scorers))
+    return LoadedHooks(
+        tuple(modules),
+        tuple(commands),
+        tuple(plan_options),
+        tuple(readers),
+        tuple(scorers),
+        tuple(keepers),
+    )
 
 
 def load_commands() -> Sequence[Command]:
@@ -200,6 +228,7 @@ def _load(entry: EntryPoint) -> _Offer:
         options = [option for offered in manager.hook.followspot_plan_options() for option in offered]
         readers = [reader for offered in manager.hook.followspot_recording_readers() for reader in offered]
         scorers = [scorer for offered in manager.hook.followspot_scorers() for scorer in offered]
+        keepers = [keeper for offered in manager.hook.followspot_keepers() for keeper in offered]
     except (Exception, SystemExit) as error:
         return _Offer(" ".join(f"{type(error).__name__}: {error}".split()))
     if not all(isinstance(command, Command) for command in commands):
@@ -210,7 +239,9 @@ def _load(entry: EntryPoint) -> _Offer:
         return _Offer("followspot_recording_readers returns something that is no RecordingReader")
     if not all(isinstance(scorer, Scorer) for scorer in scorers):
         return _Offer("followspot_scorers returns something that is no Scorer")
-    return _Offer(problem, commands, options, readers, scorers)
+    if not all(isinstance(keeper, Keeper) for keeper in keepers):
+        return _Offer("followspot_keepers returns something that is no Keeper")
+    return _Offer(problem, commands, options, readers, scorers, keepers)
 
 
 def _silent(module: object) -> str:

@@ -55,6 +55,7 @@ PROMISES: tuple[Promise, ...] = (
     life.starts_in_a_fresh_process,
     sources.yields_what_it_declares,
     sources.never_goes_back_in_time,
+    sources.tells_its_capture_times,
     sources.yields_the_same_again,
     sources.stops_within_a_second,
 )

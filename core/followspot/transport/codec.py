@@ -7,14 +7,13 @@ and other programs can read it. Bytes that do not fit raise InvalidMessage.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from struct import Struct
 from typing import Any
 
 import numpy as np
 
 from followspot.messages import MAX_BYTES, Array, Header, InvalidMessage, Message, check_shape, in_range
 from followspot.transport.token import Watermark, is_watermark
-from followspot.transport.wire import ALIGN, MAX_HEAD, aligned, pack_head, padded, unpack_head
+from followspot.transport.wire import ALIGN, MAX_HEAD, RAW, aligned, pack_head, padded, unpack_head
 
 MAX_NDIM = 8
 MAX_SOURCE = 1000
@@ -31,10 +30,9 @@ class Codec:
         """Raises TypeError if a column is not made of plain numbers."""
         self.kind = kind
         self.name = kind.__qualname__
-        self.places = Struct(f"<{len(kind.columns)}q")
-        """Layout of the index in a body, bytes, at which each array begins."""
         self._shaped: tuple[Any, list[tuple[int, ...]], list[int]] = (self, [], [])
         self._columns = tuple((c.name, c.dtype.str, c.shape, c.dtype) for c in kind.columns)
+        self.dtypes = tuple(c.dtype for c in kind.columns)
         for name, code, shape, dtype in self._columns:
             if dtype.kind not in "biufc" or len(shape) > MAX_NDIM:
                 raise TypeError(
@@ -45,45 +43,55 @@ class Codec:
         """The arrays of a message, in the order of its columns."""
         return [getattr(message, name) for name, _, _, _ in self._columns]
 
-    def head(self, message: Message, arrays: Sequence[Array]) -> bytes:
-        """The packed head of a sealed message with these arrays. Raises InvalidMessage if it is too large."""
+    def contract(
+        self, message: Message, arrays: Sequence[Array]
+    ) -> tuple[dict[str, Any], list[tuple[str, str, tuple[int, ...]]]]:
+        """The scalars, and name, dtype and shape of each array of a message, as heads have them."""
         scalars = {name: getattr(message, name) for name, _ in self.kind.scalars}
         columns = [(c[0], c[1], array.shape) for c, array in zip(self._columns, arrays, strict=True)]
-        return pack_head((self.name, *message.header, scalars, columns))
+        return scalars, columns
 
-    def decode(self, head: list[Any], body: Array, places: bytes | memoryview | None = None) -> Message:
+    def head(self, message: Message, arrays: Sequence[Array]) -> bytes:
+        """The packed head of a sealed message with these arrays. Raises InvalidMessage if it is too large."""
+        return pack_head((self.name, *message.header, *self.contract(message, arrays)))
+
+    def decode(self, head: list[Any], body: Array) -> Message:
         """The message of an unpacked head, with read-only views of `body` as its arrays.
 
-        body: (B,) uint8, aligned; places: index in it, bytes, at which each array begins, packed by
-        `self.places`; without it, arrays follow each other and fill the body. Raises InvalidMessage.
+        body: (B,) uint8, aligned, which the arrays fill one after the other. Raises InvalidMessage.
         """
         if len(head) != 7 or head[0] != self.name:
             raise InvalidMessage(f"expected {self.name} of 7 parts, not {str(head[0])[:80]} of {len(head)}")
         header = _header(*head[1:5])
-        values = self._scalars(head[5])
+        values = self.scalars(head[5])
         shaped = self._shaped
         if head[6] != shaped[0]:  # mostly the columns are those of the message before
             shaped = self._shaped = (head[6], *self.shapes(head[6]))
         _, shapes, spans = shaped
-        if places is None:
-            starts: Sequence[int] = _successive(spans, len(body))
-        elif len(places) == self.places.size:
-            starts = self.places.unpack(places)
-        else:
-            raise InvalidMessage(f"the places of {len(spans)} arrays take {len(places)} bytes")
         body.flags.writeable = False
-        for (name, _, _, dtype), shape, span, start in zip(self._columns, shapes, spans, starts, strict=True):
-            if start % ALIGN or start < 0 or start + span > len(body):
-                raise InvalidMessage(f"{name} lies outside the {len(body)} bytes that came")
-            array: Array = np.ndarray(shape, dtype, body, start)
+        starts = successive(spans, len(body))
+        arrays = [
+            np.ndarray(shape, dtype, body, start)
+            for dtype, shape, start in zip(self.dtypes, shapes, starts, strict=True)
+        ]
+        return self.message(header, values, arrays)
+
+    def message(self, header: Header, scalars: dict[str, Any], arrays: Sequence[Array]) -> Message:
+        """The message with these read-only arrays of the right shapes.
+
+        Raises InvalidMessage if truth values are none.
+        """
+        values = dict(scalars)
+        for (name, _, _, dtype), array in zip(self._columns, arrays, strict=True):
             if dtype.kind == "b" and array.tobytes().translate(None, b"\0\1"):
                 raise InvalidMessage(f"{name} holds truth values other than 0 and 1")
             values[name] = array
         message = self.kind(**values)
-        object.__setattr__(message, "header", header)
+        message.__dict__["header"] = header
         return message
 
-    def _scalars(self, found: Any) -> dict[str, Any]:
+    def scalars(self, found: Any) -> dict[str, Any]:
+        """The scalars of a head, each of the type that the contract names. Raises InvalidMessage."""
         if type(found) is not dict or len(found) != len(self.kind.scalars):
             raise InvalidMessage(f"the scalars are not those of {self.name}")
         values = {}
@@ -151,6 +159,8 @@ def unpack(data: bytes, kind: type[Message]) -> Message | Watermark:
     if len(data) > MAX_PACKED:
         raise InvalidMessage(f"{len(data)} bytes, at most {MAX_PACKED} allowed")
     head, start = unpack_head(data)
+    if data[1] != RAW:
+        raise InvalidMessage(f"its arrays are coded in way {data[1]}")
     if head[0] is None:
         return Watermark(_watermark_time(head, len(data) - start))
     body = aligned(len(data) - start)
@@ -158,7 +168,15 @@ def unpack(data: bytes, kind: type[Message]) -> Message | Watermark:
     return codec_of(kind).decode(head, body)
 
 
-def _successive(spans: Sequence[int], size: int) -> list[int]:
+def header_of(data: bytes) -> Header:
+    """The header of a packed message; its arrays are not looked at. Raises InvalidMessage."""
+    head, _ = unpack_head(data)
+    if len(head) != 7:
+        raise InvalidMessage(f"expected a message of 7 parts, not {len(head)}")
+    return _header(*head[1:5])
+
+
+def successive(spans: Sequence[int], size: int) -> list[int]:
     """Indices, bytes, at which arrays of these sizes begin if they fill `size` bytes one after the other."""
     starts = []
     end = 0
@@ -172,13 +190,20 @@ def _successive(spans: Sequence[int], size: int) -> list[int]:
 
 def _header(source: Any, seq: Any, time: Any, entered: Any) -> Header:
     header = Header(source, seq, time, entered)
-    if type(source) is not str or not type(seq) is type(time) is type(entered) is int:
+    if not type(seq) is type(time) is type(entered) is int:
         raise InvalidMessage(f"the header {str(header)[:80]} is not a name and three numbers")
+    check_source(source)
+    return in_range(header)
+
+
+def check_source(source: Any) -> None:
+    """Raise InvalidMessage if this cannot be the name of a source."""
+    if type(source) is not str:
+        raise InvalidMessage(f"the header begins with {str(source)[:80]}, which is no name of a source")
     if len(source) > MAX_SOURCE:
         raise InvalidMessage(
             f"the header names a source of {len(source)} characters, {MAX_SOURCE} are allowed"
         )
-    return in_range(header)
 
 
 def _watermark_time(head: list[Any], surplus: int) -> int:

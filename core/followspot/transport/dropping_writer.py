@@ -9,7 +9,7 @@ from typing import Protocol, runtime_checkable
 
 from followspot.messages import Array, InvalidMessage, Message
 from followspot.transport.edge import PortWriter
-from followspot.transport.token import Watermark
+from followspot.transport.token import ABSENT, UNKNOWN, Watermark
 
 _PLENTY = 1 << 30
 
@@ -63,7 +63,7 @@ class DroppingWriter:
         """More than a writer ever sends at once: the edge always takes a message."""
         return _PLENTY
 
-    def send(self, token: Message | Watermark) -> None:
+    def send(self, token: Message | Watermark, watermark: int = UNKNOWN) -> None:
         """Send the token, or let it wait and drop the oldest message."""
         if isinstance(token, Watermark):
             if self._waiting and isinstance(self._waiting[-1], Watermark):
@@ -75,6 +75,8 @@ class DroppingWriter:
                 self._drop_oldest()
             self._messages += 1
         self._waiting.append(token)
+        if watermark != UNKNOWN:
+            self._waiting.append(Watermark(watermark))
         self._pass_on()
 
     def loan(self, shape: Sequence[int], dtype: str) -> Array | None:
@@ -120,10 +122,22 @@ class DroppingWriter:
                     return
                 self._messages -= 1
             self._waiting.popleft()
+            watermark = self._watermark_after(token)
             try:
-                self.inner.send(token)
+                self.inner.send(token, watermark)
             except InvalidMessage as error:
                 self.refused(str(error))
+                if watermark != UNKNOWN:
+                    self.inner.send(Watermark(watermark))
+
+    def _watermark_after(self, token: Message | Watermark) -> int:
+        """The watermark that waits behind a message, which it takes along; `UNKNOWN` if there is none."""
+        if isinstance(token, Message) and self._waiting and isinstance(self._waiting[0], Watermark):
+            found = self._waiting[0].time
+            if found < ABSENT:
+                self._waiting.popleft()
+                return found
+        return UNKNOWN
 
     def _credit_now(self) -> bool:
         """Ask for a wake-up; whether there was credit meanwhile."""

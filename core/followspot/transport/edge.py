@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from followspot.messages import Array, Message
-from followspot.transport.token import Token, Watermark
+from followspot.transport.token import UNKNOWN, Token, Watermark
 
 
 class PortWriter(Protocol):
@@ -42,11 +42,13 @@ class PortWriter(Protocol):
     def credit(self) -> int:
         """How many messages may be sent now; the depth if no reader is left."""
 
-    def send(self, token: Message | Watermark) -> None:
+    def send(self, token: Message | Watermark, watermark: int = UNKNOWN) -> None:
         """Send a sealed, stamped message, which needs credit, or a watermark.
 
-        Watermarks that have to wait are merged. Raises InvalidMessage if a message cannot be put on the
-        wire (a head of over 64 kB), and RuntimeError if it has no credit; nothing is sent then.
+        watermark: the one after a message, ns, if it is known already: it travels with the message, and
+        readers get it as the next token. Watermarks that have to wait are merged. Raises InvalidMessage if a
+        message cannot be put on the wire (a head of over 64 kB), and RuntimeError if it has no credit;
+        nothing is sent then.
         """
 
     def loan(self, shape: Sequence[int], dtype: str) -> Array | None:

@@ -8,6 +8,8 @@ from followspot.messages import MAX_TIME, Message
 
 END = 2**63 - 1
 """Watermark, ns, of a stream that has ended."""
+UNKNOWN = -END
+"""Stands for the watermark after a message while that is not known."""
 ABSENT = END - 1
 """Watermark, ns, of a stream whose source is away: nothing comes for now; the next token ends the absence."""
 MAX_LATENESS = 1 << 61

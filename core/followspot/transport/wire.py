@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from ctypes import addressof, c_char
 from struct import Struct
 from typing import Any
 
@@ -15,7 +16,9 @@ VERSION = 1
 ALIGN = 64
 """Arrays start at multiples of this many bytes: a cache line, and any vector register."""
 PREFIX = Struct("<BxH")
-"""Version, a byte that is ignored, size of the msgpack head in bytes."""
+"""Version, a byte that says how arrays are coded, size of the msgpack head in bytes."""
+RAW = 0
+"""The second byte of a token whose arrays stand as they are."""
 MAX_HEAD = (1 << 16) - ALIGN
 """Largest msgpack head, bytes."""
 
@@ -30,9 +33,10 @@ def padded(size: int) -> int:
 
 def aligned(size: int) -> Array:
     """An uninitialised (size,) uint8 array whose memory starts at a multiple of `ALIGN`."""
-    memory = np.empty(size + ALIGN, np.uint8)
-    start = -memory.ctypes.data % ALIGN
-    return memory[start : start + size]
+    memory: Any = np.empty(size + ALIGN, np.uint8)
+    start = -addressof(c_char.from_buffer(memory)) % ALIGN  # a third of the time of `memory.ctypes.data`
+    array: Array = memory[start : start + size]
+    return array
 
 
 def pack_head(fields: Sequence[Any]) -> bytes:

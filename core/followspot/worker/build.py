@@ -11,6 +11,8 @@ from typing import Protocol
 import numpy as np
 
 from followspot.belonging import misfit
+from followspot.firing import FIRINGS
+from followspot.graph.frame_count import accompanying_sources
 from followspot.graph.plan import AHEAD, EdgeKind, PlannedEdge, PlannedStage
 from followspot.messages import Array, Message, seal
 from followspot.ports import Giving, InputSpec
@@ -32,7 +34,7 @@ from followspot.worker.source import SourceRunner
 from followspot.worker.stage_runner import StageRunner
 from followspot.worker.wiring import RunOptions, Wiring
 
-_RUNNERS: Mapping[Giving, type[StageRunner]] = {
+RUNNERS: Mapping[Giving, type[StageRunner]] = {
     "one": StageRunner,
     "several": OutputsRunner,
     "later": DeferredRunner,
@@ -51,6 +53,9 @@ class Links(Protocol):
     def writer(self, edges: Sequence[int], kind: EdgeKind) -> PortWriter:
         """The writing end of all edges of one output port that have the same kind and codec."""
 
+    def forget(self) -> None:
+        """Close the ends for edges that the graph does not get after all."""
+
 
 class NoLinks:
     """Links of a plan whose edges all stay within one worker."""
@@ -62,6 +67,9 @@ class NoLinks:
     def writer(self, edges: Sequence[int], kind: EdgeKind) -> PortWriter:
         """Raises LookupError."""
         raise LookupError(f"edges {edges} ({kind}) have no link")
+
+    def forget(self) -> None:
+        """Do nothing: there are no ends."""
 
 
 def build_worker(
@@ -82,6 +90,7 @@ class Builder:
         self.options = options
         self.links = links
         self.mine = [stage for stage in self.plan.stages if stage.worker == name]
+        self.accompanying = accompanying_sources(self.plan)
         self.names = {stage.name for stage in self.mine}
         self.queues: dict[int, InputQueue] = {}
         self.writers: dict[PortWriter, str] = {}
@@ -108,14 +117,14 @@ class Builder:
         ranks = {stage.name: rank for rank, stage in enumerate(self.mine)}
         for number, queue in self.queues.items():
             edge = self.plan.edge(number)
-            queue.wake = partial(worker.mark, ranks[edge.to_stage])
+            queue.wake = partial(worker.schedule.mark, ranks[edge.to_stage])
             if edge.kind == "reference":
-                queue.reopened = partial(worker.mark, ranks[edge.from_stage])
+                queue.reopened = partial(worker.schedule.mark, ranks[edge.from_stage])
         for runner in self.runners:
             if isinstance(runner, DeferredRunner):
-                runner.answered = partial(worker.between_firings, partial(worker.mark, runner.rank))
+                runner.answered = partial(worker.between_firings, partial(worker.schedule.mark, runner.rank))
             for queue in (queue for sampled in runner.join.sampled for queue in sampled.queues):
-                wake = partial(worker.mark_waiting, runner, queue)
+                wake = partial(worker.schedule.mark_waiting, runner, queue)
                 queue.wake = wake if queue.keep is None else partial(_shed, queue, wake)
 
     def queue(self, number: int) -> InputQueue:
@@ -170,6 +179,7 @@ class Builder:
             pause=self.pace.wait_aside if stage.live else self.pace.wait,
             resumed=self.options.resumed,
             lost=partial(_lost_at_source, tuple(outputs.values())),
+            run_begun=self.options.clock.run_begun,
         )
         build = partial(self.wiring.classes[stage.name], context, **stage.params)
         if self.wiring.ports[stage.name].source:
@@ -183,12 +193,14 @@ class Builder:
                 on_error=stage.on_error,
                 clock=self.options.clock,
             )
-            source.limit = self.options.frames
+            source.accompanying = stage.name in self.accompanying
+            source.limit = None if source.accompanying else self.options.frames
             if isinstance(source, LiveSourceRunner):
                 source.depth = stage.depth
+            source.uses = stage.uses
             return source
         deadline = self.wiring.deadline[stage.name] if self.wiring.live else None
-        runner = _RUNNERS[self.wiring.ports[stage.name].gives](
+        runner = RUNNERS[self.wiring.ports[stage.name].gives](
             stage.name,
             rank,
             build,
@@ -199,16 +211,21 @@ class Builder:
             clock=self.options.clock,
             groups=self.wiring.groups,
         )
+        runner.paths.limits = self.wiring.limits(stage)
         if isinstance(runner, DeferredRunner):
             runner.concurrency = stage.concurrency
+        runner.uses = stage.uses
         return runner
 
     def _outputs(self, stage: PlannedStage) -> dict[str, OutputPort]:
         outputs = {}
-        for port in self.wiring.ports[stage.name].outputs:
+        found = self.wiring.ports[stage.name]
+        ways = {n: self.plan.edge(n).from_port for n in self.wiring.out_of[stage.name]}
+        firings = found.output(FIRINGS) if FIRINGS in ways.values() else None
+        for port in (*found.outputs, *([firings] if firings is not None else [])):
             output = OutputPort(port.type, self.words, lateness=self.wiring.lateness[stage.name])
-            numbers = [n for n in self.wiring.out_of[stage.name] if self.plan.edge(n).from_port == port.name]
-            for _, group in groupby(sorted(numbers, key=self._way), key=self._way):
+            numbers = [number for number, name in ways.items() if name == port.name]
+            for _, group in groupby(sorted(numbers, key=self.way), key=self.way):
                 self._attach(output, list(group), stage.name)
             outputs[port.name] = output
         return outputs
@@ -254,7 +271,7 @@ class Builder:
         initial = seal(self.wiring.message_type(edge).empty()) if edge.delay else None
         return NewestInput(queues[0], delay=edge.delay, timed=self.wiring.timed(edge), initial=initial)
 
-    def _way(self, number: int) -> str:
+    def way(self, number: int) -> str:
         """What edges must have in common to share a writer; an edge that drops has its own."""
         edge = self.plan.edge(number)
         return f"{edge.way}, {number}" if edge.drops and edge.kind != "reference" else edge.way

@@ -12,6 +12,7 @@ from followspot.errors import FollowspotError
 from followspot.messages import Header
 from followspot.outputs import WrongOutput
 from followspot.stage import Stage
+from followspot.transport.token import UNKNOWN
 from followspot.worker.answer_pool import AnswerPool
 from followspot.worker.error_policy import recover
 from followspot.worker.stage_runner import StageRunner
@@ -44,13 +45,14 @@ class DeferredRunner(StageRunner):
         """Whether answers are under way."""
         return bool(self._answers)
 
-    def step(self) -> None:
+    def fire(self) -> bool:
         """Send the answers that are there, and ask for more. Raises StageError if the policy is `fail`."""
         while (fire_at := self.due()) is not None:
             firing = self.take(fire_at)
             future = self._asked(self.run(firing), firing.header)
             self._answers.append((future, firing.header, self.stage))
             future.add_done_callback(lambda _: self.answered())
+        return False
 
     def due(self) -> int | None:
         self._send_answers()
@@ -141,6 +143,10 @@ class DeferredRunner(StageRunner):
             self.join.relieve()
         else:
             super()._idle()
+
+    def _following(self) -> int:
+        """Nothing is known while answers are under way: their capture times are earlier."""
+        return UNKNOWN if self._answers else super()._following()
 
     def _close_replaced(self) -> None:
         for stage in tuple(self._replaced):

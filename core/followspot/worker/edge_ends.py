@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import select
-from collections.abc import Callable, Container, Sequence
+from collections.abc import Callable, Collection, Container, Iterable, Sequence
 from functools import partial
 
 from followspot.transport.edge import PortReader, PortWriter
+from followspot.transport.ring.reader import RingReader
+from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import END
 from followspot.worker.input_queue import InputQueue
 from followspot.worker.stage_runner import StageRunner
@@ -27,18 +29,44 @@ class EdgeEnds:
         mark: Callable[[int], None],
     ) -> None:
         self.runners = runners
-        self.readers = tuple(readers)
-        self.writers = tuple(writers)
+        self.readers: tuple[InputQueue, ...] = ()
+        self.writers: tuple[tuple[PortWriter, StageRunner], ...] = ()
         self._mark = mark
         self._poll = select.poll()
         self.watched: dict[int, Callable[[], bool]] = {}
         """By descriptor, what to call when it is readable."""
-        for queue in self.readers:
+        self.add(readers, writers)
+
+    def add(self, readers: Iterable[InputQueue], writers: Iterable[tuple[PortWriter, StageRunner]]) -> None:
+        """Poll these ends, too."""
+        for queue in readers:
             assert queue.reader is not None
-            self.watch(queue.reader.fileno(), queue.poll)
-        for writer, runner in self.writers:
+            self.readers += (queue,)
+            self._watch_reader(queue, queue.reader)
+        for writer, runner in writers:
+            self.writers += ((writer, runner),)
             for fd in writer.filenos():
                 self.watch(fd, partial(self._credited, fd, writer, runner))
+
+    def remove(self, readers: Collection[InputQueue], writers: Collection[PortWriter]) -> None:
+        """Poll these ends no longer; they stay open."""
+        for queue in readers:
+            if queue.reader is not None:
+                self._unwatch(queue.reader.fileno())
+            if isinstance(queue.reader, RingReader):
+                queue.reader.notify = _ignore
+        for fd in (fd for writer in writers for fd in writer.filenos()):
+            self._unwatch(fd)
+        self.readers = tuple(queue for queue in self.readers if queue not in readers)
+        self.writers = tuple(found for found in self.writers if found[0] not in writers)
+
+    def dismiss(self, writer: RingWriter, readers: Sequence[int]) -> None:
+        """Let readers of a writer go that has others. readers: their indices."""
+        before = set(writer.filenos())
+        for index in readers:
+            writer.dismiss(index)
+        for fd in before - set(writer.filenos()):
+            self._unwatch(fd)
 
     def watch(self, fd: int, callback: Callable[[], bool]) -> None:
         """Call back when the descriptor is readable, until the callback returns True."""
@@ -56,7 +84,7 @@ class EdgeEnds:
         queue = next(queue for queue in self.readers if queue.reader is old)
         self._unwatch(old.fileno())
         queue.adopt(new)
-        self.watch(new.fileno(), queue.poll)
+        self._watch_reader(queue, new)
 
     def adopt_link(self, writer: PortWriter, fd: int) -> None:
         """Watch `fd` for credit: the worker that reads from `writer` was started again."""
@@ -81,10 +109,15 @@ class EdgeEnds:
                 output.waits_for_readers &= not any(row in rows for group in output.rows for row in group)
             self._mark(runner.rank)
 
+    def all_sent(self) -> bool:
+        """True if no message waits to be sent; call it until it is True."""
+        flushed = [writer.flush() for writer, _ in self.writers]
+        return all(flushed)
+
     def flushed(self) -> bool:
         """True if all input streams have ended and all messages are sent; call it until it is True."""
-        flushed = [writer.flush() for writer, _ in self.writers]
-        return all(queue.watermark == END for queue in self.readers) and all(flushed)
+        sent = self.all_sent()
+        return all(queue.watermark == END for queue in self.readers) and sent
 
     def credit_came(self) -> bool:
         """Ask the readers of blocked stages for a wake-up; True if credit has come already."""
@@ -109,6 +142,12 @@ class EdgeEnds:
             if queue.reader is not None:
                 queue.reader.close()
 
+    def _watch_reader(self, queue: InputQueue, reader: PortReader) -> None:
+        """Poll the queue when something comes to its reader: from its descriptor, or from a carrier."""
+        self.watch(reader.fileno(), queue.poll)
+        if isinstance(reader, RingReader):
+            reader.notify = queue.poll
+
     def _unwatch(self, fd: int) -> None:
         if self.watched.pop(fd, None) is not None:
             self._poll.unregister(fd)
@@ -119,3 +158,7 @@ class EdgeEnds:
             output.update_readers()
         self._mark(runner.rank)
         return fd not in writer.filenos()
+
+
+def _ignore() -> None:
+    """What is handed to a reader whose edge has left the graph is not taken."""

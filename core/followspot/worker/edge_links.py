@@ -6,14 +6,17 @@ import socket
 import time
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
+from followspot.control.worker_orders import TakeRing
 from followspot.errors import FollowspotError
 from followspot.graph.plan import AHEAD, EdgeKind, Plan, PlannedEdge
 from followspot.messages import Message
 from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.keys import port_key
+from followspot.transport.ring.links import Home
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
 from followspot.worker.ledger import COLUMNS
@@ -45,9 +48,10 @@ class EdgeLinks:
         run: str,
         incarnation: int = 0,
     ) -> None:
-        self.plan = plan
-        self.sending = sending
-        self.receiving = receiving
+        self.plan = self._working = plan
+        """The plan whose edges these links make; the plan of the edges that work."""
+        self.sending = dict(sending)
+        self.receiving = dict(receiving)
         self.session = session
         self.run = run
         self.incarnation = incarnation
@@ -84,7 +88,7 @@ class EdgeLinks:
         drops = planned[0].drops and self.plan.live
         if kind == "ring":
             ring: RingWriter | DroppingWriter = RingWriter(
-                [self.sending[edge] for edge in edges], self._depth(planned)
+                [self.sending[edge] for edge in edges], self._depth(planned), self._homes(edges)
             )
             ring = DroppingWriter(ring, planned[0].depth) if drops else ring
             self._ring_writers.update({edge: (ring, index) for index, edge in enumerate(edges)})
@@ -104,6 +108,41 @@ class EdgeLinks:
         self._zenoh_ends.append((planned[0].name, writer))
         return DroppingWriter(writer, planned[0].depth) if drops else writer
 
+    def take(self, worker: Worker, order: TakeRing, sock: socket.socket) -> None:
+        """Take one end of a ring: of an edge that works already, or of one that the graph is to get."""
+        if order.edge in self._ring_readers or order.edge in self._ring_writers:
+            self.renew(worker, order.edge, sock)
+        else:
+            (self.sending if order.side == "sending" else self.receiving)[order.edge] = sock
+
+    def for_plan(self, plan: Plan) -> EdgeLinks:
+        """Links that make the ends of the edges that come with a new plan."""
+        new = EdgeLinks(plan, {}, {}, self.session, self.run, self.incarnation)
+        new.sending, new.receiving, new._working = self.sending, self.receiving, self.plan
+        return new
+
+    def adopt(self, new: EdgeLinks) -> None:
+        """Have the plan of these links from now on, and their ends beside those that stay."""
+        stay = {number for number, _ in new.plan.numbered()}
+        for edge in self._ring_readers.keys() - stay:
+            self._refused[self.plan.edge(edge).name] += self._ring_readers.pop(edge)[0].strangers
+        for edge in self._ring_writers.keys() - stay:
+            del self._ring_writers[edge]
+        self.plan = self._working = new.plan
+        self._ring_readers |= new._ring_readers
+        self._ring_writers |= new._ring_writers
+
+    def forget(self) -> None:
+        """See `Links.forget`."""
+        known = {number for number, _ in self._working.numbered()}
+        for ends in (self.sending, self.receiving):
+            for edge in ends.keys() - known:
+                ends.pop(edge).close()
+
+    def caught_up(self) -> bool:
+        """Whether everything has been received that other workers on this host have sent."""
+        return all(reader.caught_up for reader, _ in self._ring_readers.values())
+
     def renew(self, worker: Worker, edge: int, sock: socket.socket) -> None:
         """Connect a ring edge through `sock`: the worker at the other end was started again."""
         if edge in self._ring_readers:
@@ -116,9 +155,26 @@ class EdgeLinks:
             worker.ends.adopt_link(ring, sock.fileno())
 
     def _ring_reader(self, edge: int, sock: socket.socket, kind: type[Message]) -> RingReader:
-        reader = RingReader(sock, kind)
+        reader = RingReader(sock, kind, partial(self._fellow, edge))
         self._ring_readers[edge] = reader, kind
         return reader
+
+    def _homes(self, edges: Sequence[int]) -> list[Home]:
+        """Where the readers of edges are; none if they do not share datagrams.
+
+        The ends of a worker that was started again come one by one to workers that go on, so those do not.
+        """
+        if self.incarnation:
+            return []
+        return [Home(self.plan.worker_of(self.plan.edge(edge).to_stage), edge) for edge in edges]
+
+    def _fellow(self, edge: int, other: int) -> RingReader | None:
+        """The reader here of another edge from the same port; None if there is none."""
+        if other not in self._ring_readers:
+            return None
+        mine, theirs = self.plan.edge(edge), self.plan.edge(other)
+        same = (mine.from_stage, mine.from_port) == (theirs.from_stage, theirs.from_port)
+        return self._ring_readers[other][0] if same else None
 
     def wait_matched(self) -> None:
         """Block until every Zenoh edge has found its other end, so that nothing is lost at the start.

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import traceback
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from followspot.errors import FollowspotError
+from followspot.graph.plan import ErrorPolicy
 from followspot.messages import Header
-
-if TYPE_CHECKING:
-    from followspot.worker.stage_runner import StageRunner
+from followspot.stage import Stage
+from followspot.worker.runner_count import RunnerCount
 
 RESTARTS = 5
 """How often a stage with policy `restart` is rebuilt before the run fails."""
@@ -27,7 +28,17 @@ class StageError(FollowspotError):
         super().__init__(f"stage {stage} failed{when}: {type(error).__name__}: {error}{detail}")
 
 
-def recover(runner: StageRunner, header: Header, error: Exception) -> None:
+class Failing(Protocol):
+    """The runner of a stage that raised. build: makes the stage again."""
+
+    name: str
+    stage: Stage
+    build: Callable[[], Stage]
+    on_error: ErrorPolicy
+    count: RunnerCount
+
+
+def recover(runner: Failing, header: Header, error: Exception) -> None:
     """Apply the error policy of the stage. Raises StageError if the run is to fail.
 
     header: of the message that the stage was given.
@@ -44,7 +55,7 @@ def recover(runner: StageRunner, header: Header, error: Exception) -> None:
             raise StageError(runner.name, header, second) from error
 
 
-def _restart(runner: StageRunner) -> None:
+def _restart(runner: Failing) -> None:
     """Build the stage again after a pause; it restores the checkpoint of the old one, if there is one."""
     runner.stage.context.pause(FIRST_BACK_OFF * 2**runner.count.restarts)
     runner.count.restarts += 1

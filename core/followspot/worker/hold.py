@@ -23,6 +23,8 @@ class SourceHold:
         """The order that holds the sources, None if they are free."""
         self._aligned = False
         """Whether sources hold at one capture time while the worker comes to rest."""
+        self._frozen = False
+        """Whether live sources hold, too."""
         self._hold_at = 0
         """Messages of the source that the order names, after which it holds."""
 
@@ -35,7 +37,7 @@ class SourceHold:
         """True if this source sends nothing now."""
         order = self.order
         if self._aligned:  # even if paused: a source that is behind sends what is missing
-            return isinstance(source, LiveSourceRunner) or source.at_limit
+            return self._frozen if isinstance(source, LiveSourceRunner) else source.at_limit
         if order is None:
             return False
         if source.name == order.source:
@@ -57,22 +59,40 @@ class SourceHold:
         """True if anything holds sources."""
         return self.order is not None or self._aligned
 
-    def align(self, window: int) -> None:
-        """Hold each source after the newest capture time of any and the window, ns, in which joins match it.
+    @property
+    def aligned(self) -> bool:
+        """Whether sources hold so that the graph may change."""
+        return self._aligned
 
-        So no source has sent a part of what belongs together. Live sources hold at once.
+    @property
+    def newest(self) -> int:
+        """The newest capture time, ns, that a source has sent which goes on; -1 for none."""
+        return max((source.watermark for source in self._replayed()), default=-1)
+
+    def freeze(self) -> None:
+        """Hold each source where it is. Live devices go on; frames beyond their depth are dropped."""
+        for source in self._replayed():
+            source.until = source.watermark
+        self._aligned = self._frozen = True
+
+    def align(self, until: int) -> None:
+        """Hold each source of a recording after this capture time, ns.
+
+        It is the newest of any source, and the window in which joins match it: so no source has sent a part
+        of what belongs together.
         """
-        replayed = [s for s in self.sources if not (s.done or isinstance(s, LiveSourceRunner))]
-        newest = max((source.watermark for source in replayed), default=-1)
-        for source in replayed:
-            source.until = newest + window
+        for source in self._replayed():
+            source.until = until
         self._aligned = True
+
+    def _replayed(self) -> list[SourceRunner]:
+        return [s for s in self.sources if not (s.done or isinstance(s, LiveSourceRunner))]
 
     def set_free(self) -> None:
         """Hold sources only as the operator says."""
         for source in self.sources:
             source.until = END
-        self._aligned = False
+        self._aligned = self._frozen = False
 
     def release(self) -> None:
         """Let all sources go on."""

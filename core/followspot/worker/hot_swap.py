@@ -10,6 +10,7 @@ from typing import Any
 
 from followspot.control.swap import ChangeOrder, ChangeStatus
 from followspot.errors import FollowspotError
+from followspot.worker.joint_change import JointChange
 from followspot.worker.replacement import Replacement, discarded, dry_run, prepared, take_over
 from followspot.worker.rewiring import Rewiring
 from followspot.worker.scheduler import Rest, Worker
@@ -17,7 +18,7 @@ from followspot.worker.scheduler import Rest, Worker
 _REST_TIMEOUT = 20.0
 """Seconds in which the stages of a replay must come to rest before its graph changes."""
 _LIVE_REST_TIMEOUT = 2.0
-"""Seconds after which a live graph changes all the same: its sources wait meanwhile, and drop what comes."""
+"""Seconds after which a live graph changes all the same, if it is never between two sets of messages."""
 Answer = Callable[[ChangeStatus], None]
 """Called with what became of a step, from any thread."""
 Rewire = Callable[[dict[str, Any]], Rewiring]
@@ -30,8 +31,12 @@ class HotSwap:
     What is new is built in a thread beside the work; the rest happens between two firings.
     """
 
-    def __init__(self, worker: Worker, answer: Answer, rewire: Rewire) -> None:
+    def __init__(
+        self, worker: Worker, answer: Answer, rewire: Rewire, caught_up: Callable[[], bool] = lambda: True
+    ) -> None:
+        """caught_up: see `JointChange`."""
         self.worker = worker
+        self._joint = JointChange(worker, caught_up, answer, self._give_up)
         self.answer = answer
         self._rewire = rewire
         self._id = ""
@@ -40,7 +45,9 @@ class HotSwap:
 
     def obey(self, order: ChangeOrder) -> None:
         """Do one step; call between two firings, in the worker's thread."""
-        if order.step == "build":
+        if order.step in ("hold", "rest", "go_on") or self._joint.holds:
+            self._obey_together(order)
+        elif order.step == "build":
             self._give_up()
             self._id = order.id
             threading.Thread(target=self._build, args=(order,), name="replacements", daemon=True).start()
@@ -48,6 +55,17 @@ class HotSwap:
             self._take_over(order)
         elif order.id == self._id:
             self._give_up()
+
+    def _obey_together(self, order: ChangeOrder) -> None:
+        """Do one step of a change in several workers."""
+        if order.id != self._id:
+            self.answer(ChangeStatus(order.id, "failed", "another change is under way", order.turn))
+        elif order.step == "discard":
+            self._give_up()
+        else:
+            self._joint.obey(order, self._rewiring)
+        if order.id == self._id and order.step == "take_over":
+            self._rewiring = None
 
     def close(self) -> None:
         """Discard what was built: the worker has ended."""
@@ -62,7 +80,7 @@ class HotSwap:
             else:
                 rewiring = self._rewire(order.plan)
         except FollowspotError as error:
-            self.answer(ChangeStatus(order.id, "failed", str(error)))
+            self.answer(ChangeStatus(order.id, "failed", str(error), order.turn))
             return
         if order.id != self._id:
             _discard(built, rewiring)
@@ -81,16 +99,17 @@ class HotSwap:
                     self._rewiring.try_on()
         except FollowspotError as error:
             self._built, self._rewiring = (), None
-            self.answer(ChangeStatus(order.id, "failed", str(error)))
+            self.answer(ChangeStatus(order.id, "failed", str(error), order.turn))
         else:
-            self.answer(ChangeStatus(order.id, "built"))
+            self.answer(ChangeStatus(order.id, "built", turn=order.turn))
 
     def _take_over(self, order: ChangeOrder) -> None:
         if self._rewiring is not None:
             patience = _LIVE_REST_TIMEOUT if self._rewiring.wiring.live else _REST_TIMEOUT
             deadline = time.monotonic() + patience
             act, rewiring = partial(self._rewire_at, order), self._rewiring
-            self.worker.at_rest(Rest(act, deadline, rewiring.calm, rewiring.window))
+            self.worker.sources.hold.align(self.worker.sources.hold.newest + rewiring.window)
+            self.worker.at_rest(Rest(act, deadline, rewiring.calm))
             return
         built, self._built, self._id = self._built, (), ""
         try:
@@ -104,19 +123,25 @@ class HotSwap:
         """Put new stages and edges in. rests: whether all that the sources sent has been processed."""
         rewiring = self._rewiring
         if rewiring is None or order.id != self._id:
+            self.worker.sources.hold.set_free()
             return
         self._rewiring, self._id = None, ""
         try:
             if not (rests or rewiring.wiring.live):
                 rewiring.discard()
                 raise FollowspotError(f"the stages did not come to rest within {_REST_TIMEOUT:.0f} s")
+            rewiring.leave()
             rewiring.take_over(fresh=order.fresh)
+            rewiring.close_old()
         except FollowspotError as error:
             self.answer(ChangeStatus(order.id, "failed", str(error)))
         else:
             self.answer(ChangeStatus(order.id, "done"))
+        finally:
+            self.worker.sources.hold.set_free()
 
     def _give_up(self) -> None:
+        self._joint.release()
         built, self._built, self._id = self._built, (), ""
         rewiring, self._rewiring = self._rewiring, None
         _discard(built, rewiring)

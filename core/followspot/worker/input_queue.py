@@ -41,6 +41,7 @@ class InputQueue:
         "missing",
         "name",
         "reader",
+        "received",
         "reopened",
         "row",
         "stale",
@@ -81,6 +82,8 @@ class InputQueue:
         self.messages: deque[Message] = deque()
         self.watermark = -END
         self.reader: PortReader | None = None
+        self.received = 0
+        """Messages and watermarks that came from another worker."""
         self.wake: Callable[[], None] = lambda: None
         self.reopened: Callable[[], None] = lambda: None
         self.invalid_reason = ""
@@ -201,6 +204,7 @@ class InputQueue:
     def _receive(self, reader: PortReader) -> bool:
         """Take what the reader gives at once; whether it gave anything."""
         tokens = reader.poll()
+        self.received += len(tokens)
         for token in tokens:
             self.accept(token)
         if reader.lost:

@@ -150,6 +150,10 @@ class Join:
             arguments.append(tuple(found) if port.joined else found[0])
         return arguments, fired
 
+    def gives(self, queue: InputQueue, time: int) -> bool:
+        """Whether a member gives its first message to the firing at this time, ns; ask before `take`."""
+        return queue is self.only or self._has(queue, time)
+
     def relieve(self) -> None:
         """Let the senders of full edges go on where the stage waits for another input.
 

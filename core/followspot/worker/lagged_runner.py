@@ -54,6 +54,15 @@ class LaggedRunner(OutputsRunner):
         seq = firing.seq if given.seq < 0 else given.seq
         return Header(firing.source, seq, given.time, firing.entered)
 
+    @property
+    def owed(self) -> Sequence[Header]:
+        """See `StageRunner.owed`."""
+        return tuple(self._owed)
+
+    def owe(self, headers: Sequence[Header]) -> None:
+        """Carry on from firings of an earlier instance, whose messages are yet to come."""
+        self._owed.extend(headers)
+
     def leave(self) -> None:
         """See `StageRunner.leave`; then send what the stage still owes."""
         super().leave()

@@ -17,6 +17,7 @@ from followspot.stage import Stage
 from followspot.worker.input_queue import InputQueue
 from followspot.worker.output_port import OutputPort
 from followspot.worker.source import NOTHING, SourceRunner
+from followspot.worker.stage_runner import Changed
 
 
 class LiveSourceRunner(SourceRunner):
@@ -51,6 +52,10 @@ class LiveSourceRunner(SourceRunner):
         """Whether no frame waits for the worker: the device has yet to give one."""
         return self._thread is None or not self._newest
 
+    def end_after(self, time: int) -> None:
+        """End now: a device that falls silent would never pass the time."""
+        self.stop()
+
     def stop(self) -> None:
         """Stop grabbing; frames that were grabbed are still sent."""
         super().stop()
@@ -67,8 +72,19 @@ class LiveSourceRunner(SourceRunner):
         """See `StageRunner.reconnect`; frames that wait for the worker go to the new readers."""
         with self._lock:
             for port, output in self.outputs:
-                waiting = sum(output in self._outputs_of(item) for item, _, _ in self._newest)
-                output.reconnect(readers[port], waiting)
+                output.reconnect(readers[port], self._waiting(output))
+
+    def exchange(self, output: OutputPort, change: Callable[[], Changed]) -> Changed:
+        """See `StageRunner.exchange`. The edges that come count the frames that wait for the worker."""
+        with self._lock:
+            before = output.all_rows
+            found = change()
+            output.recount(before, self._waiting(output))
+        return found
+
+    def _waiting(self, output: OutputPort) -> int:
+        """How many frames wait for the worker that an output will send."""
+        return sum(output in self._outputs_of(item) for item, _, _ in self._newest)
 
     def _begin(self) -> None:
         self._error: Exception | None = None

@@ -30,7 +30,6 @@ from followspot.control.worker_orders import (
     TakeRing,
 )
 from followspot.errors import FollowspotError
-from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
 from followspot.log.collector import LogCollector, collecting
 from followspot.plugins.registry import use_plugin_files
@@ -41,6 +40,7 @@ from followspot.worker.host_reporter import HostReporter
 from followspot.worker.hot_swap import HotSwap
 from followspot.worker.ledger import Ledger
 from followspot.worker.orders import Orders
+from followspot.worker.os_scheduling import apply_scheduling
 from followspot.worker.report import Warnings, missing, worker_report
 from followspot.worker.rewiring import Rewiring
 from followspot.worker.scheduler import Worker
@@ -97,7 +97,8 @@ class WorkerMain:
             self.worker.setup()
             self._restore(order.states)
             self.reporter.send_log()
-            self.channel.send(Ready(expected=self.worker.expected()))
+            last_times = self.worker.sources.last_times() if order.frames is not None else {}
+            self.channel.send(Ready(expected=self.worker.sources.expected(), last_times=last_times))
             if self._started():
                 self._run()
         except FollowspotError as failure:
@@ -129,6 +130,8 @@ class WorkerMain:
     ) -> EdgeLinks:
         """Open the Zenoh session, if needed, and take the ends of the rings over."""
         plan = plan_from_data(order.plan)
+        for refusal in apply_scheduling(plan.scheduling_of(order.worker)):  # before any thread is started
+            self.warnings.add(f"worker {order.worker}", refusal)
         session = None
         network = order.network
         if uses_zenoh(plan, order.worker) or network.leads_somewhere:
@@ -162,6 +165,8 @@ class WorkerMain:
             while not self.channel.waits(_REMINDER):
                 self.links.remind()
             received = self.channel.receive()
+            if isinstance(received.request, StartRun):
+                self.clock.begun = received.request.begun
             if isinstance(received.request, StartRun | StopRun):
                 return isinstance(received.request, StartRun)
             self._early.append(received)
@@ -173,7 +178,7 @@ class WorkerMain:
             from followspot.worker.published_ports import published
 
             self.published = published(self.links, self.worker, self.worker.runners)
-        self.change = HotSwap(self.worker, self.reporter.send_change, self._rewiring)
+        self.change = HotSwap(self.worker, self.reporter.send_change, self._rewiring, self.links.caught_up)
         handlers = self._handlers(self.worker, self.links)
         orders = Orders(
             self.channel, self.worker, handlers, in_process=self._in_process, restart=self.restart
@@ -193,7 +198,7 @@ class WorkerMain:
             **worker.handlers,
             **(self.taps.handlers if self.taps is not None else {}),
             EndWorkers: lambda order: self._give_up(order.workers),
-            TakeRing: lambda order, end: links.renew(worker, order.edge, socket.socket(fileno=end)),
+            TakeRing: lambda order, end: links.take(worker, order, socket.socket(fileno=end)),
             SendStates: lambda _: self.reporter.send_states(worker),
             SetClock: self._set_clock,
             LeaveRun: self._leave_run,
@@ -204,16 +209,17 @@ class WorkerMain:
         """What a new plan adds to the worker. Raises FollowspotError."""
         assert self.worker is not None
         assert self.links is not None
-        name, links = self.log.worker, self.links
-        return Rewiring(
-            self.worker, Wiring(plan_from_data(data)), name, self.ledger, self.options, links, self._rewired
-        )
+        name, links = self.log.worker, self.links.for_plan(plan_from_data(data))
+        rewired = partial(self._rewired, links)
+        return Rewiring(self.worker, Wiring(links.plan), name, self.ledger, self.options, links, rewired)
 
-    def _rewired(self, plan: Plan, new: Sequence[StageRunner]) -> None:
-        """Have a new plan from now on. new: stages that it adds here."""
+    def _rewired(self, links: EdgeLinks, new: Sequence[StageRunner]) -> None:
+        """Have the plan of these links from now on. new: stages that it adds here."""
         assert self.worker is not None
         assert self.links is not None
-        self.links.plan = plan
+        self.links.adopt(links)
+        for runner in new:
+            self.warnings.begin(runner.name)
         if self.links.session is not None:
             from followspot.worker.published_ports import published
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from threading import Lock
 
@@ -10,7 +10,7 @@ from followspot.messages import Array, Header, InvalidMessage, Message, seal, st
 from followspot.stage import SourceLoss
 from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.edge import PortWriter
-from followspot.transport.token import ABSENT, END, Watermark
+from followspot.transport.token import ABSENT, END, UNKNOWN, Watermark
 from followspot.worker.input_queue import InputQueue
 from followspot.worker.ledger import (
     AWAY,
@@ -23,6 +23,8 @@ from followspot.worker.ledger import (
     SOURCE_LOSSES,
 )
 
+_NONE = -1
+"""Stands for the row of an edge that has left, whose reader keeps its index in the writer."""
 _TAPPING = Lock()
 """Any thread adds taps; the worker's thread removes them."""
 
@@ -35,10 +37,10 @@ class OutputPort:
     """
 
     __slots__ = (
-        "_all_rows",
         "_away",
         "_living",
         "_lost",
+        "all_rows",
         "announced",
         "counts",
         "edges",
@@ -64,7 +66,7 @@ class OutputPort:
         self.rows: list[list[int]] = []
         self.edges: list[tuple[str, int]] = []
         """Names and ledger rows of the edges to other workers that exert backpressure."""
-        self._all_rows: list[int] = []
+        self.all_rows: list[int] = []
         """Ledger rows of all edges."""
         self._living: list[tuple[PortWriter, list[int]]] = []
         """Writers with the rows of their living readers."""
@@ -89,7 +91,7 @@ class OutputPort:
         """Add edges to readers in the same worker."""
         self.queues += queues
         rows = [queue.row for queue in queues]
-        self._all_rows += rows
+        self.all_rows += rows
         self._fill(rows)
 
     def reconnect(self, queues: Sequence[InputQueue], waiting: int = 0) -> None:
@@ -97,14 +99,22 @@ class OutputPort:
 
         waiting: messages that count as produced and are yet to be sent: to the new readers.
         """
-        before = self._all_rows
+        before = self.all_rows
+        far = [row for rows in self.rows for row in rows if row != _NONE]
         self.queues = list(queues)
-        self._all_rows = [queue.row for queue in queues] + [row for rows in self.rows for row in rows]
-        for row in self._all_rows:
+        self.all_rows = [queue.row for queue in queues] + far
+        self.recount(before, waiting)
+        self._fill(self.all_rows)
+
+    def recount(self, before: Collection[int], waiting: int) -> None:
+        """Count messages that are yet to be sent as produced on the edges that are there now.
+
+        before: ledger rows of the edges before; waiting: how many messages.
+        """
+        for row in self.all_rows:
             self.words[row + PRODUCED] += 0 if row in before else waiting
         for row in before:
-            self.words[row + PRODUCED] -= 0 if row in self._all_rows else waiting
-        self._fill(self._all_rows)
+            self.words[row + PRODUCED] -= 0 if row in self.all_rows else waiting
 
     def attach(self, writer: PortWriter, names: Sequence[str], rows: list[int]) -> None:
         """Add the edges to other workers that one writer serves; names, rows: of its readers in turn."""
@@ -115,9 +125,29 @@ class OutputPort:
             self.edges += zip(names, rows, strict=True)
         self.writers.append(writer)
         self.rows.append(rows)
-        self._all_rows += rows
+        self.all_rows = [*self.all_rows, *rows]
         self._fill(rows)
         self.update_readers()
+
+    def detach(self, rows: Collection[int]) -> list[tuple[PortWriter, list[int]]]:
+        """Let edges to other workers go; returns the writers concerned, with the indices of those readers.
+
+        rows: ledger rows of the edges. A writer without other readers is removed.
+        """
+        concerned = []
+        for writer, own in tuple(zip(self.writers, self.rows, strict=True)):
+            gone = [index for index, row in enumerate(own) if row in rows]
+            if gone:
+                concerned.append((writer, gone))
+            if gone and all(row in rows or row == _NONE for row in own):
+                self.writers.remove(writer)
+                self.rows.remove(own)
+            for index in gone:
+                own[index] = _NONE
+        self.edges = [(name, row) for name, row in self.edges if row not in rows]
+        self.all_rows = [row for row in self.all_rows if row not in rows]
+        self._note_away([writer.lost for writer in self.writers])
+        return concerned
 
     def update_readers(self) -> None:
         """Take note of which readers are away: messages count as away until those are back.
@@ -131,14 +161,20 @@ class OutputPort:
         lost = [writer.lost for writer in self.writers]
         if lost == self._lost:
             return
-        before, self._lost = self._lost, lost
-        self._living, self._away = [], []
-        for writer, rows, gone in zip(self.writers, self.rows, lost, strict=True):
-            self._living.append((writer, [row for index, row in enumerate(rows) if index not in gone]))
-            self._away += [row for index, row in enumerate(rows) if index in gone]
+        before = self._lost
+        self._note_away(lost)
         for writer, then, now in zip(self.writers, before, lost, strict=False):
             if then - now:
                 self.returned(writer)
+
+    def _note_away(self, lost: list[frozenset[int]]) -> None:
+        """Take note of the readers of each writer that are away."""
+        self._lost = lost
+        self._living, self._away = [], []
+        for writer, rows, gone in zip(self.writers, self.rows, lost, strict=True):
+            here = (row for index, row in enumerate(rows) if index not in gone)
+            self._living.append((writer, [row for row in here if row != _NONE]))
+            self._away += [row for index, row in enumerate(rows) if index in gone]
 
     def returned(self, writer: PortWriter) -> None:
         """Tell a reader that is back the watermark."""
@@ -156,11 +192,14 @@ class OutputPort:
             return False
         return all(writer.credit() > 0 for writer in self.writers)
 
-    def send(self, message: Message, header: Header) -> None:
-        """Stamp, check and send a message; it counts as invalid on every edge if it breaks its contract."""
+    def send(self, message: Message, header: Header, following: int = UNKNOWN) -> None:
+        """Stamp, check and send a message; it counts as invalid on every edge if it breaks its contract.
+
+        following: the watermark after it, ns, if more is known than what the message itself announces.
+        """
         words = self.words
         if self.counts:
-            for row in self._all_rows:
+            for row in self.all_rows:
                 words[row + PRODUCED] += 1
         try:
             if header.time < self.watermark:
@@ -168,26 +207,34 @@ class OutputPort:
             if not message.header.source:  # else it was sealed when it was sent before
                 seal(message)
         except InvalidMessage as error:
-            self._refuse(str(error), header)
+            self.invalid()
+            self.refused(str(error))
+            self.advance(max(header.time + 1, following))
             return
         if message.header is not header:
             message = stamped(message, header)
         if not self.filled and not message.is_empty:
             self.filled = True
-            self._fill(self._all_rows)
-        self.watermark = self.announced = header.time + 1 + self.lateness
+            self._fill(self.all_rows)
+        own = header.time + 1 + self.lateness
+        following = following if following > own else UNKNOWN
+        self.watermark = self.announced = max(own, following)
         for tap in self.taps:
             tap(message)
         for queue in self.queues:
             queue.put(message)
+            if following != UNKNOWN:
+                queue.advance(following)
         for row in self._away:
             words[row + AWAY] += 1
         for writer, rows in self._living:
             try:
-                writer.send(message)
+                writer.send(message, following)
             except InvalidMessage as error:  # its head is too large to travel
                 self._count(rows, REFUSED)
                 self.refused(str(error))
+                if following != UNKNOWN:
+                    writer.send(Watermark(following))
 
     def advance(self, watermark: int) -> None:
         """Advance the watermark, ns, and tell every reader."""
@@ -215,7 +262,7 @@ class OutputPort:
 
     def produced(self) -> None:
         """Count a message that a live source has made; called in the source's thread."""
-        self._count(self._all_rows, PRODUCED)
+        self._count(self.all_rows, PRODUCED)
 
     def invalid(self) -> None:
         """Count a message that breaks its contract, and that counts as produced already."""
@@ -224,11 +271,11 @@ class OutputPort:
 
     def overrun(self) -> None:
         """Count a message that a live source has made and dropped; called in the source's thread."""
-        self._count(self._all_rows, OVERRUN)
+        self._count(self.all_rows, OVERRUN)
 
     def lost_at_source(self, kind: SourceLoss, number: int) -> None:
         """Count frames that a device made and its source never had; called in the source's thread."""
-        for row in self._all_rows:
+        for row in self.all_rows:
             self.words[row + SOURCE_LOSSES[kind]] += number
 
     def tap(self, by: Callable[[Message], None]) -> None:
@@ -248,11 +295,6 @@ class OutputPort:
             if array is not None:
                 return array
         return None
-
-    def _refuse(self, reason: str, header: Header) -> None:
-        self.invalid()
-        self.refused(reason)
-        self.advance(header.time + 1)
 
     def _refused_later(self, rows: list[int], reason: str) -> None:
         """Count a message that was queued and turned out too large to send."""

@@ -56,6 +56,7 @@ class OutputsRunner(StageRunner):
         except Exception as error:
             recover(self, header, error)
         self._send_waiting()
+        self.note_budget(header)
 
     def _stamped(self, items: Sequence[Any], firing: Header) -> Iterator[tuple[Any, Header]]:
         """Each item with its header. Raises WrongOutput or InvalidMessage at the first that is wrong."""

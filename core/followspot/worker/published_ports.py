@@ -8,6 +8,7 @@ from contextlib import suppress
 import zenoh
 from zenoh.handlers import Callback
 
+from followspot.firing import FIRINGS
 from followspot.graph.plan import Plan
 from followspot.messages import InvalidMessage, Message
 from followspot.transport.codec import pack
@@ -59,7 +60,7 @@ def published(links: EdgeLinks, worker: Worker, runners: Sequence[StageRunner]) 
         PublishedPort(links.session, port_key(links.run, host, runner.name, port), output, worker)
         for runner, host in ((runner, links.plan.host_of_stage(runner.name)) for runner in runners)
         for port, output in runner.outputs
-        if (runner.name, port) not in taken
+        if port != FIRINGS and (runner.name, port) not in taken
     ]
 
 

@@ -21,6 +21,14 @@ class Replacement:
     runner: StageRunner
     stage: Stage
     build: Callable[[], Stage]
+    uses: str
+
+    def take_over(self) -> None:
+        """Put the stage into its stage runner, and close the one before; call between two firings."""
+        old = self.runner.stage
+        self.runner.replace_stage(self.stage, self.build)
+        self.runner.uses = self.uses
+        self.runner.retire(old)
 
 
 def prepared(worker: Worker, stages: Sequence[PlannedStage]) -> list[Replacement]:
@@ -36,7 +44,7 @@ def prepared(worker: Worker, stages: Sequence[PlannedStage]) -> list[Replacement
             context = replace(runner.stage.context, resumed=True)
             build = partial(load_stage(planned.uses), context, **planned.params)
             stage = build()
-            replacements.append(Replacement(runner, stage, build))
+            replacements.append(Replacement(runner, stage, build, planned.uses))
             stage.setup()
         except Exception as error:
             discarded(replacements)
@@ -66,14 +74,12 @@ def take_over(worker: Worker, replacements: Sequence[Replacement], *, fresh: boo
     fresh: begin without checkpoints; else a replacement restores that of the old stage, if both classes can.
     Raises FollowspotError if one cannot; all old stages go on then.
     """
-    while worker.fire_waiting():
+    while worker.schedule.fire_waiting():
         pass
     dry_run([] if fresh else replacements)
     for replacement in replacements:
-        old = replacement.runner.stage
-        replacement.runner.replace_stage(replacement.stage, replacement.build)
-        replacement.runner.retire(old)
-    worker.regroup()
+        replacement.take_over()
+    worker.schedule.regroup()
 
 
 def discarded(replacements: Sequence[Replacement]) -> None:

@@ -31,6 +31,10 @@ class Warnings:
         else:
             self._more += 1
 
+    def begin(self, stage: str) -> None:
+        """A stage begins: the newest warning was of another one of its name."""
+        self.last.pop(stage, None)
+
     def lines(self) -> tuple[str, ...]:
         """The texts, with how often each was said."""
         lines = [text + (f" ({count} times)" if count > 1 else "") for text, count in self._counts.items()]
@@ -44,7 +48,7 @@ def worker_report(name: str, worker: Worker, warnings: Warnings, error: str = ""
             warnings.add(queue.name, f"invalid message: {queue.invalid_reason}")
     return WorkerReport(
         name,
-        max((source.yielded for source in worker.sources), default=0),
+        max((s.yielded for s in worker.sources.all if not s.accompanying), default=0),
         tuple(
             StageReport(c.name, c.count.fired, c.count.skipped, c.count.restarts, c.count.busy_ns / 1e6)
             for c in worker.runners

@@ -1,36 +1,37 @@
 """Stages and edges that come and go in a worker while it runs: built beside those that work, then connected.
 
-Stages that stay keep their state, their outputs and what waits for them. All changed edges are within the
-worker.
+Stages that stay keep their state, their outputs and what waits for them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 from followspot.errors import FollowspotError
-from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
+from followspot.graph.plan import PlannedEdge, PlannedStage
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 from followspot.worker.build import Builder, Links
 from followspot.worker.error_policy import StageError
 from followspot.worker.input_queue import InputQueue
+from followspot.worker.join import Join
 from followspot.worker.ledger import COLUMNS, Ledger
 from followspot.worker.live_source import LiveSourceRunner
+from followspot.worker.remote_ends import RemoteEnds
 from followspot.worker.replacement import Replacement, discarded, dry_run, prepared
 from followspot.worker.sampled_input import NearestInput
 from followspot.worker.scheduler import Worker
 from followspot.worker.stage_runner import StageRunner
-from followspot.worker.tapping import Tap
+from followspot.worker.tapping import taps_at
 from followspot.worker.wiring import RunOptions, Wiring
 
 
 class Rewiring:
     """What becomes of a worker: the stage runners that come, those that stay, and those that go.
 
-    wiring: of the new plan; ledger: with rows for its edges; rewired: gets the plan and the new stages once
-    they have taken over.
+    wiring, links: of the new plan; ledger: with rows for its edges; rewired: gets the new stages once they
+    have taken over.
     """
 
     def __init__(
@@ -41,7 +42,7 @@ class Rewiring:
         ledger: Ledger,
         options: RunOptions,
         links: Links,
-        rewired: Callable[[Plan, Sequence[StageRunner]], None] = lambda plan, new: None,
+        rewired: Callable[[Sequence[StageRunner]], None] = lambda new: None,
     ) -> None:
         """Build and set up all that is new, in any thread, while the worker works on.
 
@@ -62,8 +63,10 @@ class Rewiring:
         self._queues = {queue.row // COLUMNS: queue for runner in worker.runners for queue in _queues(runner)}
         self.replacements: list[Replacement] = []
         self.new: list[StageRunner] = []
+        self._ends: RemoteEnds | None = None
         try:
             self._build()
+            self._ends = RemoteEnds(worker, self._builder, self._stays)
         except FollowspotError:
             self.discard()
             raise
@@ -85,26 +88,34 @@ class Rewiring:
         return max((queue.window for queue in (*matched, *(one.queue for one in near))), default=0)
 
     def calm(self) -> bool:
-        """Whether no join of a stage that goes has parts of what other workers send. Without other workers,
-        what it has is all that comes.
+        """Whether no join of a stage that goes waits for the rest of a set: a live source has yet to give it.
+        In a replay, what it has is all that comes.
         """
-        return not self.worker.ends.readers or not any(
-            queue.messages for runner in self.gone for queue in runner.join.members
+        return not (
+            self.wiring.live and any(queue.messages for runner in self.gone for queue in runner.join.members)
         )
 
+    def leave(self, names: Collection[str] | None = None) -> None:
+        """Let stages that go give what waits for partners that will not come any more; call at rest.
+
+        names: of the stages, in this worker or not; None for all that go.
+        """
+        for runner in self.gone:
+            if names is None or runner.name in names:
+                runner.leave()
+                self.worker.drain()
+
     def take_over(self, *, fresh: bool) -> None:
-        """Put the new stages and edges in; call at rest, in the worker's thread.
+        """Put the new stages and edges in; call at rest, in the worker's thread, after `leave`.
 
         fresh: begin replacements without checkpoints. Raises FollowspotError if one cannot restore that of
-        the stage before; nothing has changed then.
+        the stage before: the old stages and edges are there then.
         """
         if not fresh:
             self.try_on()
-        self._finish_those_that_go()
+        self._close_those_that_go()
         for found in self.replacements:
-            old = found.runner.stage
-            found.runner.replace_stage(found.stage, found.build)
-            found.runner.retire(old)
+            found.take_over()
         runners = []
         for rank, stage in enumerate(self._builder.mine):
             runner = self._stays.get(stage.name) or next(new for new in self.new if new.name == stage.name)
@@ -112,13 +123,21 @@ class Rewiring:
             if stage.name in self._stays:
                 self._reconnect(runner, stage)
             runners.append(runner)
+        assert self._ends is not None
+        self._ends.exchange({runner.name: runner for runner in self.new})
         self._builder.runners = runners
         self._builder.schedule(self.worker)
         self.worker.rearrange(runners)
-        self._rewired(self.wiring.plan, self.new)
+        self._rewired(self.new)
+
+    def close_old(self) -> None:
+        """Close the ends of edges that left: all workers have the new plan."""
+        if self._ends is not None:
+            self._ends.close_old()
 
     def discard(self) -> None:
         """Close what was built."""
+        self._builder.links.forget()
         discarded(self.replacements)
         for runner in self.new:
             runner.retire(runner.stage)
@@ -150,12 +169,9 @@ class Rewiring:
             text = f"stage {stage.name} ({stage.uses}) cannot be built: {type(why).__name__}: {why}"
             raise FollowspotError(text) from error
 
-    def _finish_those_that_go(self) -> None:
-        """Fire what waits for partners that will not come any more, then close the stages."""
+    def _close_those_that_go(self) -> None:
         for runner in self.gone:
-            runner.leave()
-            self.worker.drain()
-        for runner in self.gone:
+            _discard_sampled(runner.join, ())
             _end_taps(runner)
             try:
                 runner.stop() if isinstance(runner, LiveSourceRunner) else runner.close()
@@ -182,6 +198,7 @@ class Rewiring:
                 self._adapt(self._builder.queues[number], wiring.plan.edge(number))
             join = self._builder.join(stage)
             join.carry_on(runner.join)
+            _discard_sampled(runner.join, [queue for one in join.sampled for queue in one.queues])
             runner.join = join
 
     def _adapt(self, queue: InputQueue, edge: PlannedEdge) -> None:
@@ -191,11 +208,19 @@ class Rewiring:
         queue.window = self.wiring.tolerance(edge)
 
 
+def _discard_sampled(join: Join, kept: Collection[InputQueue]) -> None:
+    """Discard what waits at sampled inputs for a firing that does not come; not in the queues that stay."""
+    for sampled in join.sampled:
+        for queue in sampled.queues:
+            if queue not in kept:
+                queue.clear(sampled.column)
+
+
 def _end_taps(runner: StageRunner) -> None:
     """Close the taps of a stage that goes."""
-    taps = [tap for _, output in runner.outputs for tap in output.taps if isinstance(tap, Tap)]
+    taps = list(taps_at(runner))
     if taps:
-        runner.stage.context.warn("the stage left the graph: who listened to it hears no more")
+        runner.stage.context.warn("the stage left the graph: subscriptions and views of its ports end")
     for tap in taps:
         tap.detach()
         tap.close()

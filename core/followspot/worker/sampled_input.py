@@ -28,6 +28,8 @@ class SampledInput(ABC):
 
     patient = False
     """Whether a live stage waits for it beyond its deadline: feedback comes for certain."""
+    column = UNMATCHED
+    """Ledger column of what no firing will get."""
 
     def __init__(self, queues: Sequence[InputQueue]) -> None:
         self.queues = tuple(queues)
@@ -56,7 +58,7 @@ class SampledInput(ABC):
     def discard_rest(self) -> None:
         """Discard what no firing will get."""
         for queue in self.queues:
-            queue.clear(UNMATCHED)
+            queue.clear(self.column)
 
     def _relieve(self, queue: InputQueue, earliest: int, lag: int) -> None:
         queue.excuse(earliest + lag)
@@ -65,7 +67,7 @@ class SampledInput(ABC):
 class NewestInput(SampledInput):
     """`Latest`, or a feedback edge with `delay`: gives the newest message up to a time, again and again."""
 
-    __slots__ = ("delay", "held", "past", "patient", "queue", "timed")
+    __slots__ = ("column", "delay", "held", "past", "patient", "queue", "timed")
 
     def __init__(self, queue: InputQueue, *, delay: int, timed: bool, initial: Message | None) -> None:
         """delay: firings back, 0 for `Latest`; timed: sample by capture time, not by arrival."""
@@ -75,6 +77,7 @@ class NewestInput(SampledInput):
         self.timed = timed
         self.held = initial
         self.patient = delay > 0
+        self.column = UNMATCHED if delay else DROPPED
         self.past: deque[int] = deque([_BEFORE_ALL] * delay, maxlen=max(1, delay))
 
     def ready(self, time: int) -> bool:
@@ -92,9 +95,6 @@ class NewestInput(SampledInput):
 
     def awaited(self, time: int) -> list[str]:
         return [] if self.ready(time) else [self.queue.name]
-
-    def discard_rest(self) -> None:
-        self.queue.clear(UNMATCHED if self.delay else DROPPED)
 
     def _relieve(self, queue: InputQueue, earliest: int, lag: int) -> None:
         if not self.delay:  # else the ledger would tell whether the edge was full
@@ -114,6 +114,8 @@ class NearestInput(SampledInput):
     """
 
     __slots__ = ("held", "queue", "tolerance")
+
+    column = DROPPED
 
     def __init__(self, queue: InputQueue, *, tolerance: int) -> None:
         """tolerance: largest distance from the firing, ns."""
@@ -142,9 +144,6 @@ class NearestInput(SampledInput):
                 self.queue.discard(DROPPED)
             self.held = self.queue.take()
         return found
-
-    def discard_rest(self) -> None:
-        self.queue.clear(DROPPED)
 
     def _around(self, time: int) -> list[Message]:
         """What can be the nearest, in order: the last before, and the first at or after this time."""

@@ -11,49 +11,40 @@ import sys
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from functools import partial
-from heapq import heappop, heappush
-from operator import attrgetter
 from typing import NamedTuple
 
 from followspot.control.dispatch import Handlers
 from followspot.control.lifecycle import StopRun
 from followspot.control.progress import Progress
 from followspot.transport.edge import PortWriter
-from followspot.transport.token import END
 from followspot.transport.wakeup_event import WakeupEvent
-from followspot.worker.batch_group import batch_groups
 from followspot.worker.deferred_runner import DeferredRunner
 from followspot.worker.edge_ends import EdgeEnds
 from followspot.worker.error_policy import StageError
-from followspot.worker.hold import SourceHold
 from followspot.worker.input_queue import InputQueue
 from followspot.worker.live_source import LiveSourceRunner
 from followspot.worker.pace import Pace
-from followspot.worker.source import SourceRunner
+from followspot.worker.schedule import Schedule
+from followspot.worker.sources import Sources
 from followspot.worker.stage_runner import StageRunner
 from followspot.worker.stuck import StuckError
 
-_FIRINGS_PER_TURN = 32
-"""Firings between two polls of what other workers sent."""
 _LONGEST_SLEEP_MS = 100
 """Longest sleep, ms: what a missed wake-up costs at most."""
 _SWITCH_INTERVAL = 0.0005
 """Seconds that one thread may keep the interpreter; live sources and Zenoh have threads of their own."""
 _ALL = range(sys.maxsize)
 """Rows of all edges."""
-_watermark = attrgetter("watermark")
 
 
 class Rest(NamedTuple):
     """What to do once a worker is at rest. act: gets whether it is; deadline: s, monotonic, to act anyway;
-    calm: says whether nothing waits that other workers have yet to complete; window: ns, see `align`.
+    calm: says whether nothing waits that other workers have yet to complete.
     """
 
     act: Callable[[bool], None]
     deadline: float
     calm: Callable[[], bool]
-    window: int
 
 
 class Worker:
@@ -71,94 +62,56 @@ class Worker:
         pace: Pace,
     ) -> None:
         self.pace = pace
-        self.hold = SourceHold()
+        self.sources = Sources()
+        self.schedule = Schedule()
         self._arrange(runners)
         self._stopping = False
         self._rest: Rest | None = None
+        self._rounds = 0
         self._actions: deque[Callable[[], None]] = deque()
-        self.ends = EdgeEnds(self.runners, readers, writers, self.mark)
+        self.ends = EdgeEnds(self.runners, readers, writers, self.schedule.mark)
         self._wakeup = WakeupEvent()
         self.ends.watch(self._wakeup.fileno(), self._clear_wakeup)
-        for source in self.live:
+        for source in self.sources.live:
             source.notify = self.wake
 
     def _arrange(self, runners: Sequence[StageRunner]) -> None:
         """Run these from now on; none is scheduled yet."""
         self.runners = tuple(runners)
-        self.sources = tuple(runner for runner in runners if isinstance(runner, SourceRunner))
-        self.live = tuple(runner for runner in self.sources if isinstance(runner, LiveSourceRunner))
-        self.hold.sources = self.sources
-        self._ready: list[int] = []
-        self._marked = [False] * len(runners)
-        self.regroup()
+        self.sources.arrange(runners)
+        self.schedule.arrange(runners, in_rounds=bool(self.sources.live))
 
     def rearrange(self, runners: Sequence[StageRunner]) -> None:
         """Run other stage runners from now on, which are set up and connected; call between two firings.
 
         New live sources begin. The ends of edges to other workers stay as they are.
         """
-        begun = self.live
+        begun = self.sources.live
         self._arrange(runners)
         self.ends.runners = self.runners
-        for source in self.live:
+        for source in self.sources.live:
             if source not in begun:
                 source.notify = self.wake
                 source.start()
         for runner in self.runners:
-            self.mark(runner.rank)
+            self.schedule.mark(runner.rank)
 
     def at_rest(self, rest: Rest) -> None:
-        """Hold the sources at one capture time, and act once all that they sent has been processed.
+        """Act once all that the sources sent has been processed; they hold, see `SourceHold.align`.
 
         Call between two firings, in the worker's thread. Another call takes the place of the last.
         """
         self._rest = rest
-        self.hold.align(rest.window)
 
     def drain(self) -> None:
         """Fire what is ready until nothing is; no source sends anything. Raises StageError."""
-        while self._ready or self.fire_waiting():
-            self._fire(len(self._ready))
+        while self.schedule.ready or self.schedule.fire_waiting():
+            self.schedule.fire()
 
     @property
     def handlers(self) -> Handlers:
         """The orders that the scheduler carries out."""
-        return {StopRun: lambda _: self.stop(), **self.hold.handlers}
-
-    def mark(self, rank: int) -> None:
-        """Schedule this stage runner: its inputs or outputs changed."""
-        if not self._marked[rank]:
-            self._marked[rank] = True
-            heappush(self._ready, -rank)
-
-    def mark_waiting(self, runner: StageRunner, queue: InputQueue) -> None:
-        """Schedule this stage runner after something came to a sampled input.
-
-        It need not be if it has no messages to fire with, unless the edge is full.
-        """
-        if runner.done or len(queue.messages) >= queue.depth:
-            self.mark(runner.rank)
-            return
-        for queue in runner.join.members:
-            if queue.messages:
-                self.mark(runner.rank)
-                return
-
-    def regroup(self) -> None:
-        """Form the batch groups of the stages that are alike now."""
-        self.batch_groups = batch_groups(self.runners, self.mark)
-        self._steps: list[Callable[[], None]] = [runner.step for runner in self.runners]
-        for group in self.batch_groups:
-            for runner in group.runners:
-                self._steps[runner.rank] = partial(group.step, runner)
-
-    def fire_waiting(self) -> bool:
-        """Fire the ready members of a batch group without the others; False if no member waits."""
-        for group in self.batch_groups:
-            if group.waiting:
-                group.fire()
-                return True
-        return False
+        return {StopRun: lambda _: self.stop(), **self.sources.handlers}
 
     def between_firings(self, action: Callable[[], None]) -> None:
         """Let the worker's thread call `action` as soon as no stage is at work. Safe from any thread."""
@@ -187,10 +140,10 @@ class Worker:
         """Run to the end of all streams, then close all stages. Raises StageError, StuckError."""
         problems: list[StageError] = []
         try:
-            for source in self.live:
+            for source in self.sources.live:
                 source.start()
             for runner in self.runners:
-                self.mark(runner.rank)
+                self.schedule.mark(runner.rank)
             while self._turn():
                 pass
         finally:
@@ -213,20 +166,21 @@ class Worker:
         return problems
 
     def progress(self) -> Progress:
-        """How far the worker has come."""
-        counted = [runner.count.fired for runner in self.runners if runner.is_sink] or [
-            s.yielded for s in self.sources
-        ]
-        return Progress(min(counted, default=0), max((s.watermark for s in self.sources), default=-1))
+        """How far the worker has come: its sinks that still have inputs, else its sources."""
+        sinks = [runner for runner in self.runners if runner.is_sink and runner.join.members]
+        sources = [source for source in self.sources.all if not source.accompanying]
+        counted = [sink.count.fired for sink in sinks] or [source.yielded for source in sources]
+        return Progress(min(counted, default=0), max((s.watermark for s in self.sources.all), default=-1))
 
-    def expected(self) -> int | None:
-        """Messages that the longest source will yield; None if no source knows."""
-        known = [n for n in (source.expected() for source in self.sources) if n is not None]
-        return max(known, default=None)
+    @property
+    def activity(self) -> int:
+        """Firings and messages taken so far: while it stays the same, the worker has done nothing."""
+        taken = sum(queue.received for queue in self.ends.readers)
+        return taken + sum(runner.count.fired for runner in self.runners)
 
     def _turn(self) -> bool:
         """Fire what is ready, receive, and pull a source or sleep; False when all streams have ended."""
-        self._fire(_FIRINGS_PER_TURN)
+        self.schedule.fire()
         if len(self.ends.watched) > 1:  # more than the wake-up event
             self.ends.receive(0)
         while self._actions:
@@ -235,57 +189,42 @@ class Worker:
             self._stop_sources()
         if self._rest is not None:
             self._rests(self._rest, idle=False)
-        if self._ready or self._pull() or self.fire_waiting():
+        if self._stands_back():
+            return True
+        if self.schedule.ready:
+            self.sources.pull()
+            self.schedule.fire_waiting()
+            return True
+        if self.sources.pull() or self.schedule.fire_waiting():
             return True
         if self._rest is not None:
             self._rests(self._rest, idle=True)
             return True
-        if self._finished():
+        if not self.sources.hold.aligned and self._finished():
             return False
         self._wait()
         return True
 
-    def _fire(self, most: int) -> None:
-        """Let up to so many stage runners step that are scheduled."""
-        for _ in range(most):
-            if not self._ready:
-                break
-            rank = -heappop(self._ready)
-            self._marked[rank] = False
-            self._steps[rank]()
+    def _stands_back(self) -> bool:
+        """Whether the sources wait for ready stages; live ones do until a message can have passed them all.
+
+        What is ready then is fed by other workers faster than it works, perhaps for ever.
+        """
+        self._rounds = self._rounds + 1 if self.schedule.ready else 0
+        if self.sources.live and self._rounds >= len(self.runners):
+            self._rounds = 0
+        return self._rounds > 0
 
     def _rests(self, rest: Rest, *, idle: bool) -> None:
         """Act if the worker is at rest, or has not come to rest in time; else sleep if it is idle."""
-        still = all(source.done or self.hold.holds(source) for source in self.sources)
-        reached = idle and still and rest.calm() and not any(runner.asks for runner in self.runners)
+        reached = (
+            idle and self.sources.still() and rest.calm() and not any(runner.asks for runner in self.runners)
+        )
         if reached or time.monotonic() >= rest.deadline:
             self._rest = None
-            try:
-                rest.act(reached)
-            finally:
-                self.hold.set_free()
+            rest.act(reached)
         elif idle:
             self._wait()
-
-    def _pull(self) -> bool:
-        """Pull the source with the earliest watermark, then those that are earliest; False if none yields.
-
-        While a source waits to send a message, none that is ahead of it goes on.
-        """
-        candidates = [s for s in self.sources if not s.done and not self.hold.holds(s)]
-        candidates.sort(key=_watermark)
-        pulled, reached = False, END
-        for source in candidates:
-            if source.watermark >= reached:
-                break
-            source.blocked = not source.has_room()
-            if source.blocked:
-                continue
-            if source.pull() or source.done:
-                pulled, reached = True, min(reached, source.watermark)
-            elif source.keeps and not self.hold.holds(source):
-                reached = min(reached, source.watermark + 1)
-        return pulled
 
     def _finished(self) -> bool:
         """Whether all stages are done and all edges are flushed; the ledger counts even late feedback."""
@@ -296,11 +235,10 @@ class Worker:
         if self.ends.credit_came():
             return
         deadlines = [c.overdue_at for c in self.runners if c.overdue_at is not None and not c.done]
-        deadlines += [
-            s.not_before / 1e9 for s in self.sources if s.keeps and not s.done and not self.hold.holds(s)
-        ]
-        others = deadlines or self.ends.readers or self.ends.writers or self.live or self.hold.holding
-        if not (others or any(runner.asks for runner in self.runners)):
+        deadlines += self.sources.due()
+        live = self.sources.live or self.sources.hold.holding
+        asked = any(runner.asks for runner in self.runners)
+        if not (deadlines or self.ends.readers or self.ends.writers or live or asked):
             raise StuckError(self.runners)
         if not deadlines:
             self.ends.receive(_LONGEST_SLEEP_MS)
@@ -309,7 +247,7 @@ class Worker:
         self.ends.receive(int(min(max(left_ms, 0), _LONGEST_SLEEP_MS)) + 1)
         for runner in self.runners:
             if runner.overdue_at is not None and runner.overdue_at <= time.monotonic():
-                self.mark(runner.rank)
+                self.schedule.mark(runner.rank)
 
     def _clear_wakeup(self) -> bool:
         self._wakeup.clear()
@@ -317,12 +255,8 @@ class Worker:
 
     def _stop_sources(self) -> None:
         self._stopping = False
-        self.hold.release()
-        self.hold.set_free()
+        self.sources.stop()
         self.ends.give_up(_ALL)
-        for source in self.sources:
-            if not source.done:
-                source.stop()
         for runner in self.runners:
             if isinstance(runner, DeferredRunner):
                 runner.hurry()

@@ -22,10 +22,14 @@ NOTHING = object()
 class SourceRunner(StageRunner):
     """Runs a stage without inputs, which yields when its outputs have credit: no message is lost or piles up.
 
-    limit: number of messages after which it ends, None for all.
+    limit: number of messages after which it ends, None for all; accompanying: whether it is a sensor's, which
+    gives readings as long as others give frames.
     """
 
     limit: int | None = None
+    accompanying = False
+    last_time = END
+    """Capture time, ns, after which it ends."""
     yielded = 0
     watermark = -1
     """Capture time of the last message, ns; the worker pulls the source that is furthest behind."""
@@ -57,6 +61,9 @@ class SourceRunner(StageRunner):
         except (WrongOutput, InvalidMessage) as error:
             self._left_out(item, error)
             return True
+        if header.time > self.last_time:
+            self.finish()
+            return False
         if self.early or header.time > self.until:
             self._kept, self._kept_time = item, header.time
             return False
@@ -82,16 +89,28 @@ class SourceRunner(StageRunner):
         return (self.keeps and self._kept_time > self.until) or self.watermark >= self.until
 
     def expected(self) -> int | None:
-        """How many messages will come; None if the source does not know."""
+        """How many frames will come; None if the source does not know, or gives readings with them."""
+        if self.accompanying:
+            return None
         length = self.stage.length()
         return self.limit if length is None or (self.limit or length) < length else length
+
+    def expected_last_time(self) -> int | None:
+        """Capture time of the last frame of a limited run, ns; None if the source does not know."""
+        number = self.expected()
+        return self.stage.capture_time(number - 1) if number and not self.accompanying else None
+
+    def end_after(self, time: int) -> None:
+        """End the stream before the first message after this capture time, ns."""
+        self.last_time = time
 
     def stop(self) -> None:
         """End the stream at the next pull."""
         self.stopped = True
 
-    def step(self) -> None:
+    def fire(self) -> bool:
         """Do nothing when readers change: the scheduler pulls sources."""
+        return False
 
     def _next(self) -> Any:
         if self.stopped or self.yielded == self.limit:

@@ -4,35 +4,28 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from operator import attrgetter
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
+from followspot.firing import FIRINGS
 from followspot.graph.plan import ErrorPolicy
 from followspot.messages import Header, Message
 from followspot.outputs import WrongOutput, check_returned, untimed
 from followspot.ports import ports
 from followspot.stage import Stage
-from followspot.transport.token import ABSENT, END
+from followspot.transport.token import ABSENT, END, UNKNOWN
 from followspot.worker.clock import Clock
 from followspot.worker.error_policy import StageError, recover
 from followspot.worker.input_queue import InputQueue
 from followspot.worker.join import Join
+from followspot.worker.journal import Journal
 from followspot.worker.latency import PathLatencies
 from followspot.worker.output_port import OutputPort
+from followspot.worker.runner_count import RunnerCount
 
 _capture_time = attrgetter("time")
-
-
-@dataclass
-class RunnerCount:
-    """How often a stage fired, was skipped or restarted, and how long it worked."""
-
-    fired: int = 0
-    skipped: int = 0
-    restarts: int = 0
-    busy_ns: int = 0
+Changed = TypeVar("Changed")
 
 
 class Firing(NamedTuple):
@@ -70,6 +63,8 @@ class StageRunner:
         """
         self.name = name
         self.rank = rank
+        self.uses = ""
+        """Name under which the stage is offered."""
         self.build = build
         try:
             self.stage = build()
@@ -78,7 +73,9 @@ class StageRunner:
         self._declare()
         self.join = join
         self.outputs = tuple(outputs.items())
-        self.single = self.outputs[0][1] if len(self.outputs) == 1 and self.outputs[0][0] == "out" else None
+        self._results = tuple(named for named in self.outputs if named[0] != FIRINGS)
+        """The outputs of what `process` returns."""
+        self.single = self._results[0][1] if [name for name, _ in self._results] == ["out"] else None
         self.on_error = on_error
         self.deadline = deadline
         self.overdue_at: float | None = None
@@ -94,7 +91,8 @@ class StageRunner:
         """Whether the outputs have announced `ABSENT`."""
         self.count = RunnerCount()
         self.paths = PathLatencies(groups)
-        self.is_sink = not self.outputs
+        self.journal = Journal(outputs.get(FIRINGS))
+        self.is_sink = not self._results
         self.clock = clock
         self._passed = -END
         """The watermark that the outputs have announced."""
@@ -110,11 +108,17 @@ class StageRunner:
 
     def step(self) -> None:
         """Fire as often as inputs and outputs allow. Raises StageError if the policy is `fail`."""
-        while (fire_at := self.due()) is not None:
-            firing = self.take(fire_at)
-            self.deliver(self.run(firing), firing.header)
-            if not self.has_more():
-                break
+        while self.fire():
+            pass
+
+    def fire(self) -> bool:
+        """Fire once if inputs and outputs allow; whether more may follow. Raises StageError like `step`."""
+        fire_at = self.due()
+        if fire_at is None:
+            return False
+        firing = self.take(fire_at)
+        self.deliver(self.run(firing), firing.header)
+        return self.has_more()
 
     def due(self) -> int | None:
         """Capture time, ns, of the firing that inputs and outputs allow now; None if they allow none."""
@@ -135,10 +139,14 @@ class StageRunner:
 
     def take(self, fire_at: int) -> Firing:
         """Take the inputs of the firing that is due at this time."""
+        note = self.journal.before(self, fire_at) if self.journal.read else None
         arguments, fired = self.join.take(fire_at)
         self._passed = self.join.closed + 1
         self.absent = False
-        return Firing(arguments, _header(fired, fire_at))
+        header = _header(fired, fire_at)
+        if note is not None:
+            self.journal.after(self, header._replace(time=fire_at), note, arguments)
+        return Firing(arguments, header)
 
     def run(self, firing: Firing) -> Any:
         """What the stage returns, None if it raised. Raises StageError if the policy is `fail`."""
@@ -164,7 +172,13 @@ class StageRunner:
         if self.is_sink:
             self.paths.add(header, self.clock.now())
         else:
-            self.send(result, header)
+            self.send(result, header, self._following())
+            self.note_budget(header)
+
+    def note_budget(self, header: Header) -> None:
+        """Note the latency of what was sent, if a path with a budget ends here."""
+        if self.paths.limits:
+            self.paths.add_budgeted(header, self.clock.now())
 
     def has_more(self) -> bool:
         """Whether inputs may hold more than the last firing took: messages, or a later watermark."""
@@ -177,17 +191,20 @@ class StageRunner:
 
     def has_room(self) -> bool:
         """Whether every output has credit for a message."""
-        if self.single is not None:
+        if self.single is not None and len(self.outputs) == 1:
             return self.single.has_room()
         return all(output.has_room() for _, output in self.outputs)
 
-    def send(self, result: Any, header: Header) -> None:
-        """Send what `process` returned; a port without a message still advances its watermark."""
+    def send(self, result: Any, header: Header, following: int = UNKNOWN) -> None:
+        """Send what `process` returned; a port without a message still advances its watermark.
+
+        following: the watermark after it, ns, if more is known than what the message itself announces.
+        """
         if self.single is not None:
-            self._send_to(self.single, result, header)
+            self._send_to(self.single, result, header, following)
             return
-        for port, output in self.outputs:
-            self._send_to(output, None if result is None else getattr(result, port), header)
+        for port, output in self._results:
+            self._send_to(output, None if result is None else getattr(result, port), header, following)
 
     def replace_stage(self, stage: Stage, build: Callable[[], Stage]) -> None:
         """Run another stage, which is set up and fits the edges, from the next firing on (hot swap)."""
@@ -197,11 +214,16 @@ class StageRunner:
         self._declare()
         self.join = self.join.read_by(found.inputs)
         self.outputs = tuple(named for named in self.outputs if found.output(named[0]) is not None)
+        self._results = tuple(named for named in self.outputs if named in self._results)
 
     def reconnect(self, readers: Mapping[str, Sequence[InputQueue]]) -> None:
         """Have these readers in the same worker at each output, instead of the former ones."""
         for port, output in self.outputs:
             output.reconnect(readers[port])
+
+    def exchange(self, output: OutputPort, change: Callable[[], Changed]) -> Changed:
+        """Let `change` add or remove edges of an output to other workers; returns what it returns."""
+        return change()
 
     def retire(self, stage: Stage) -> None:
         """Close the stage that was replaced."""
@@ -215,6 +237,11 @@ class StageRunner:
         while not self.done and self.has_room() and (fire_at := self.join.ready(overdue=True)) is not None:
             firing = self.take(fire_at)
             self.deliver(self.run(firing), firing.header)
+
+    @property
+    def owed(self) -> Sequence[Header]:
+        """Headers of earlier firings whose messages are yet to come."""
+        return ()
 
     @property
     def asks(self) -> bool:
@@ -273,10 +300,25 @@ class StageRunner:
             return
         self.absent = False
         if watermark > self._passed:
-            self._passed = watermark
-            self.join.closed = max(self.join.closed, watermark - 1)  # what comes back late is too late
+            self._pass(watermark)
             self._announce(watermark)
         self.join.relieve()
+
+    def _following(self) -> int:
+        """The watermark, ns, that the outputs can announce with what they send now; `UNKNOWN` if they cannot.
+
+        It spares a token of its own; the end and an absence have one.
+        """
+        watermark = self.join.watermark()
+        if not self._passed < watermark < ABSENT:
+            return UNKNOWN
+        self._pass(watermark)
+        return watermark
+
+    def _pass(self, watermark: int) -> None:
+        """Note that the outputs announce this watermark, ns: what comes back late is too late."""
+        self._passed = watermark
+        self.join.closed = max(self.join.closed, watermark - 1)
 
     def _announce(self, watermark: int) -> None:
         """Announce on all outputs that nothing earlier will come, ns."""
@@ -297,11 +339,11 @@ class StageRunner:
         return self.overdue_at is not None and time.monotonic() >= self.overdue_at
 
     @staticmethod
-    def _send_to(output: OutputPort, message: Message | None, header: Header) -> None:
+    def _send_to(output: OutputPort, message: Message | None, header: Header, following: int) -> None:
         if message is None:
-            output.advance(header.time + 1 + output.lateness)
+            output.advance(max(header.time + 1 + output.lateness, following))
         else:
-            output.send(message, header)
+            output.send(message, header, following)
 
 
 def _header(fired: Sequence[Message], time: int) -> Header:

@@ -21,7 +21,7 @@ def stages_now(worker: Worker, errors: Mapping[str, str]) -> tuple[StageStatus, 
     """Status of all stages of a worker; safe from another thread. errors: the last warning of each stage."""
     at_work = next((runner.name for runner in worker.runners if runner.working), "")
     found = (_status(runner, errors.get(runner.name, ""), at_work) for runner in worker.runners)
-    return tuple(map(worker.hold.shown, worker.runners, found))
+    return tuple(map(worker.sources.hold.shown, worker.runners, found))
 
 
 class Idleness:
@@ -44,7 +44,7 @@ class Idleness:
 def paths_now(worker: Worker) -> tuple[PathStatus, ...]:
     """Latency of all paths that end in this worker; safe from another thread."""
     return tuple(
-        PathStatus(origin, runner.name, path.quantile(0.5), path.quantile(0.95))
+        path.status(origin, runner.name)
         for runner in worker.runners
         for origin, path in tuple(runner.paths.items())
     )

@@ -7,21 +7,35 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
+from typing import Protocol
 
 from followspot.control.tapping import Tapping
+from followspot.firing import firings_of
 from followspot.messages import Message
 from followspot.plugins.registry import load_stage
 from followspot.stage import Post, Stage
-from followspot.worker.output_port import OutputPort
 from followspot.worker.scheduler import Worker
+from followspot.worker.stage_runner import StageRunner
+
+
+class Tapped(Protocol):
+    """What can be tapped: an output port, or the journal of a stage."""
+
+    taps: tuple[Callable[[Message], None], ...]
+
+    def tap(self, by: Callable[[Message], None]) -> None:
+        """Call `by` with every message from now on. Safe from any thread."""
+
+    def untap(self, by: Callable[[Message], None]) -> None:
+        """Call `by` no more. Safe from any thread."""
 
 
 class Tap:
     """One sink at one output port; a sink that raises EOFError has lost its receiver."""
 
-    def __init__(self, tapping: Tapping, output: OutputPort, stage: Stage) -> None:
+    def __init__(self, tapping: Tapping, tapped: Tapped, stage: Stage) -> None:
         self.tapping = tapping
-        self._output = output
+        self._tapped = tapped
         self._stage = stage
         self._closed = False
 
@@ -37,7 +51,7 @@ class Tap:
 
     def detach(self) -> None:
         """Remove the tap from its port. Safe from any thread."""
-        self._output.untap(self)
+        self._tapped.untap(self)
 
     def close(self) -> None:
         """Close the sink, once; the tap must be detached and not at work."""
@@ -49,8 +63,19 @@ class Tap:
 def taps_of(worker: Worker) -> Iterator[Tap]:
     """All taps at ports of a worker."""
     for runner in worker.runners:
-        for _, output in runner.outputs:
-            yield from (found for found in output.taps if isinstance(found, Tap))
+        yield from taps_at(runner)
+
+
+def taps_at(runner: StageRunner) -> Iterator[Tap]:
+    """All taps at the ports of a stage, and at its journal."""
+    for tapped in _tapped(runner).values():
+        yield from (found for found in tapped.taps if isinstance(found, Tap))
+
+
+def _tapped(runner: StageRunner) -> dict[str, Tapped]:
+    """What can be tapped of a stage, by name."""
+    found: dict[str, Tapped] = {f"{runner.name}.{port}": output for port, output in runner.outputs}
+    return {**found, firings_of(runner.name): runner.journal}  # which has taps of its own
 
 
 def tap(
@@ -60,17 +85,13 @@ def tap(
 
     post: the channel of a tap to observers on other hosts. Raises what sinks raise.
     """
-    outputs = {
-        f"{runner.name}.{port}": (runner, output)
-        for runner in worker.runners
-        for port, output in runner.outputs
-    }
+    known = {name: (runner, one) for runner in worker.runners for name, one in _tapped(runner).items()}
     present = [found.tapping for found in taps_of(worker)]
     for tapping in tappings:
-        runner, output = outputs.get(tapping.port, (None, None))
-        if runner is None or output is None or tapping in present:
+        runner, tapped = known.get(tapping.port, (None, None))
+        if runner is None or tapped is None or tapping in present:
             continue
         context = replace(runner.stage.context, post=post(tapping))
         stage = load_stage(tapping.uses)(context, **tapping.params)
         stage.setup()
-        output.tap(Tap(tapping, output, stage))
+        tapped.tap(Tap(tapping, tapped, stage))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -26,7 +26,7 @@ _ANY_LAG = 3 * END
 class RunOptions:
     """Options of a run that are not part of the graph.
 
-    out: folder for outputs; frames: messages per source, None for all; warn: gets stage name and text;
+    out: folder for outputs; frames: of each camera, None for all; warn: gets stage name and text;
     rejoin: whether workers that die are started again, while live joins go on without them and others wait;
     clock: of this host; resumed: whether the worker's stages have worked in this run before.
     """
@@ -62,10 +62,15 @@ class Wiring:
         self.lag = self._lag()
         self.deadline = self._deadlines()
 
+    def limits(self, stage: PlannedStage) -> Mapping[str, int]:
+        """Budgets, ns, of the paths that end at a stage, by their origin."""
+        return {b.origin: round(b.limit * 1e9) for b in self.plan.budgets if b.end == stage.group}
+
     def message_type(self, edge: PlannedEdge) -> type[Message]:
         """Type of the messages on an edge: what its sender declares."""
-        outputs = {port.name: port.type for port in self.ports[edge.from_stage].outputs}
-        return outputs[edge.from_port]
+        port = self.ports[edge.from_stage].output(edge.from_port)
+        assert port is not None, f"{edge.name} comes from nowhere"
+        return port.type
 
     def received_types(self, stage: str) -> tuple[type[Message], ...]:
         """Types of the messages on the edges that lead to a stage, each once."""

@@ -16,7 +16,7 @@ import pytest
 from followspot.control.dispatch import Dispatcher, Request, Role
 from followspot.control.unix_socket import MAX_REQUEST, serve_requests
 from followspot.errors import FollowspotError
-from followspot.operator.run_handle import runs_here
+from followspot.operator.connect import runs_here
 
 RUN = "feedc0de" * 4
 

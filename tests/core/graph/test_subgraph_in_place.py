@@ -147,6 +147,51 @@ def test_a_file_that_does_not_fit_says_why(tmp_path: Path, change: tuple[str, st
     assert len(caught.value.mistakes) == 1
 
 
+LATE_LEVEL = TRACKER.replace("level: detect.level", "level: late.level").replace(
+    "  pair: {uses: toy.pair, in: {blobs: detect}}",
+    "  late: {uses: toy.detect, each: cameras, in: {frame: camera}}\n"
+    "  pair: {uses: toy.pair, in: {blobs: late}}",
+)
+"""Another stage is behind `level`."""
+MOVED = (
+    TRACKER.replace("detect:", "seen:").replace("detect.", "seen.").replace("blobs: detect}", "blobs: seen}")
+)
+NO_LEVEL = MOVED.replace("level: seen.level, ", "")
+
+
+@pytest.mark.parametrize(
+    "main", [SHARED, SHARED.replace("frames: eyes}", "frames: eyes}, with: {level: 0.25}")]
+)
+def test_what_set_gave_an_interface_reaches_a_file_with_another_stage_behind_it(
+    tmp_path: Path, main: str
+) -> None:
+    room = ROOM + "tune: {late.level: 0.1, hall.level: 0.2}\n"
+    plan = after(travelled(planned(tmp_path, main, room=room, late=LATE_LEVEL)), "hall.level=0.75")
+    there = after(plan, f"hall={tmp_path / 'late.yaml'}")
+    assert levels(there)["hall/late/cam0"] == levels(there)["hall/late/cam1"] == 0.75
+    back = after(there, f"hall={tmp_path / 'tracker.yaml'}")
+    assert set(levels(back).values()) == {0.75}
+    assert by_name(back.subgraphs) == by_name(plan.subgraphs)
+
+
+def test_a_file_without_what_was_set_takes_the_place_with_a_note(tmp_path: Path) -> None:
+    plan = travelled(planned(tmp_path, SHARED, none=NO_LEVEL, late=LATE_LEVEL, moved=MOVED))
+    plan = after(plan, "hall.level=0.75", "hall.model=quick", "hall/detect/cam1.start=warm")
+    kept = after(plan, f"hall={tmp_path / 'late.yaml'}")
+    assert not any("not taken over" in note for note in kept.notes), "detect stays, and has them"
+    found = after(plan, f"hall={tmp_path / 'none.yaml'}")
+    assert stage(found, "hall/track").params["model"] == "quick"
+    assert {s.params["level"] for s in found.stages if "/seen" in s.name} == {0.5}
+    assert [note for note in found.notes if "not taken over" in note] == [
+        "while it ran: hall/detect/cam0: left (toy.detect); not taken over: level = 0.75",
+        "while it ran: hall/detect/cam1: left (toy.detect); not taken over: level = 0.75, start = warm",
+    ]
+    moved = after(plan, f"hall={tmp_path / 'moved.yaml'}")
+    assert [note for note in moved.notes if "not taken over" in note] == [
+        "while it ran: hall/detect/cam1: left (toy.detect); not taken over: start = warm"
+    ], "level is behind another stage now"
+
+
 def test_no_value_of_a_parameter_is_in_what_every_host_gets(tmp_path: Path) -> None:
     plan = planned(tmp_path, SHARED.replace("frames: eyes}", "frames: eyes}, with: {level: 0.3125}"))
     there = replace(plan, workers=tuple(PlannedWorker(w.name, "elsewhere") for w in plan.workers))

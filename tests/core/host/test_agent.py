@@ -49,4 +49,7 @@ def test_a_run_that_cannot_be_prepared_does_not_end_the_agent(agent: Agent, tmp_
         assert client.ask("left", ListRuns(), 30.0) == []
         blocked.rmdir()
         client.ask("left", PrepareRun(order=order), 30.0)
-        assert [run.run for run in client.ask("left", ListRuns(), 30.0)] == [order.run]
+        (listed,) = client.ask("left", ListRuns(), 30.0)
+        assert (listed.run, listed.origin.user) == (order.run, order.origin.user)
+        assert 0 <= listed.age_s < 600
+        assert order.run in listed.folder

@@ -44,7 +44,7 @@ def speaker() -> Iterator[Speaker]:
 
 
 def test_valid_messages_of_a_worker_are_taken(speaker: Speaker) -> None:
-    assert speaker.say({"verb": "ready", "expected": None}) == ("ready", 0)
+    assert speaker.say({"verb": "ready", "expected": None, "last_times": {"left": 5}}) == ("ready", 0)
     assert speaker.say({"verb": "progress", "fired": 3, "time": -1}) == ("ready", 3)
 
 
@@ -62,12 +62,14 @@ def test_valid_messages_of_a_worker_are_taken(speaker: Speaker) -> None:
         {"verb": "progress", "fired": 0, "time": 2**63},
         {"verb": "progress", "fired": float("nan"), "time": 0},
         {"verb": "progress", "fired": -1, "time": 0},
-        {"verb": "ready", "expected": 10**400},
-        {"verb": "ready", "expected": "many"},
-        {"verb": "ready", "expected": 1, "descriptors": 1},
-        {"verb": "ready", "expected": 1, "descriptors": -1},
-        {"verb": "ready", "expected": 1, "descriptors": float("inf")},
-        {"verb": "ready", "expected": 1, "descriptors": []},
+        {"verb": "ready", "expected": 10**400, "last_times": {}},
+        {"verb": "ready", "expected": "many", "last_times": {}},
+        {"verb": "ready", "expected": 1},
+        {"verb": "ready", "expected": 1, "last_times": {"left": 2**63}},
+        {"verb": "ready", "expected": 1, "last_times": {}, "descriptors": 1},
+        {"verb": "ready", "expected": 1, "last_times": {}, "descriptors": -1},
+        {"verb": "ready", "expected": 1, "last_times": {}, "descriptors": float("inf")},
+        {"verb": "ready", "expected": 1, "last_times": {}, "descriptors": []},
         {"verb": "stages", "stages": [{"stage": "a", "state": "asleep"}], "paths": []},
         {"verb": "stages", "stages": [{"stage": "a", "state": "over", "busy_ms": float("inf")}], "paths": []},
         {"verb": "stages", "stages": 5, "paths": []},

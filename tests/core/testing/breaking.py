@@ -258,6 +258,17 @@ class Backwards(Stage):
             yield at(self.params.start - n, Frame("cam0", np.zeros((1, 1, 1), np.uint8)))
 
 
+class Misdated(Stage):
+    """Tells other capture times than its messages have."""
+
+    def capture_time(self, number: int) -> int:
+        return number
+
+    def process(self) -> Source[Frame]:
+        for n in range(3):
+            yield at(2 * n, Frame("cam0", np.zeros((1, 1, 1), np.uint8)))
+
+
 class Unsteady(Stage):
     """Yields something else each time."""
 

@@ -102,3 +102,20 @@ def test_a_message_that_cannot_travel_is_refused_when_its_turn_comes() -> None:
     bench.send(3)
     assert bench.take() == ["0", "1", "3"]
     assert len(bench.refused) == 1
+
+
+def test_a_watermark_waits_with_its_message_and_outlives_it() -> None:
+    bench = Bench(depth=2)
+    for number in range(6):
+        note = stamped(seal(Note(str(number))), Header("a", number, 10 * number))
+        bench.writer.send(note, 10 * number + 5)
+    assert bench.take() == ["0", 5, "1", 15, 25, 35, "4", 45, "5", 55]
+    assert bench.dropped == 2
+
+
+def test_a_watermark_comes_though_its_message_cannot_travel() -> None:
+    bench = Bench(depth=3)
+    note = stamped(seal(Note("x" * 100_000)), Header("a", 0, 0))
+    bench.writer.send(note, 5)
+    assert bench.take() == [5]
+    assert len(bench.refused) == 1

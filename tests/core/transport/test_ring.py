@@ -135,3 +135,14 @@ def test_slots_in_flight_hold_the_credit_and_reading_wakes_the_writer(ring: Ring
     assert ring.writer.credit() == 2
     assert all(identical(message, frame(n)) for n, message in enumerate(messages(kept)))
     assert len(loans) == DEPTH + 1
+
+
+def test_the_watermark_after_a_message_comes_in_the_same_datagram(ring: Ring) -> None:
+    ring.writer.send(frame(0), 7)
+    ring.writer.send(frame(8, np.zeros((2, 2, 1), np.uint8)), 9)
+    first, then, second, last = ring.readers[0].poll()
+    assert ring.readers[0]._received == 4, "the greeting, the memory of the slots, and a datagram each"
+    assert (then, last) == (Watermark(7), Watermark(9))
+    for message, number in ((first, 0), (second, 8)):
+        assert isinstance(message, Message)
+        assert message.header.seq == number

@@ -172,3 +172,44 @@ def test_each_message_that_never_came_is_invalid_in_its_place() -> None:
     assert isinstance(message, Frame)
     writer.close()
     reader.close()
+
+
+def test_a_dismissed_reader_holds_no_credit_and_keeps_the_slots_of_what_it_has(shared: Ring) -> None:
+    first, *others = shared.readers
+    for number in range(DEPTH):
+        shared.writer.send(frame(number))
+    kept = first.poll()
+    for reader in others:
+        reader.poll()
+        reader.consumed(DEPTH)
+    assert shared.writer.credit() == 0
+    shared.writer.dismiss(0)
+    assert not shared.writer.lost
+    assert len(shared.writer.filenos()) == 2
+    for number in range(DEPTH, 10 * DEPTH):
+        assert shared.writer.credit() > 0
+        shared.writer.send(frame(number))
+        for reader in others:
+            (message,) = messages(reader.poll())
+            assert identical(message, frame(number))
+            reader.consumed()
+    assert first.poll() == [], "it gets nothing more"
+    assert all(identical(message, frame(n)) for n, message in enumerate(messages(kept)))
+    first.close()
+    shared.writer.drain()
+    assert not shared.writer.lost
+    assert not shared.writer.perished()
+
+
+def test_a_reader_has_caught_up_once_it_has_taken_all_that_was_sent(ring: Ring) -> None:
+    (reader,) = ring.readers
+    assert not reader.caught_up, "the writer has introduced itself"
+    reader.poll()
+    assert reader.caught_up
+    ring.writer.send(Watermark(5))
+    assert not reader.caught_up
+    reader.poll()
+    assert reader.caught_up
+    ring.writer.close()
+    reader.poll()
+    assert reader.caught_up, "nothing more comes"

@@ -18,7 +18,7 @@ from tests.core.transport.rings import DEPTH, Ring, frame, messages
 
 from followspot.messages import Message, identical
 from followspot.tracking import Frame
-from followspot.transport.ring.control import ARENAS, Control
+from followspot.transport.ring.control import ARENAS, CONSUMED, Control
 from followspot.transport.ring.memory import Memory
 from followspot.transport.ring.notification import (
     ARENA,
@@ -180,8 +180,8 @@ def test_a_reader_that_consumed_more_than_was_sent_is_cut_off_and_the_others_go_
         ring.writer.send(frame(0))
         liar, honest = ring.readers
         assert liar.poll()
-        assert liar._control is not None
-        liar._control.consumed = consumed
+        assert liar._memory.control is not None
+        liar._memory.control.words[CONSUMED] = consumed
         ring.writer.credit()
         ring.writer.drain()
         assert ring.writer.lost == {0}
@@ -199,15 +199,15 @@ def test_a_reader_that_consumed_more_than_was_sent_is_cut_off_and_the_others_go_
 
 def test_a_reader_that_gives_credit_without_reading_fills_no_memory(ring: Hostile) -> None:
     assert ring.reader.poll() == []
-    assert ring.reader._control is not None
+    assert ring.reader._memory.control is not None
     limit = 100_000
     for number in range(limit):
-        ring.reader._control.consumed = number
+        ring.reader._memory.control.words[CONSUMED] = number
         assert ring.writer.credit()
         ring.writer.send(small(number))
         if ring.writer.strangers:
             break
-    (link,) = ring.writer._links
+    (link,) = ring.writer._links.all
     assert ring.writer.strangers == 1, "the socket never was full"
     assert len(link._pending) < 100
     ring.writer.drain()
@@ -223,8 +223,8 @@ def test_a_reader_that_takes_its_releases_back_makes_nobody_overwrite_what_anoth
         ring.writer.send(frame(1))
         (kept,) = messages(honest.poll())
         assert ring.writer.credit()
-        assert liar._control is not None
-        liar._control.release_all(0, [2**63] * ring.writer._slots)
+        assert liar._memory.control is not None
+        liar._memory.control.release_all(0, [2**63] * ring.writer._slots)
         ring.writer.send(frame(2))
         assert [identical(m, frame(2)) for m in messages(honest.poll())] == [True]
         assert identical(kept, frame(1))
@@ -254,3 +254,14 @@ def flood(reader: RingReader) -> int:
 
 def small(number: int) -> Frame:
     return frame(number, frame(0).pixels[:4, :4].copy())
+
+
+@pytest.mark.parametrize("watermark", [END, ABSENT, MAX_WATERMARK + 1, -MAX_WATERMARK - 1])
+def test_a_watermark_that_no_message_brings_is_refused_and_the_message_passes(
+    ring: Hostile, watermark: int
+) -> None:
+    ring.writer.send(frame(0), watermark)
+    (message,) = messages(polled(ring.reader))
+    assert identical(message, frame(0))
+    assert ring.reader.strangers == 1
+    assert not ring.reader.lost

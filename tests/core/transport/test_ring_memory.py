@@ -97,6 +97,13 @@ def test_an_unsent_loan_returns_when_it_dies(ring: Ring) -> None:
     assert len(places) == 1
 
 
+def test_loans_that_died_do_not_count(ring: Ring) -> None:
+    loans = [ring.loan(SHAPE, "u1") for _ in range(DEPTH + 1)]
+    assert ring.writer.loan(SHAPE, "u1") is None
+    loans.clear()
+    assert ring.writer.loan(SHAPE, "u1") is not None
+
+
 def test_hoarded_loans_come_to_an_end_and_never_take_the_credit(ring: Ring) -> None:
     found = [ring.writer.loan(SHAPE, "u1") for _ in range(3 * DEPTH)]
     loans = [loan for loan in found if loan is not None]
@@ -175,6 +182,23 @@ def test_slots_come_back_when_the_last_view_dies(ring: Ring) -> None:
         ring.readers[0].poll()
         ring.readers[0].consumed()
     assert [int(row[0, 0]) for row in rows] == list(range(DEPTH))
+
+
+def test_a_reader_that_left_releases_its_slot_when_the_last_view_dies(ring: Ring) -> None:
+    """A reader that nothing refers to any more still releases its slots."""
+    ring.writer.send(frame(0))
+    reader = ring.readers.pop()
+    (message,) = messages(reader.poll())
+    reader.consumed()
+    ring.writer.dismiss(0)
+    reader.close()
+    del reader
+    gc.collect()
+    slots = ring.writer._pool
+    assert slots is not None
+    free = slots.find_free(ring.writer._links.holding)
+    del message
+    assert slots.find_free(ring.writer._links.holding) == free + 1
 
 
 def test_a_larger_message_brings_larger_slots_and_leaves_the_old_ones_to_their_holders(ring: Ring) -> None:

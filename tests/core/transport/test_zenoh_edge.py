@@ -21,10 +21,10 @@ from followspot.messages import Header, Message, identical, seal, stamped
 from followspot.tracking import Blobs, Frame
 from followspot.transport.codec import pack
 from followspot.transport.keys import reader_key
-from followspot.transport.token import END, Invalid, Token, Watermark
+from followspot.transport.token import END, MAX_WATERMARK, Invalid, Token, Watermark
 from followspot.transport.wakeup_event import WakeupEvent
 from followspot.transport.zenoh.edge import ZenohReader, ZenohWriter, locators, open_session
-from followspot.transport.zenoh.terms import CREDIT, NUMBER, WINDOW
+from followspot.transport.zenoh.terms import CREDIT, KNOWN, NUMBER, WINDOW
 
 KEY = "test/camera/cam0/out"
 NAME = "color/cam0.frame"
@@ -421,3 +421,16 @@ def test_a_closed_wakeup_event_does_not_touch_the_next_owner_of_its_descriptor()
     with pytest.raises(BlockingIOError):
         os.eventfd_read(number)
     other.close()
+
+
+def test_the_watermark_after_a_message_comes_with_it_and_one_out_of_range_is_refused(pair: Pair) -> None:
+    pair.writer.send(frame(0), 7)
+    message, watermark = arrived(pair.reader, 2)
+    assert isinstance(message, Message)
+    assert watermark == Watermark(7)
+    intruder, count = pair.intruder(KEY), len(pair.reader._arrived)
+    for wrong in (END, MAX_WATERMARK + 1):
+        intruder.put(pack(frame(9)), attachment=NUMBER.pack(0, 1, 2) + KNOWN.pack(wrong))
+    until(lambda: len(pair.reader._arrived) == count + 2)
+    assert pair.reader.poll() == []
+    assert pair.reader.strangers == 2

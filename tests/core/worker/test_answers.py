@@ -296,3 +296,15 @@ def test_concurrency_is_for_stages_that_answer_later(tmp_path: Path) -> None:
     )
     with pytest.raises(Exception, match="answers at once and has no concurrency"):
         compile_graph(tmp_path / "g.yaml", plugin_files=[STAGES])
+
+
+def test_the_last_answer_takes_along_what_is_known_by_then_and_the_others_do_not() -> None:
+    bench = Asking(concurrency=2)
+    bench.put(0, 10)
+    bench.into.advance(50)
+    bench.stage.answers[0].set_result(Note(0))
+    bench.runner.step()
+    assert (len(bench.out.messages), bench.out.watermark) == (1, 1)
+    bench.stage.answers[1].set_result(Note(1))
+    bench.runner.step()
+    assert (len(bench.out.messages), bench.out.watermark) == (2, 50)

@@ -31,12 +31,12 @@ def test_no_message_is_sent_before_its_time(tmp_path: Path) -> None:
     run = solo(tmp_path)
     report = run.run()
     assert report.errors == ()
-    assert [source.yielded for source in run.worker.sources] == [9, 5]
+    assert [source.yielded for source in run.worker.sources.all] == [9, 5]
 
 
 def test_while_a_source_waits_its_worker_works_and_no_other_source_goes_ahead(tmp_path: Path) -> None:
     run = solo(tmp_path, waits_at=2)
-    free, slow = run.worker.sources
+    free, slow = run.worker.sources.all
     thread = threading.Thread(target=run.run)
     thread.start()
 
@@ -69,4 +69,4 @@ def test_what_falls_due_just_before_the_worker_sleeps_is_sent(
 
     monkeypatch.setattr(run.worker, "_finished", finished_late)
     assert run.run().errors == ()
-    assert [source.yielded for source in run.worker.sources] == [9, 5]
+    assert [source.yielded for source in run.worker.sources.all] == [9, 5]

@@ -150,3 +150,48 @@ def test_edges_that_are_added_later_know_that_a_message_had_rows() -> None:
     ours, _theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     output.attach(RingWriter([ours], 8), ["a.out -> c.in"], [ledger.row(2)])
     assert [ledger.count(edge).filled for edge in range(3)] == [True] * 3
+
+
+def test_an_edge_that_leaves_counts_no_more_and_the_others_of_its_ring_go_on() -> None:
+    rings = Rings()
+    output, ledger = rings.output, rings.ledger
+    output.send(Note("both"), Header("a", 0, 0))
+    assert output.detach({ledger.row(0)}) == [(rings.ring, [0])]
+    rings.ring.dismiss(0)
+    output.update_readers()
+    output.send(Note("one"), Header("a", 1, 10))
+    assert [ledger.count(edge).sent for edge in range(3)] == [1, 2, 2]
+    assert output.has_room()
+    assert output.detach({ledger.row(1)}) == [(rings.ring, [1])]
+    assert output.writers == [rings.dropping]
+    output.send(Note("none"), Header("a", 2, 20))
+    assert [ledger.count(edge).sent for edge in range(3)] == [1, 2, 3]
+
+
+def test_messages_that_are_yet_to_be_sent_count_where_they_will_go() -> None:
+    ledger = Ledger(2)
+    output, _, _, _ = output_with_ring(ledger)
+    for _ in range(3):
+        output.produced()
+    before = output.all_rows
+    output.detach({ledger.row(1)})
+    output.recount(before, 3)
+    assert (ledger.count(0).produced, ledger.count(1).produced) == (3, 0)
+
+
+@pytest.mark.parametrize("text", ["short", "x" * 100_000, 3])
+def test_what_follows_a_message_reaches_all_readers_even_if_the_message_does_not(text: str) -> None:
+    """Short, too large to travel, and not of its type."""
+    output, near, far, _ = output_with_ring(Ledger(2))
+    output.send(Note(text), Header("a", 0, 0), 50)
+    far.poll()
+    assert (near.watermark, far.watermark, output.announced) == (50, 50, 50)
+    assert isinstance(far.reader, RingReader)
+    assert far.reader._received == 2, "the greeting and one more datagram"
+
+
+def test_what_a_message_announces_by_itself_is_not_sent_again() -> None:
+    output, near, far, _ = output_with_ring(Ledger(2))
+    output.send(Note("a"), Header("a", 0, 10), 11)
+    far.poll()
+    assert (near.watermark, far.watermark, far.received) == (11, 11, 1)

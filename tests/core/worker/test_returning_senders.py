@@ -51,7 +51,7 @@ class Reading:
         join = Join([JoinInput("note", joined=False, members=(self.queue,))], lateness=0)
         self.runner = StageRunner("save", 0, lambda: Save(Context()), join, {})
         self.worker = Worker([self.runner], [self.queue], [], Pace())
-        self.queue.wake = lambda: self.worker.mark(0)
+        self.queue.wake = lambda: self.worker.schedule.mark(0)
 
     def replace_writer(self) -> None:
         """The writer dies, and another takes its place."""

@@ -9,6 +9,7 @@ from tests.core.worker.solo import Solo
 
 from followspot.graph.compile import compile_graph
 from followspot.messages import Header, stamped
+from followspot.transport.ring.reader import RingReader
 from followspot.transport.token import ABSENT
 from followspot.worker.error_policy import recover
 from followspot.worker.input_queue import InputQueue
@@ -102,3 +103,18 @@ def test_a_stage_that_is_rebuilt_after_an_error_knows_that_it_worked_before(tmp_
     assert (first.context.resumed, runner.stage.context.resumed) == (False, True)
     assert runner.stage is not first
     run.worker.close()
+
+
+def test_edges_from_a_port_to_one_worker_share_datagrams(tmp_path: Path) -> None:
+    """`b` feeds back to itself and feeds `save`."""
+    run = solo(tmp_path, edges="ring")
+    readers = {queue.name: queue.reader for queue in run.worker.ends.readers}
+    assert run.run().ok
+    counts = sorted(
+        reader._received
+        for name, reader in readers.items()
+        if name.startswith("b") and isinstance(reader, RingReader)
+    )
+    assert [count > 20 for count in counts] == [False, True], counts
+    counted = [run.ledger.count(number) for number in range(len(run.plan.edges))]
+    assert [(count.sent, count.in_flight, count.lost) for count in counted] == [(20, 0, 0)] * 3

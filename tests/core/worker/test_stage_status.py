@@ -59,7 +59,7 @@ def test_a_stage_says_who_blocks_it(tmp_path: Path) -> None:
     run.worker.setup()
     count, half, _ = run.worker.runners
     while count.has_room():
-        run.worker.sources[0].pull()
+        run.worker.sources.all[0].pull()
     count.blocked = not count.has_room()
     assert stages(run)["count"].state == "sending"
     assert stages(run)["count"].on == (half.join.members[0].name,)
@@ -71,7 +71,7 @@ def test_a_stage_says_which_edge_to_another_worker_blocks_it(tmp_path: Path) -> 
     run.worker.setup()
     count = run.worker.runners[0]
     while count.has_room():
-        run.worker.sources[0].pull()
+        run.worker.sources.all[0].pull()
     count.blocked = not count.has_room()
     assert (stages(run)["count"].state, stages(run)["count"].on) == ("sending", ("count.out -> half.number",))
     run.worker.close()
@@ -82,7 +82,7 @@ def test_a_stage_says_that_it_waits_for_feedback(tmp_path: Path) -> None:
     run.worker.setup()
     first = run.worker.runners[1]
     for _ in range(2):
-        run.worker.sources[0].pull()
+        run.worker.sources.all[0].pull()
         first.step()
     assert (stages(run)["first"].state, stages(run)["first"].on) == (
         "getting",
@@ -102,7 +102,7 @@ def test_a_stage_that_is_at_work_says_so_though_nothing_waits_for_it(tmp_path: P
         return number
 
     half.stage.process = process
-    run.worker.sources[0].pull()
+    run.worker.sources.all[0].pull()
     half.step()
     assert seen == ["processing"]
     assert stages(run)["half"].state == "getting"
@@ -124,7 +124,7 @@ def test_a_stage_that_has_all_it_needs_says_at_which_stage_its_worker_is(tmp_pat
 
     count.stage.process = process
     for _ in range(2):
-        run.worker.sources[0].pull()
+        run.worker.sources.all[0].pull()
     assert seen[0]["count"].state == "processing"
     assert (seen[0]["half"].state, seen[0]["half"].on) == ("waiting", ("count",))
     assert (stages(run)["half"].state, stages(run)["half"].on) == ("waiting", ())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from pathlib import Path
 
 import pytest
@@ -61,4 +62,59 @@ def test_sets_of_shifted_sources_stay_whole(tmp_path: Path, other: list[tuple[st
                 run.swap("hall", str(files[change % 2 == 0]))
     assert seen == [(number, 2) for number in range(100)]
     assert run.report.ok
+    assert not any(row["lost"] for row in run.report.ledger)
+
+
+DEVICES = """
+graph: devices
+stages:
+  a:    {uses: sets.device, depth: 4, with: {first: 2}}
+  b:    {uses: sets.device, depth: 4}
+  hall: {graph: pair.yaml, in: {one: a, two: b}}
+  last: {uses: sets.pass, in: {note: hall.notes}}
+"""
+
+
+def test_a_live_set_that_is_being_taken_stays_whole(tmp_path: Path) -> None:
+    """One device has given its note of the second set, the other gives it while the swap waits for it."""
+    patient = f"{JOINED}, deadline: 60"
+    write(tmp_path, "pair", ("pair", "pair", patient))
+    other = write(tmp_path, "other", ("other", "pair", patient))
+    graph = tmp_path / "devices.yaml"
+    graph.write_text(DEVICES)
+    with fs.run(graph, plugin_files=[SETS], ports=["last"], out=tmp_path / "out") as run:
+        seen = [next(run["last"])]
+        later = threading.Timer(1.0, (run.out / "go").touch)
+        later.start()
+        run.swap("hall", str(other))
+        later.join()
+        seen += run["last"]
+    assert [(note.number, note.members) for note in seen] == [(0, 2), (1, 2), (2, 2), (3, 2)]
+
+
+FEEDBACK = """
+graph: feedback
+inputs: {{one: [last.note, near.note]}}
+outputs: {{notes: {name}}}
+stages:
+  {name}: {{uses: sets.recent, in: {{note: last, before: {{from: near, delay: 1}}, beside: near}}}}
+  near:   {{uses: sets.recent, in: {{before: {{from: {name}, delay: 1}}}}}}
+  last:   {{uses: sets.pass}}
+"""
+
+
+def test_what_no_firing_was_to_get_is_not_lost(tmp_path: Path) -> None:
+    """One message of each feedback edge that leaves waits for the next firing."""
+    files = [tmp_path / f"{name}.yaml" for name in ("pair", "other")]
+    for file in files:
+        file.write_text(FEEDBACK.format(name=file.stem))
+    graph = tmp_path / "whole.yaml"
+    graph.write_text(WHOLE.replace(", two: b", "").replace("  b: ", "  # b: "))
+    with fs.run(graph, plugin_files=[SETS], ports=["last"], out=tmp_path / "out", frames=100) as run:
+        for _ in range(20):
+            next(run["last"])
+        run.swap("hall", str(files[1]))
+        assert [note.number for note in run["last"]] == list(range(20, 100))
+    former = [row for row in run.report.ledger if "hall/pair" in str(row)]
+    assert former
     assert not any(row["lost"] for row in run.report.ledger)

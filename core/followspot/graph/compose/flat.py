@@ -10,7 +10,7 @@ from typing import Any
 from followspot.document import Node, dump, plain
 from followspot.graph.compose.compose import Composed
 from followspot.graph.compose.feeds import items, sender
-from followspot.graph.expand import ROOM_SOURCE
+from followspot.graph.declaration import ROOM_SOURCE
 from followspot.graph.names import enclosing
 from followspot.graph.parameters import path_parameters
 from followspot.graph.plan import Plan

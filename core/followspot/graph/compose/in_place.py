@@ -12,7 +12,7 @@ from followspot.graph.compose.belonging import seen_only
 from followspot.graph.compose.compose import outputs_below, stages_of, units_below
 from followspot.graph.compose.fan_out import Use
 from followspot.graph.compose.graph_file import GraphFile, GraphFiles
-from followspot.graph.compose.interface import Interface
+from followspot.graph.compose.interface import Interface, read_interface
 from followspot.graph.compose.narrowing import Limit
 from followspot.graph.compose.optional_use import OptionalUse, left_out_below, optional_uses
 from followspot.graph.compose.promises import Promise, check_nested, promises_of
@@ -43,6 +43,7 @@ def in_place(
     file: Node,
     use: SubgraphUse,
     given: Mapping[str, Node],
+    changed: Mapping[str, Node],
     around: Mapping[str, Node],
     room: Room,
     document: Node | None,
@@ -50,8 +51,9 @@ def in_place(
 ) -> InPlace | None:
     """The file in the place of a use; None if mistakes leave its stages unknown.
 
-    file: its path; given: parameters of the interface; around: entries of the other stages of the graph;
-    document: of the room, for its tunes.
+    file: its path; given: parameters of the interface; changed: those that a change gave, of which the file
+    gets what its interface has; around: entries of the other stages of the graph; document: of the room, for
+    its tunes.
     """
     before = len(mistakes)
     parent = Unit("", GraphFile("", file.place, ()), Interface({}, {}, {}), {})
@@ -61,7 +63,7 @@ def in_place(
         {
             "graph": file,
             "in": node_of(dict(use.inputs), file.place),
-            "with": Node(given, file.place, file.key),
+            "with": Node({**given, **_known(file, use, changed)}, file.place, file.key),
         },
         file.place,
         file.key,
@@ -76,7 +78,9 @@ def in_place(
     (unit,) = found
     stages = dict(stages_of(unit, mistakes))
     check_nested(unit, mistakes)
-    uses = (replace(resolved(unit, use.stage), inputs=use.inputs), *resolved_uses(unit))
+    own = resolved(unit, use.stage)
+    own = replace(own, inputs=use.inputs, given={**use.given, **own.given})
+    uses = (own, *resolved_uses(unit))
     below = seen_only({**around, **stages}, [unit, *units_below(unit)])
     inner = {name: below[name] for name in stages}
     parent.units[use.name] = (unit,)
@@ -88,6 +92,25 @@ def in_place(
         uses,
         promises_of(unit),
     )
+
+
+def _known(file: Node, use: SubgraphUse, changed: Mapping[str, Node]) -> dict[str, Node]:
+    """Those of the values that the interface of the file passes on to stages that stay in it."""
+    read = GraphFiles([], []).used(file, "graph", (), file.key)
+    if read is None:
+        return {}
+    interface = read_interface(read, [])
+    replaced = {
+        target.stage
+        for name in use.inputs
+        for target in interface.inputs.get(name, ())
+        if target.name is None
+    }
+    return {
+        name: node
+        for name, node in changed.items()
+        if (targets := interface.params.get(name)) and not replaced & {target.stage for target in targets}
+    }
 
 
 def _limits(use: SubgraphUse, file: Node) -> tuple[Limit, ...]:

@@ -10,7 +10,7 @@ from followspot.graph.compose.interface import Target
 from followspot.graph.compose.senders import senders
 from followspot.graph.compose.unit import Unit
 from followspot.graph.names import below
-from followspot.graph.override import is_set
+from followspot.graph.override import WHILE_IT_RAN, is_set
 from followspot.graph.selector import Selector
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.room import Member
@@ -40,7 +40,7 @@ def resolved(unit: Unit, stage: str) -> SubgraphUse:
             name: tuple(dict.fromkeys(leaf for target in targets for leaf in _leaves(unit, target)))
             for name, targets in unit.interface.params.items()
         },
-        {name: is_set(node) for name, node in unit.given.items()},
+        {n: is_set(node) for n, node in unit.given.items() if node.place.file != WHILE_IT_RAN},
     )
 
 

@@ -39,6 +39,17 @@ def never_goes_back_in_time(trial: Trial) -> Iterator[str]:
         yield f"capture times do not rise: {times} ns"
 
 
+def tells_its_capture_times(trial: Trial) -> Iterator[str]:
+    """`capture_time` gives the times of the messages, or None."""
+    times = list(dict.fromkeys(message.header.time for message in _first_or_none(trial)))
+    if not times:
+        return
+    with trial.at_work() as stage:
+        told = [stage.capture_time(number) for number in range(len(times))]
+    if any(said not in (None, time) for said, time in zip(told, times, strict=True)):
+        yield f"capture times are {times} ns, capture_time tells {told}"
+
+
 def yields_the_same_again(trial: Trial) -> Iterator[str]:
     """A recording and a simulation are the same each time."""
     first, second = _first_or_none(trial), _first_or_none(trial)

@@ -10,7 +10,13 @@ from followspot.transport.ring.memory import Memory
 
 ARENAS = 20
 """Most arenas of a ring: each at least doubles the size of a slot, from a page to the largest message."""
-_CONSUMED, _SENT, _WAITING, _RELEASED = range(4)
+CONSUMED = 0
+"""Word: messages that the reader has taken out of its queue. Stored by the reader."""
+SENT = 1
+"""Word: datagrams sent so far, which saves the reader a system call. Stored by the writer."""
+WAITING = 2
+"""Word: 1 if the writer asks for a wake-up. Set by the writer, cleared by the reader."""
+_RELEASED = 3
 _FENCE = Lock()
 
 
@@ -20,8 +26,8 @@ def fence() -> None:
     Each side stores a word and then loads the other's; without a fence, both may miss it. Taking a lock is a
     full fence on x86; on machines with weaker order the time limit of the scheduler's sleep heals a miss.
     """
-    with _FENCE:
-        pass
+    _FENCE.acquire()
+    _FENCE.release()
 
 
 class Control:
@@ -29,7 +35,9 @@ class Control:
 
     def __init__(self, memory: Memory, slots: int) -> None:
         self.memory = memory
-        self._words = memoryview(memory.bytes).cast("Q")
+        self.words = memoryview(memory.bytes).cast("Q")
+        """`CONSUMED`, `SENT`, `WAITING`, and a word for each slot. Readers and writers index it themselves,
+        because a method call at each message would cost more than the word."""
         self._slots = slots
 
     @staticmethod
@@ -37,41 +45,15 @@ class Control:
         """Bytes of memory that the words for this many slots take."""
         return 8 * (_RELEASED + ARENAS * slots)
 
-    @property
-    def consumed(self) -> int:
-        """Messages that the reader has taken out of its queue. Stored by the reader."""
-        return self._words[_CONSUMED]
-
-    @consumed.setter
-    def consumed(self, count: int) -> None:
-        self._words[_CONSUMED] = count
-
-    @property
-    def sent(self) -> int:
-        """Datagrams sent so far, which saves the reader a system call. Stored by the writer."""
-        return self._words[_SENT]
-
-    @sent.setter
-    def sent(self, count: int) -> None:
-        self._words[_SENT] = count
-
-    def released(self, arena: int, slot: int) -> int:
-        """Stamp of the last message released in a slot. Stored by the reader."""
-        return self._words[_RELEASED + arena * self._slots + slot]
-
-    def release(self, arena: int, slot: int, stamp: int) -> None:
-        """Store that the message of this stamp, and those before it in the slot, are released."""
-        self._words[_RELEASED + arena * self._slots + slot] = stamp
-
     def release_all(self, arena: int, stamps: Sequence[int]) -> None:
-        """The same for all slots."""
-        pack_into(f"{len(stamps)}Q", self.memory.bytes, 8 * (_RELEASED + arena * self._slots), *stamps)
+        """Store the stamps of all slots of an arena."""
+        first = released_word(arena, self._slots)
+        pack_into(f"{len(stamps)}Q", self.memory.bytes, 8 * first, *stamps)
 
-    @property
-    def waiting(self) -> bool:
-        """Whether the writer asks for a wake-up. Set by the writer, cleared by the reader."""
-        return self._words[_WAITING] != 0
 
-    @waiting.setter
-    def waiting(self, asks: bool) -> None:
-        self._words[_WAITING] = asks
+def released_word(arena: int, slots: int) -> int:
+    """Word: stamp of the last message released in the first slot of an arena; those of the others follow.
+
+    It releases the messages before that one in the slot as well. Stored by the reader.
+    """
+    return _RELEASED + arena * slots

@@ -2,76 +2,66 @@
 
 from __future__ import annotations
 
-import contextlib
-import mmap
-import os
 import socket
-import sys
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
 
-import numpy as np
+from followspot.messages import Message
+from followspot.transport.ring.control import CONSUMED, SENT, WAITING, fence
+from followspot.transport.ring.decoder import Decoder
+from followspot.transport.ring.notification import CARRIES, INLINE, WATERMARK
+from followspot.transport.token import END, Token, Watermark
 
-from followspot.errors import FollowspotError
-from followspot.messages import Array, InvalidMessage, Message
-from followspot.transport.codec import codec_of
-from followspot.transport.ring.control import ARENAS, Control, fence
-from followspot.transport.ring.memory import Memory
-from followspot.transport.ring.notification import (
-    ARENA,
-    HELLO,
-    INLINE,
-    INLINE_BYTES,
-    MAX_SLOT,
-    MAX_SLOTS,
-    NOTIFICATION,
-    SLOT,
-    WATERMARK,
-)
-from followspot.transport.ring.slots import Arena, Lease
-from followspot.transport.token import END, MAX_COUNT, Invalid, Token, Watermark, is_watermark
-from followspot.transport.wire import MAX_HEAD, aligned, unpack_head
-
-_LARGEST = NOTIFICATION.size + MAX_HEAD + 2 * INLINE_BYTES
 _ANCILLARY, _FLAGS = socket.CMSG_LEN(4), socket.MSG_CMSG_CLOEXEC
 """A datagram may bring one file descriptor."""
-_NONE = (0, 0, 0, 0, 0)
 _BATCH = 256
 """Most datagrams that one poll takes, so that a flood of watermarks does not hold up the worker."""
-_MOST_MISSING = 256
-"""Most messages that may be missing before one; a socket loses none, so a larger gap is refused."""
+_MOST_QUEUED = 4096
+"""More datagrams than a socket holds at once."""
+
+
+def _nothing() -> None:
+    """Nobody waits for tokens."""
 
 
 class RingReader:
     """`PortReader` on the writer's host.
 
     The arrays of a message are read-only views; the slot is released when the last of them dies. A stage may
-    keep any number of messages: beyond its share of the slots, it gets copies.
+    keep any number of messages: beyond its share of the slots, it gets copies. If several edges lead from one
+    port to this process, what comes for the first, their carrier, is handed to the readers of the others.
     """
 
-    def __init__(self, sock: socket.socket, kind: type[Message]) -> None:
-        """sock: the other end of the writer's socket; kind: type of the messages."""
+    def __init__(
+        self,
+        sock: socket.socket,
+        kind: type[Message],
+        fellow: Callable[[int], RingReader | None] = lambda edge: None,
+    ) -> None:
+        """sock: the other end of the writer's socket; kind: type of the messages.
+
+        fellow: finds the reader here of another edge from the same port.
+        """
         sock.setblocking(False)
         self._socket = sock
-        self._buffer = memoryview(bytearray(_LARGEST))
-        self._codec = codec_of(kind)
-        self._control: Control | None = None
-        self._arena: Arena | None = None
-        self._interfaces: list[dict[str, Any]] = []
-        self._slots = 0
-        self._quota = 0
-        self._leased: set[tuple[int, int]] = set()
-        self._sequence = 0
+        self._decoder = Decoder(sock, kind)
+        self._memory = self._decoder.memory
+        self._buffers = [self._decoder.buffer]
         self._received = 0
         self._consumed = 0
         self._ended = False
         self._closed = False
-        self._refused = 0
+        self._fellow = fellow
+        self._carrier: RingReader | None = None
+        self._carried: list[RingReader] = []
+        self._arrived: list[Token] = []
+        """Tokens for the next poll."""
+        self.notify: Callable[[], object] = _nothing
+        """Called when another reader has handed tokens to this one: poll it."""
 
     @property
     def strangers(self) -> int:
         """How many datagrams came that no writer sends."""
-        return self._refused
+        return self._decoder.refused
 
     @property
     def lost(self) -> bool:
@@ -82,6 +72,12 @@ class RingReader:
     def broken(self) -> bool:
         """Whether the writer is gone: its replacement has another socket."""
         return self._closed
+
+    @property
+    def caught_up(self) -> bool:
+        """Whether `poll` has taken everything that the writer has sent so far."""
+        control = self._memory.control
+        return self._closed or (control is not None and self._received >= control.words[SENT])
 
     def matched(self) -> bool:
         """True: the socket exists before the processes do."""
@@ -96,10 +92,48 @@ class RingReader:
 
         Raises FollowspotError if memory cannot be mapped.
         """
-        tokens: list[Token] = []
-        for _ in range(_BATCH):
+        control = self._memory.control
+        if control is None or not (self._carrier and self._arrived):
+            self._read(_BATCH)
+            control = self._memory.control
+        if control is not None and control.words[WAITING]:
+            self._memory.wake(control)
+        if self._carried:
+            self._notify_carried()
+        tokens, self._arrived = self._arrived, []
+        if tokens and isinstance(tokens[-1], Watermark):
+            self._ended = tokens[-1].time == END
+        return tokens
+
+    def hand_over(self) -> None:
+        """Hand what has arrived to the readers that this one carries for: it is about to be closed."""
+        self._read(_MOST_QUEUED)
+        self._notify_carried()
+
+    def consumed(self, count: int = 1) -> None:
+        """Give credit for messages that left the queue."""
+        control = self._memory.control
+        if control is not None:
+            self._consumed += count
+            control.words[CONSUMED] = self._decoder.first + self._consumed
+            fence()
+            if control.words[WAITING]:
+                self._memory.wake(control)
+
+    def close(self) -> None:
+        """Close the socket; messages that a stage still holds stay valid, and release their slots later."""
+        self._part()
+        self.notify = _nothing
+        self._socket.close()
+
+    def _read(self, most: int) -> None:
+        """Take at most so many datagrams from the socket.
+
+        A poll stops at the last that the writer says to have sent, which saves a system call.
+        """
+        for _ in range(most):
             try:
-                size, extra, _, _ = self._socket.recvmsg_into([self._buffer], _ANCILLARY, _FLAGS)
+                size, extra, _, _ = self._socket.recvmsg_into(self._buffers, _ANCILLARY, _FLAGS)
             except BlockingIOError:
                 break
             except ConnectionResetError:
@@ -107,124 +141,65 @@ class RingReader:
             except OSError:
                 size = 0
             if not size:
+                self._go_on_alone()
                 self._closed = True
                 break
             self._received += 1
-            self._accept(self._buffer[:size], extra, tokens)
-            if self._control is not None and self._received >= self._control.sent:
+            kind = self._buffers[0][0]
+            if kind > WATERMARK and self._shares(size, extra):
+                continue
+            if self._carrier is not None and INLINE <= kind <= WATERMARK:
+                self._go_on_alone()
+            tokens = self._decoder.tokens(size, extra)
+            self._arrived += tokens
+            for reader in self._carried:
+                reader._arrived += tokens
+            control = self._memory.control
+            if most == _BATCH and control is not None and self._received >= control.words[SENT]:
                 break
-        self._wake()
-        return tokens
 
-    def consumed(self, count: int = 1) -> None:
-        """Give credit for messages that left the queue."""
-        if self._control is not None:
-            self._consumed += count
-            self._control.consumed = self._consumed
-            fence()
-            self._wake()
+    def _shares(self, end: int, extra: Sequence[tuple[int, int, bytes]]) -> bool:
+        """Whether the datagram in the buffer made two readers share; end, extra: see `Decoder.tokens`."""
+        shares = self._decoder.shares(end, extra)
+        return shares is not None and self._share(*shares)
 
-    def close(self) -> None:
-        """Close the socket; messages that a stage still holds stay valid, and release their slots later."""
-        self._socket.close()
-
-    def _accept(self, data: memoryview, extra: Sequence[tuple[int, int, bytes]], tokens: list[Token]) -> None:
-        """Append the token of one datagram; extra: the file descriptor that it brought, if any."""
-        whole = len(data) >= NOTIFICATION.size
-        kind, number, slot, size, value = NOTIFICATION.unpack_from(data) if whole else _NONE
-        if kind in (INLINE, SLOT) and not extra and 0 <= value - self._sequence <= _MOST_MISSING:
-            missing = range(self._sequence, value)
-            tokens += [Invalid(f"gap: message {n} of the port never came", missing=True) for n in missing]
-            self._sequence = value + 1
-            try:
-                inline = kind == INLINE
-                tokens.append(self._inline(data, size) if inline else self._placed(data, number, slot, size))
-            except InvalidMessage as error:
-                tokens.append(Invalid(str(error)))
-        elif kind == WATERMARK and not extra and is_watermark(value):
-            self._ended = value == END
-            tokens.append(Watermark(value))
-        elif not (extra and self._mapped(extra[0][2], kind, number, slot, size, value)):
-            self._refused += 1
-
-    def _inline(self, data: memoryview, size: int) -> Message:
-        head, start = unpack_head(data[NOTIFICATION.size :])
-        start += NOTIFICATION.size
-        if len(data) != start + size:
-            raise InvalidMessage(f"{size} bytes of arrays announced, {len(data) - start} came")
-        body = aligned(size)
-        body[:] = np.frombuffer(data, np.uint8, size, start)
-        return self._codec.decode(head, body)
-
-    def _placed(self, data: memoryview, number: int, slot: int, size: int) -> Message:
-        body = self._body(number, slot, size)
-        head, start = unpack_head(data[NOTIFICATION.size :])
-        return self._codec.decode(head, body, data[NOTIFICATION.size + start :])
-
-    def _body(self, number: int, slot: int, size: int) -> Array:
-        """The slot, leased, as bytes; a copy of its first `size` if this reader has its share of leases."""
-        arena = self._arena
-        if arena is None or number != arena.number or slot >= len(self._interfaces) or size > arena.capacity:
-            raise InvalidMessage(f"{size} bytes in slot {slot} of arena {number}, which does not exist")
-        lease = Lease(arena, slot, self._sequence, self._interfaces[slot], self._release)
-        if len(self._leased) < self._quota:
-            self._leased.add((number, slot))
-            return np.asarray(lease)
-        body = aligned(size)
-        body[:] = arena.bytes[slot, :size]
-        return body
-
-    def _release(self, lease: Lease) -> None:
-        """Release the message in a slot. Its stamp is its sequence number + 1."""
-        if self._control is not None:
-            self._control.release(lease.arena.number, lease.slot, lease.stamp)
-        self._leased.discard((lease.arena.number, lease.slot))
-        fence()
-        self._wake()
-
-    def _mapped(self, packed: bytes, kind: int, number: int, slot: int, size: int, value: int) -> bool:
-        """Map the memory that a datagram brought; False if it is not what the datagram claims.
-
-        packed: the file descriptor. Raises FollowspotError if there is no memory to map it.
-        """
-        fd = int.from_bytes(packed, sys.byteorder)
-        if not self._credible(kind, number, slot, size, value):
-            os.close(fd)
+    def _share(self, kind: int, edge: int) -> bool:
+        """Share datagrams with the reader of another edge from now on; False if no writer asks for that."""
+        other = self._fellow(edge)
+        if other is None or other is self:
             return False
-        try:
-            if kind == HELLO:
-                self._control = Control(Memory(fd, Control.size(size), writable=True), size)
-                self._quota, self._slots = slot, size
-                self._sequence = self._consumed = value
-            else:
-                self._enter(
-                    Arena(Memory(fd, self._slots * value, writable=False), number, self._slots, value)
-                )
-        except ValueError:
+        if kind == CARRIES:
+            return other._join(self)
+        if self._carrier is None:  # it says so in what it has not read yet
+            other._read(_MOST_QUEUED)
+            other.notify()
+        return self._carrier is other
+
+    def _join(self, carrier: RingReader) -> bool:
+        """Be handed what the carrier gets."""
+        if self._carrier or self._carried or self._closed:
             return False
-        except OSError as error:
-            raise FollowspotError(f"the memory of an edge cannot be mapped: {error}") from None
+        self._carrier = carrier
+        carrier._carried.append(self)
         return True
 
-    def _credible(self, kind: int, number: int, slot: int, size: int, value: int) -> bool:
-        """Whether a writer sends this: one HELLO, and arenas each newer than the one before."""
-        if kind == HELLO:
-            return (
-                self._control is None and slot <= size and 0 < size <= MAX_SLOTS and 0 <= value <= MAX_COUNT
-            )
-        newest = -1 if self._arena is None else self._arena.number
-        whole = 0 < value <= MAX_SLOT and value % mmap.PAGESIZE == 0
-        return kind == ARENA and self._control is not None and newest < number < ARENAS and whole
+    def _notify_carried(self) -> None:
+        for reader in tuple(self._carried):
+            if reader._arrived:
+                reader.notify()
 
-    def _enter(self, arena: Arena) -> None:
-        """Find messages in this arena from now on."""
-        one = (arena.capacity,)
-        self._arena = arena
-        self._interfaces = [arena.interface(i, one, "|u1", writable=False) for i in range(self._slots)]
+    def _go_on_alone(self) -> None:
+        """Take what the carrier still has for this reader; what follows comes by its own socket."""
+        carrier = self._carrier
+        if carrier is not None:
+            carrier._read(_MOST_QUEUED)
+            self._decoder.sequence = carrier._decoder.sequence
+            self._part()
+            carrier.notify()
+            carrier._notify_carried()
 
-    def _wake(self) -> None:
-        """Wake the writer if it asked for that."""
-        if self._control is not None and self._control.waiting:
-            self._control.waiting = False
-            with contextlib.suppress(OSError):  # a full socket wakes the writer anyway, a closed one has none
-                self._socket.send(b"\1")
+    def _part(self) -> None:
+        """Be handed nothing more."""
+        if self._carrier is not None:
+            self._carrier._carried.remove(self)
+            self._carrier = None

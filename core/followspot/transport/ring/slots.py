@@ -5,11 +5,12 @@ from __future__ import annotations
 import mmap
 from collections.abc import Callable, Sequence
 from typing import Any
+from weakref import ref
 
 import numpy as np
 
 from followspot.messages import Array
-from followspot.transport.ring.control import Control
+from followspot.transport.ring.control import Control, released_word
 from followspot.transport.ring.memory import Memory
 from followspot.transport.wire import padded
 
@@ -21,37 +22,47 @@ class Arena:
         """number: of the arena within the ring; capacity: of a slot, bytes, in whole pages."""
         self.memory = memory
         self.number = number
+        self.slots = slots
         self.capacity = capacity
-        self.bytes: Array = np.frombuffer(memory.bytes, np.uint8).reshape(slots, capacity)
-        start = self.bytes.ctypes.data
-        self.addresses = range(start, start + slots * capacity, capacity)
-        """Address of each slot in this process."""
 
-    def interface(self, slot: int, shape: Sequence[int], dtype: str, *, writable: bool) -> dict[str, Any]:
-        """The start of a slot as an array, in terms of numpy's array interface."""
-        data = self.addresses[slot], not writable
-        return {"version": 3, "data": data, "shape": tuple(shape), "typestr": dtype}
+    def array(self, slot: int, shape: Sequence[int], dtype: np.dtype[Any], start: int = 0) -> Array:
+        """An array at byte `start` of a slot, writable if the memory is."""
+        return np.ndarray(shape, dtype, self.memory.bytes, slot * self.capacity + start)
+
+    def has(self, number: int, slot: int, size: int) -> bool:
+        """Whether this is its number, and it has such a slot, of so many bytes at least."""
+        return number == self.number and slot < self.slots and size <= self.capacity
 
 
-class Lease:
-    """Lends the start of a slot to numpy; it calls `end` with itself when the last view of it dies.
+class Lease(ref[Array]):
+    """Knows in which slot an array lies, and tells when it has died.
 
-    stamp: of the message in the slot, 0 while none was sent from it.
+    The array lives as long as any view of it. The lender must keep the lease, for one that has been
+    collected tells nothing.
     """
 
-    __slots__ = ("__array_interface__", "_end", "arena", "slot", "stamp")
+    __slots__ = ("key", "slot", "stamp")
+    __hash__ = object.__hash__
+    __eq__ = object.__eq__
 
-    def __init__(
-        self, arena: Arena, slot: int, stamp: int, interface: dict[str, Any], end: Callable[[Lease], None]
-    ) -> None:
-        self.__array_interface__ = interface
-        self.arena = arena
-        self.slot = slot
-        self.stamp = stamp
-        self._end = end
+    key: int
+    """Under which the lender keeps the lease."""
+    slot: int
+    stamp: int
+    """Of the message in the slot, 0 while none was sent from it."""
 
-    def __del__(self) -> None:
-        self._end(self)
+
+LEASES: set[Lease] = set()
+"""Of all readers of this process: one that has left the graph still releases its slots later."""
+
+
+def lease(array: Array, key: int, slot: int, stamp: int, ended: Callable[[Any], None]) -> Lease:
+    """A lease that calls `ended` with itself when the array has died."""
+    made = Lease(array, ended)
+    made.key = key
+    made.slot = slot
+    made.stamp = stamp
+    return made
 
 
 class Slots:
@@ -67,34 +78,38 @@ class Slots:
         self.arena = Arena(Memory.create("followspot-slots", slots * capacity), number, slots, capacity)
         self.stamps = [0] * slots
         """Of the last message sent from each slot."""
-        self.lent = 0
-        """Number of slots that arrays of this process view."""
-        self._sizes = [0] * slots
-        """Bytes that are lent of each slot, 0 if it is not lent."""
         self._free = list(range(slots - 1, -1, -1))
         """Those released last are at the end."""
+        self._leases: dict[int, Lease] = {}
+        """Of arrays that this process views, by their identity, which no other has while they live."""
+        self._sizes = [0] * slots
+        """Bytes that are lent of each slot, with their padding, 0 if it is not lent."""
         self._used: list[int] = []
+        self._released = released_word(number, slots)
+
+    @property
+    def lent(self) -> int:
+        """Number of slots that arrays of this process view."""
+        return len(self._leases)
 
     def find_free(self, controls: Sequence[Control]) -> int:
         """Find the slots that may be written; how many. A reader cannot take a slot back later."""
-        number, stamps, sizes = self.arena.number, self.stamps, self._sizes
-        used = []
+        used: list[int] = []
         for slot in self._used:
-            stamp = stamps[slot]
-            if sizes[slot] or any(c.released(number, slot) != stamp for c in controls):
-                used.append(slot)
-            else:
-                self._free.append(slot)
+            kept = self._sizes[slot] > 0
+            for control in controls:
+                kept = kept or control.words[self._released + slot] != self.stamps[slot]
+            (used if kept else self._free).append(slot)
         self._used = used
         return len(self._free)
 
     def lend(self, shape: Sequence[int], dtype: np.dtype[Any]) -> Array:
         """A writable array at the start of a free slot, which is kept until the array dies."""
         slot = self.take()
-        interface = self.arena.interface(slot, shape, dtype.str, writable=True)
-        loan = np.asarray(Lease(self.arena, slot, 0, interface, self._end))
-        self.lent += 1
-        self._sizes[slot] = loan.nbytes
+        loan = self.arena.array(slot, shape, dtype)
+        self._sizes[slot] = padded(loan.nbytes)
+        key = id(loan)
+        self._leases[key] = lease(loan, key, slot, 0, self._end)
         return loan
 
     def take(self) -> int:
@@ -110,19 +125,18 @@ class Slots:
         behind all that was lent, for they may be views of that. None if there is no such array, or no space.
         """
         for index, array in enumerate(arrays):
-            owner: Any = array.base
-            viewed = type(owner) is np.ndarray
-            lease = owner.base if viewed else owner
-            if type(lease) is not Lease or lease.arena is not self.arena or lease.stamp:
+            found = self._leases.get(id(array)) or self._leases.get(id(array.base))
+            if found is None or found.stamp:
                 continue
-            end = padded(self._sizes[lease.slot])
+            end = self._sizes[found.slot]
             if end + size - padded(array.nbytes) > self.arena.capacity:
                 continue
-            if not viewed or array.ctypes.data == self.arena.addresses[lease.slot]:
-                lease.stamp = stamp
-                return index, lease.slot, end
+            loan = found()
+            if loan is array or (loan is not None and array.ctypes.data == loan.ctypes.data):
+                found.stamp = stamp
+                return index, found.slot, end
         return None
 
-    def _end(self, lease: Lease) -> None:
-        self._sizes[lease.slot] = 0
-        self.lent -= 1
+    def _end(self, ended: Lease) -> None:
+        del self._leases[ended.key]
+        self._sizes[ended.slot] = 0

@@ -17,10 +17,10 @@ from followspot.graph.plan import EdgeCodec
 from followspot.messages import MAX_BYTES, Array, InvalidMessage, Message
 from followspot.transport.codec import MAX_PACKED, codec_of, pack, unpack
 from followspot.transport.token import Watermark
-from followspot.transport.wire import ALIGN, aligned, padded, unpack_head
+from followspot.transport.wire import ALIGN, RAW, aligned, padded, unpack_head
 
-RAW, LOSSLESS, JPEG = range(3)
-"""Second byte: arrays as they are; PNG for pictures and zlib for the rest; JPEG for pictures, zlib else."""
+LOSSLESS, JPEG = 1, 2
+"""Second byte of what is coded: PNG for pictures and zlib for the rest; JPEG for pictures, zlib else."""
 _CODES: dict[EdgeCodec, int] = {"raw": RAW, "lossless": LOSSLESS, "jpeg": JPEG}
 _SIZE = Struct("<Q")
 _JPEG_QUALITY = 90

@@ -16,15 +16,15 @@ from followspot.graph.plan import EdgeCodec
 from followspot.messages import InvalidMessage, Message
 from followspot.transport.codec import MAX_PACKED
 from followspot.transport.keys import reader_key
-from followspot.transport.token import END, Invalid, Token, Watermark
+from followspot.transport.token import END, UNKNOWN, Invalid, Token, Watermark
 from followspot.transport.wakeup_event import WakeupEvent
 from followspot.transport.zenoh.codec import unpack_as
 from followspot.transport.zenoh.stream_position import StreamPosition
 from followspot.transport.zenoh.terms import (
     CREDIT,
-    NUMBER,
     START,
     WINDOW,
+    attached,
     chunks,
     codec_key,
     has_subscriber,
@@ -169,16 +169,18 @@ class ZenohReader:
         if str(sample.key_expr) == self._start_key:
             self._start(sample, tokens)
             return
-        counted = numbers(NUMBER, sample.attachment)
-        if not self.position.follows(counted):
+        counted, watermark = attached(sample.attachment) or (None, UNKNOWN)
+        if counted is None or not self.position.follows(counted):
+            self.position.refused += counted is None
             return
-        assert counted is not None
         token = self._token(sample)
         missing = self.position.advance(counted, message=not isinstance(token, Watermark))
         if missing is None:
             return
         tokens += [Invalid(f"gap: it is one of {missing} messages that never came", missing=True)] * missing
         tokens.append(token)
+        if watermark != UNKNOWN:
+            tokens.append(Watermark(watermark))
 
     def _token(self, sample: zenoh.Sample) -> Token:
         if len(sample.payload) > MAX_PACKED:

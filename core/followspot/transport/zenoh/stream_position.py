@@ -68,11 +68,8 @@ class StreamPosition:
         """Note that a writer left."""
         self.joined &= writer != self.writer
 
-    def follows(self, numbers: Numbers | None) -> bool:
+    def follows(self, numbers: Numbers) -> bool:
         """True if a token with these numbers may come next; False if it is refused or not for this reader."""
-        if numbers is None:
-            self.refused += 1
-            return False
         writer, number, messages = numbers
         if not self.joined or writer != self.writer:
             return False

@@ -12,10 +12,12 @@ import zenoh
 from zenoh.handlers import Callback
 
 from followspot.graph.plan import EdgeCodec
-from followspot.transport.token import MAX_COUNT
+from followspot.transport.token import MAX_COUNT, MAX_WATERMARK, UNKNOWN
 
 NUMBER = Struct("<QQQ")
 """Attachment: the writer's incarnation, number of the token, and of messages up to and with it."""
+KNOWN = Struct("<q")
+"""Behind it, the watermark after a message, ns, if it is known already."""
 CREDIT = Struct("<QQQQ")
 """A reader's report: incarnations of its writer and of its own, messages consumed, tokens taken."""
 START = Struct("<QQQQ")
@@ -31,6 +33,16 @@ def numbers(layout: Struct, data: zenoh.ZBytes | None) -> tuple[int, ...] | None
         return None
     found = layout.unpack(data.to_bytes())
     return found if max(found) <= MAX_COUNT else None
+
+
+def attached(data: zenoh.ZBytes | None) -> tuple[tuple[int, ...], int] | None:
+    """The numbers of a token and the watermark after it, `UNKNOWN` if it brings none; None if malformed."""
+    if data is None or len(data) != NUMBER.size + KNOWN.size:
+        found = numbers(NUMBER, data)
+        return None if found is None else (found, UNKNOWN)
+    packed = data.to_bytes()
+    found, (watermark,) = NUMBER.unpack_from(packed), KNOWN.unpack_from(packed, NUMBER.size)
+    return (found, watermark) if max(found) <= MAX_COUNT and abs(watermark) <= MAX_WATERMARK else None
 
 
 def publisher(session: zenoh.Session, key: str) -> zenoh.Publisher:

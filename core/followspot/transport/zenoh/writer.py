@@ -18,11 +18,12 @@ from followspot.graph.plan import EdgeCodec
 from followspot.messages import Array, Message
 from followspot.transport.codec import pack
 from followspot.transport.keys import reader_key
-from followspot.transport.token import END, Watermark
+from followspot.transport.token import END, UNKNOWN, Watermark
 from followspot.transport.wakeup_event import WakeupEvent
 from followspot.transport.zenoh.codec import pack_as
 from followspot.transport.zenoh.flow_control import FlowControl, ReaderRecord
 from followspot.transport.zenoh.terms import (
+    KNOWN,
     NUMBER,
     START,
     codec_key,
@@ -68,7 +69,7 @@ class ZenohWriter:
         self._pending: Watermark | None = None
         """A watermark that waits for room."""
         self._last: Watermark | None = None
-        """What was put last, if that was a watermark: every reader that joins is told it again."""
+        """The watermark that was put after the last message: every reader that joins is told it again."""
         self._ending = False
         self._wants_credit = False
         self._session = session
@@ -110,7 +111,7 @@ class ZenohWriter:
         """How many messages may be sent now."""
         return self._flow.credit()
 
-    def send(self, token: Message | Watermark) -> None:
+    def send(self, token: Message | Watermark, watermark: int = UNKNOWN) -> None:
         """Put the token on the key; see `PortWriter.send`."""
         if isinstance(token, Watermark):
             self._pending = token
@@ -121,9 +122,10 @@ class ZenohWriter:
         if self.credit() <= 0:
             raise RuntimeError("a message was sent without credit")
         self._send_pending()
-        self._last = None
+        known = watermark != UNKNOWN
+        self._last = Watermark(watermark) if known else None
         self._flow.count_message()
-        self._put(payload)
+        self._put(payload, KNOWN.pack(watermark) if known else b"")
 
     def loan(self, shape: Sequence[int], dtype: str) -> Array | None:
         """None: Zenoh copies in any case."""
@@ -204,13 +206,13 @@ class ZenohWriter:
             self._pending, self._last = None, pending
             self._put(pack(pending))
 
-    def _put(self, payload: bytes) -> None:
+    def _put(self, payload: bytes, known: bytes = b"") -> None:
         flow = self._flow
         number = NUMBER.pack(self._incarnation, flow.tokens, flow.messages)
         flow.tokens += 1
         try:
             if has_subscriber(self._publisher):  # a put without a subscriber is still copied
-                self._publisher.put(payload, attachment=number)
+                self._publisher.put(payload, attachment=number + known)
         except zenoh.ZError:  # the session is closed
             flow.lose_all()
             self._wakeup.set()

@@ -1,0 +1,27 @@
+"""Which sources a number of frames counts, and which sources of sensors end with them."""
+
+from __future__ import annotations
+
+from followspot.graph.plan import Plan, PlannedStage
+
+
+def counted_sources(plan: Plan) -> frozenset[str]:
+    """The sources that give frames: all that serve no sensor; every source if there is no other."""
+    sources = _sources(plan)
+    return frozenset(stage.name for stage in sources if not _of_sensor(stage)) or frozenset(
+        stage.name for stage in sources
+    )
+
+
+def accompanying_sources(plan: Plan) -> frozenset[str]:
+    """The sources of sensors that give readings as long as others give frames; none without others."""
+    return frozenset(stage.name for stage in _sources(plan)) - counted_sources(plan)
+
+
+def _sources(plan: Plan) -> list[PlannedStage]:
+    fed = {edge.to_stage for edge in plan.edges}
+    return [stage for stage in plan.stages if stage.name not in fed]
+
+
+def _of_sensor(stage: PlannedStage) -> bool:
+    return stage.member is not None and stage.member.set == "sensors"

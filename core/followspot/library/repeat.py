@@ -1,0 +1,196 @@
+"""Repeats the recorded firings of one stage: from a checkpoint on, with the messages that each took."""
+
+from __future__ import annotations
+
+import base64
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import pydantic
+
+from followspot.control.checkpoint import state_from_data
+from followspot.errors import FollowspotError
+from followspot.firing import Firing
+from followspot.graph.plan import Plan, PlannedStage
+from followspot.messages import Header, InvalidMessage, Message, seal
+from followspot.plugins.registry import load_stage
+from followspot.ports import InputSpec, ports
+from followspot.stage import Context, Stage
+from followspot.transport.codec import unpack
+from followspot.worker.build import RUNNERS
+from followspot.worker.deferred_runner import DeferredRunner
+from followspot.worker.error_policy import StageError
+from followspot.worker.journal import Checkpoint, NotedInput
+from followspot.worker.lagged_runner import LaggedRunner
+from followspot.worker.output_port import OutputPort
+from followspot.worker.recorded_join import RecordedFiring, RecordedJoin
+from followspot.worker.stage_runner import StageRunner
+
+__all__ = ["Checkpoint", "Given", "Repetition", "Unrepeatable", "checkpoint_in", "held_in", "missing_in"]
+
+Given = Callable[[str, int], Message]
+"""The recorded message of a port (STAGE.PORT) with this capture time, ns."""
+Has = Callable[[str, int], bool]
+"""Whether there is one."""
+_LONGEST_ANSWER = 60.0
+"""Seconds for an answer that comes later."""
+
+
+class Unrepeatable(FollowspotError):
+    """Firings cannot be repeated; the text says why."""
+
+
+def checkpoint_in(firing: Firing) -> Checkpoint | None:
+    """The checkpoint before a firing, None if it has none. Raises Unrepeatable."""
+    if not len(firing.checkpoint):
+        return None
+    try:
+        return Checkpoint.model_validate_json(firing.checkpoint.tobytes())
+    except pydantic.ValidationError as error:
+        raise Unrepeatable(f"a checkpoint is damaged: {error.errors()[0]['msg']}") from None
+
+
+def held_in(
+    checkpoint: Checkpoint, types: Mapping[str, type[Message]]
+) -> Iterator[tuple[tuple[str, int], Message]]:
+    """The messages that a checkpoint contains, by port and capture time, ns; only of ports in `types`.
+
+    Raises Unrepeatable.
+    """
+    for row, packed in checkpoint.held:
+        try:
+            port = checkpoint.edges[row][0]
+            if port not in types:
+                continue
+            message = unpack(base64.b64decode(packed, validate=True), types[port])
+        except (InvalidMessage, LookupError, ValueError) as error:
+            raise Unrepeatable(f"a checkpoint is damaged: {error}") from None
+        if isinstance(message, Message):
+            yield (port, message.header.time), message
+
+
+class Repetition:
+    """A stage from a checkpoint on.
+
+    plan: of the run; stage: in it; out: folder for what the stage writes; types: of the messages, by port;
+    sent: gets the name of an output and each message that is sent there.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        stage: PlannedStage,
+        checkpoint: Checkpoint,
+        out: Path,
+        types: Mapping[str, type[Message]],
+        sent: Callable[[str, Message], None],
+    ) -> None:
+        """Build the stage and restore it. Raises Unrepeatable."""
+        if checkpoint.problem:
+            raise Unrepeatable(f"its state was not saved: {checkpoint.problem}")
+        self._checkpoint = checkpoint
+        self._types = types
+        self._join = RecordedJoin()
+        self._answered = threading.Event()
+        context = Context(
+            stage.name,
+            plan.room,
+            stage.member,
+            out,
+            plan.seed,
+            tuple(dict.fromkeys(types[port] for port, _ in checkpoint.edges if port in types)),
+            pause=lambda seconds: True,
+            resumed=True,
+        )
+        try:
+            kind = load_stage(checkpoint.uses)
+            self._inputs = ports(kind).inputs
+            self._runner = self._built(stage, kind, partial(kind, context, **checkpoint.params), sent)
+            self._restore()
+        except Exception as error:  # of a plugin
+            raise Unrepeatable(f"it cannot be restored: {error}") from error
+
+    def close(self) -> None:
+        """Close the stage."""
+        self._runner.retire(self._runner.stage)
+
+    def repeat(self, firing: Firing, given: Given) -> None:
+        """Repeat a firing; `given` has every message that it took. Raises Unrepeatable if the stage fails."""
+        self._join.coming.append(self._recorded(firing, given))
+        runner = self._runner
+        try:
+            while self._join.coming or runner.asks:
+                self._answered.clear()
+                runner.step()
+                if runner.asks and not self._answered.wait(_LONGEST_ANSWER):
+                    raise Unrepeatable("an answer does not come")
+        except StageError as error:
+            raise Unrepeatable(str(error)) from error
+
+    def _built(
+        self,
+        stage: PlannedStage,
+        kind: type[Stage],
+        build: Callable[[], Stage],
+        sent: Callable[[str, Message], None],
+    ) -> StageRunner:
+        found = ports(kind)
+        outputs = {}
+        for port in found.outputs:
+            output = outputs[port.name] = OutputPort(port.type, memoryview(b""), lateness=0)
+            output.watermark = self._checkpoint.after.get(port.name, output.watermark)
+            output.tap(partial(sent, port.name))
+        runner = RUNNERS[found.gives](stage.name, 0, build, self._join, outputs, on_error=stage.on_error)
+        if isinstance(runner, DeferredRunner):
+            runner.answered = self._answered.set
+        if isinstance(runner, LaggedRunner):
+            runner.owe([Header(*owed) for owed in self._checkpoint.owed])
+        return runner
+
+    def _restore(self) -> None:
+        stage, saved = self._runner.stage, self._checkpoint
+        stage.context = replace(stage.context, resumed=True)
+        self._runner.setup()
+        if saved.state is not None:
+            stage.restore(state_from_data(saved.state))
+        if saved.random is not None:
+            stage.rng.bit_generator.state = saved.random
+
+    def _recorded(self, firing: Firing, given: Given) -> RecordedFiring:
+        """The firing with the messages that it took."""
+        checkpoint = self._checkpoint
+        taken: list[list[Message]] = [[] for _ in checkpoint.inputs]
+        for row, time in zip(firing.edge.tolist(), firing.captured.tolist(), strict=True):
+            port, number = checkpoint.edges[row]
+            taken[number].append(given(port, time))
+        pairs = list(zip(checkpoint.inputs, taken, strict=True))
+        arguments = [
+            self._argument(spec, noted, found)
+            for spec, (noted, found) in zip(self._inputs, pairs, strict=True)
+        ]
+        fired = [message for noted, found in pairs if noted.role == "member" for message in found]
+        return RecordedFiring(firing.header.time, arguments, fired)
+
+    def _argument(self, spec: InputSpec, noted: NotedInput, found: Sequence[Message]) -> object:
+        if noted.joined:
+            return tuple(found)
+        if found:
+            return found[0]
+        return seal(self._empty(spec)) if noted.delayed else None
+
+    def _empty(self, spec: InputSpec) -> Message:
+        """What a delayed input gives before the first message."""
+        row = next(row for row, known in enumerate(self._inputs) if known == spec)
+        port = next(port for port, number in self._checkpoint.edges if number == row)
+        return self._types[port].empty()
+
+
+def missing_in(firing: Firing, checkpoint: Checkpoint, has: Has) -> Iterable[str]:
+    """The ports of which a firing took a message that is not recorded."""
+    for row, time in zip(firing.edge.tolist(), firing.captured.tolist(), strict=True):
+        port = checkpoint.edges[row][0] if 0 <= row < len(checkpoint.edges) else f"edge {row}"
+        if not has(port, time):
+            yield port

@@ -1,0 +1,49 @@
+"""Marks a moment of a run, and waits until its flight recorder says which file holds it."""
+
+from __future__ import annotations
+
+import time
+
+from followspot.control.dispatch import Ask, NoAnswer
+from followspot.errors import FollowspotError
+from followspot.operator.marks import Kept, Moment
+from followspot.operator.run_requests import GetKept, MarkMoment
+
+_POLL_INTERVAL = 0.1
+_ANSWER = 10.0
+"""Seconds for the operator to answer, and for the flight recorder to take a mark."""
+_WRITING = 120.0
+"""Seconds that the writing of a file may take beyond the time that belongs to its mark."""
+
+
+def mark(ask: Ask, after: float, note: str, *, wait: bool) -> Moment:
+    """See `RunHandle.mark`."""
+    number = ask(MarkMoment(after=after, note=note), _ANSWER)
+    moment, deadline = None, time.monotonic() + _ANSWER
+    while time.monotonic() < deadline:
+        try:
+            told = kept(ask)
+        except NoAnswer:
+            raise
+        except FollowspotError:
+            if moment is None:
+                raise
+            return moment  # the run has ended; its recorder completes the file
+        if told is None:
+            raise NoAnswer("the flight recorder of this run has ended")
+        found = next((one for one in reversed(told.moments) if number in one.marks), None)
+        if found is not None and moment is None:
+            deadline += after + _WRITING
+        moment = found or moment
+        if moment is not None and moment.state == "failed":
+            raise FollowspotError(f"the moment is not saved: {moment.problem}")
+        if moment is not None and not (wait and moment.state == "open"):
+            return moment
+        time.sleep(_POLL_INTERVAL)
+    raise NoAnswer("the flight recorder of this run does not answer")
+
+
+def kept(ask: Ask) -> Kept | None:
+    """See `RunHandle.kept`."""
+    found: Kept | None = ask(GetKept(), _ANSWER)
+    return found

@@ -1,0 +1,89 @@
+"""The sources of a worker: which of them sends next, and how their streams end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from operator import attrgetter
+
+from followspot.control.dispatch import Handlers
+from followspot.control.worker_orders import EndSensors
+from followspot.transport.token import END
+from followspot.worker.hold import SourceHold
+from followspot.worker.live_source import LiveSourceRunner
+from followspot.worker.source import SourceRunner
+from followspot.worker.stage_runner import StageRunner
+
+_watermark = attrgetter("watermark")
+
+
+class Sources:
+    """The source runners of a worker, and what holds them."""
+
+    def __init__(self) -> None:
+        self.all: tuple[SourceRunner, ...] = ()
+        self.live: tuple[LiveSourceRunner, ...] = ()
+        self.hold = SourceHold()
+
+    @property
+    def handlers(self) -> Handlers:
+        """The orders that concern sources alone."""
+        return {EndSensors: self._end_sensors, **self.hold.handlers}
+
+    def arrange(self, runners: Sequence[StageRunner]) -> None:
+        """Pull the sources among these from now on."""
+        self.all = tuple(runner for runner in runners if isinstance(runner, SourceRunner))
+        self.live = tuple(runner for runner in self.all if isinstance(runner, LiveSourceRunner))
+        self.hold.sources = self.all
+
+    def pull(self) -> bool:
+        """Pull the source with the earliest watermark, then those that are earliest; False if none yields.
+
+        While a source waits to send a message, none that is ahead of it goes on.
+        """
+        candidates = [s for s in self.all if not s.done and not self.hold.holds(s)]
+        candidates.sort(key=_watermark)
+        pulled, reached = False, END
+        for source in candidates:
+            if source.watermark >= reached:
+                break
+            source.blocked = not source.has_room()
+            if source.blocked:
+                continue
+            if source.pull() or source.done:
+                pulled, reached = True, min(reached, source.watermark)
+            elif source.keeps and not self.hold.holds(source):
+                reached = min(reached, source.watermark + 1)
+        return pulled
+
+    def due(self) -> Iterator[float]:
+        """When those that keep times have their next message to send, s, monotonic."""
+        for source in self.all:
+            if source.keeps and not source.done and not self.hold.holds(source):
+                yield source.not_before / 1e9
+
+    def still(self) -> bool:
+        """Whether no source of a recording will send anything as long as it is held."""
+        return all(s.done or self.hold.holds(s) or s in self.live for s in self.all)
+
+    def stop(self) -> None:
+        """End all streams now."""
+        self.hold.release()
+        self.hold.set_free()
+        for source in self.all:
+            if not source.done:
+                source.stop()
+
+    def expected(self) -> int | None:
+        """Messages that the longest source will yield; None if no source knows."""
+        known = [n for n in (source.expected() for source in self.all) if n is not None]
+        return max(known, default=None)
+
+    def last_times(self) -> dict[str, int]:
+        """Capture times of the last frames of a limited run, ns, of the sources that know them."""
+        found = ((source.name, source.expected_last_time()) for source in self.all)
+        return {name: time for name, time in found if time is not None}
+
+    def _end_sensors(self, order: EndSensors) -> None:
+        for source in self.all:
+            if source.name in order.sensors and not source.done:
+                source.end_after(order.time)
