@@ -1,4 +1,4 @@
-"""Live cameras through OpenCV."""
+"""Live streams through OpenCV, whose pictures are captured when they arrive."""
 
 from __future__ import annotations
 
@@ -26,9 +26,6 @@ class Capture(Protocol):
     def retrieve(self, image: Array | None = None, /) -> tuple[bool, Any]:
         """Decode the grabbed picture, into `image` if it fits."""
 
-    def get(self, property: int, /) -> float:  # noqa: A002  # as OpenCV has it
-        """A property of the camera, or of the grabbed picture."""
-
     def release(self) -> None:
         """Release the camera."""
 
@@ -46,14 +43,10 @@ class CaptureCamera(LiveCamera):
         capture = self.connect()
         try:
             while not self.stopped.is_set() and capture.isOpened() and capture.grab():
-                captured = self.captured(capture)
+                captured = time.time_ns()
                 ok, image = capture.retrieve(color_buffer(camera, loan))
                 if ok:
                     yield at(captured, as_frame(image, camera, loan, self.origin))
         finally:
             capture.release()
         raise ConnectionError("no picture came")
-
-    def captured(self, capture: Capture) -> int:
-        """Capture time of the grabbed picture, ns since 1970: the present if nothing better is known."""
-        return time.time_ns()

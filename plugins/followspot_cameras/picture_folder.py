@@ -73,6 +73,10 @@ class PictureFolder(Stage):
         """Number of pictures."""
         return len(self.chosen)
 
+    def capture_time(self, number: int) -> int:
+        """When the picture was taken, ns."""
+        return self.times[self.params.start_frame + number]
+
     @property
     def chosen(self) -> list[Path]:
         """The files between `start_frame` and the last frame."""

@@ -6,6 +6,7 @@ import ipaddress
 import time
 from collections.abc import Callable, Collection
 from functools import cached_property
+from threading import Lock
 from typing import Any, TypeVar
 
 import gi
@@ -14,11 +15,11 @@ import numpy as np
 gi.require_version("Aravis", "0.8")
 from gi.repository import Aravis, GLib  # noqa: E402  # the version is chosen before
 
+from followspot_cameras.camera_features import Feature  # noqa: E402
+from followspot_cameras.frame_numbers import SHORT  # noqa: E402
 from followspot_cameras.genicam.camera import CameraGone, CameraInfo, Picture  # noqa: E402
 from followspot_cameras.genicam.camera_clock import Reading  # noqa: E402
 from followspot_cameras.genicam.clock_features import clock_features  # noqa: E402
-from followspot_cameras.genicam.features import Feature  # noqa: E402
-from followspot_cameras.genicam.frame_numbers import SHORT  # noqa: E402
 from followspot_cameras.genicam.pixel_codes import format_name  # noqa: E402
 
 NAME = "aravis"
@@ -34,12 +35,15 @@ _KINDS = (
 )
 """An enumeration is an integer, too."""
 T = TypeVar("T")
+_list = Lock()
+"""Held while Aravis' list of cameras is read: a search by the source of another camera frees its texts."""
 
 
 def discover(interface: str, timeout: float) -> list[CameraInfo]:
     """Cameras in sight. Aravis asks at all interfaces and waits as long as it sees fit."""
-    Aravis.update_device_list()
-    return [_info(index) for index in range(Aravis.get_n_devices())]
+    with _list:
+        Aravis.update_device_list()
+        return [_info(index) for index in range(Aravis.get_n_devices())]
 
 
 def _info(index: int) -> CameraInfo:

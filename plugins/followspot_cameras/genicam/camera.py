@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
 from followspot.messages import Array
+from followspot_cameras.camera_features import Feature
 from followspot_cameras.genicam.camera_clock import Reading
-from followspot_cameras.genicam.features import Feature
 
 
 class CameraGone(ConnectionError):

@@ -37,6 +37,11 @@ class CaptureTimes:
         self._started = 0
         self._last = -(1 << 62)
 
+    @property
+    def exact(self) -> bool:
+        """Whether the last time is the camera's own, in this computer's clock."""
+        return self.by in ("camera", "shared")
+
     def update(self, now: int) -> None:
         """Read the camera's clock if it is time to, ns by the steady clock."""
         if self._read is None or now < self._due:

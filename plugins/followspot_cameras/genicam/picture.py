@@ -6,8 +6,8 @@ from followspot.errors import InputError, Mistake
 from followspot.room import Camera
 from followspot.tracking import Frame
 from followspot_cameras.genicam.camera import Picture
-from followspot_cameras.genicam.pixel_formats import UnknownFormat, as_bgr, as_gray, eight_bits
 from followspot_cameras.picture import Loan, check_size
+from followspot_cameras.pixel_formats import UnknownFormat, as_bgr, as_gray, eight_bits
 
 
 def as_frame(picture: Picture, camera: Camera, loan: Loan, origin: str) -> Frame:

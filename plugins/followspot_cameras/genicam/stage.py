@@ -7,18 +7,18 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager, closing, nullcontext
 from functools import partial
 from threading import Lock
-from typing import Any
 
 from followspot import Field, InputAddress, Source, StageParams, at
 from followspot.errors import InputError
 from followspot.tracking import Frame
-from followspot_cameras.genicam import features
-from followspot_cameras.genicam.backends import BackendName, backend, connected
+from followspot_cameras import camera_features as features
+from followspot_cameras.frame_numbers import FrameNumbers
+from followspot_cameras.genicam.backends import BackendName, connected
 from followspot_cameras.genicam.camera import CameraGone, Picture, VisionCamera
 from followspot_cameras.genicam.camera_clock import Reading
 from followspot_cameras.genicam.capture_times import CaptureTimes
-from followspot_cameras.genicam.frame_numbers import FrameNumbers
 from followspot_cameras.genicam.picture import as_frame
+from followspot_cameras.genicam.trigger_times import trigger_times
 from followspot_cameras.genicam.triggers import COMMAND, ActionCommands, firing, trigger_features
 from followspot_cameras.reconnection import LiveCamera
 
@@ -66,7 +66,7 @@ class Genicam(LiveCamera):
         """Whole pictures as they come. Raises InputError for features that the camera has not."""
         self._numbers = FrameNumbers()
         self._control = Lock()
-        """Held by who asks the camera: its triggers come from a thread of their own."""
+        """A thread holds it while it asks the camera: triggers come from a thread of their own."""
         yield from super().process()
 
     def session(self) -> Iterator[Frame]:
@@ -75,14 +75,12 @@ class Genicam(LiveCamera):
             yield from self._frames(camera)
 
     def _triggers(self, camera: VisionCamera) -> AbstractContextManager[None]:
-        """What this camera, or its room if it leads, needs to be triggered. Raises InputError."""
+        """What this camera, or its room if it leads, needs to be triggered."""
         sync = self.room.sync
         if sync is not None and sync.trigger == "software":
             return firing(partial(self._trigger, camera), sync.rate)
         if sync is not None and sync.trigger == "action" and sync.camera == self.camera.name:
-            found: Any = backend("viva-genicam")
-            send = None if found is None else found.send_action
-            return firing(ActionCommands(sync, send, self.params.interface, self.say), sync.rate)
+            return firing(ActionCommands(sync, self.params.interface, self.say), sync.rate)
         return nullcontext()
 
     def _trigger(self, camera: VisionCamera) -> None:
@@ -112,7 +110,10 @@ class Genicam(LiveCamera):
 
     def _frames(self, camera: VisionCamera) -> Iterator[Frame]:
         """Frames until the camera is gone, or the run ends."""
-        times = CaptureTimes(partial(self._read_clock, camera))
+        times, triggers = (
+            CaptureTimes(partial(self._read_clock, camera)),
+            trigger_times(self.room.sync, self.say),
+        )
         self._numbers.connected_again(camera.largest_identifier)
         self._overruns = 0
         times.update(time.monotonic_ns())
@@ -126,11 +127,13 @@ class Genicam(LiveCamera):
                 if time.monotonic() - heard > self.params.read_timeout:
                     raise CameraGone(f"no picture came for {self.params.read_timeout:g} s")
                 continue
-            heard = time.monotonic()
             if self._is_whole(picture, camera):
                 captured = times.capture_time(picture.camera_time, picture.arrival)
+                if triggers is not None:
+                    captured = triggers.capture_time(self._numbers.number, captured, exact=times.exact)
                 frame = as_frame(picture, self.camera, self.context.loan, self.origin)
                 yield at(captured, frame, seq=self._numbers.number)
+            heard = time.monotonic()  # not while the graph held this picture
 
     def _is_whole(self, picture: Picture, camera: VisionCamera) -> bool:
         """Whether a picture is new and has all its packets; what is lost goes to the ledger."""

@@ -8,20 +8,20 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from fractions import Fraction
 
-from followspot.errors import InputError
 from followspot.frame_times import SECOND, exact_rate
 from followspot.room import Sync
-from followspot_cameras.genicam.features import Value
+from followspot_cameras.camera_features import Value
+from followspot_cameras.genicam.action_command import Keys, send_action
+from followspot_cameras.genicam.broadcast import broadcast_address
 
 LINE, ACTION, SOFTWARE = "Line1", "Action1", "Software"
 """Sources of triggers, as SFNC names them."""
 COMMAND = "TriggerSoftware"
-ANSWER, NO_ANSWER = 200, 1
-"""Waits for acknowledgements of action commands, ms: of the first, which tells whether any camera acts, and
-of the others."""
-BROADCAST = "255.255.255.255"
-Send = Callable[[int, int, int, str, int], int]
-"""Sends an action command: three keys, the receiver, the wait in ms; returns how many cameras acknowledge."""
+ANSWER = 0.2
+"""Wait for acknowledgements of the first action command, s; they tell whether any camera acts."""
+NUMBERS = 65_535
+Send = Callable[[Keys, str, int, float], int]
+"""Sends an action command, as `send_action` does."""
 
 
 def trigger_features(sync: Sync | None, camera: str, names: Collection[str]) -> Mapping[str, Value]:
@@ -54,8 +54,8 @@ def next_moment(now: int, rate: float) -> int:
 def firing(fire: Callable[[], None], rate: float) -> Iterator[None]:
     """Calls `fire` at each moment of the rate, 1/s, from a thread, until the context ends.
 
-    A moment that is over when the thread gets to it is left out. That `fire` finds the camera gone ends the
-    calls; whoever takes its pictures finds out, too.
+    A moment that is over when the thread gets to it is left out. If `fire` finds the camera gone, the calls
+    end; the source, which takes its pictures, finds out by itself.
     """
     over = threading.Event()
 
@@ -78,21 +78,32 @@ def firing(fire: Callable[[], None], rate: float) -> Iterator[None]:
 
 
 class ActionCommands:
-    """Sends the action commands of a room; say: tells the user once that no camera acts on them."""
+    """Sends the action commands of a room.
 
-    def __init__(self, sync: Sync, send: Send | None, interface: str, say: Callable[[str], None]) -> None:
-        """Raises InputError if nothing that is installed sends action commands."""
-        if send is None:
-            text = "action commands are sent by viva-genicam, which is not installed"
-            raise InputError.of(text, "pip install 'followspot[genicam]', or trigger by software or a line")
-        self._sync, self._send, self._say = sync, send, say
-        self._receiver = interface if interface.startswith("127.") else BROADCAST
-        self._first = True
+    interface: own address in the cameras' network; say: tells the user once that no camera acts on them, or
+    why they cannot be sent.
+    """
+
+    def __init__(
+        self, sync: Sync, interface: str, say: Callable[[str], None], send: Send = send_action
+    ) -> None:
+        self._keys = sync.device_key, sync.group_key, sync.group_mask
+        self._send, self._say = send, say
+        self._receiver = broadcast_address(interface)
+        self._sent = 0
 
     def __call__(self) -> None:
         """Send one command."""
-        sync, wait = self._sync, ANSWER if self._first else NO_ANSWER
-        heard = self._send(sync.device_key, sync.group_key, sync.group_mask, self._receiver, wait)
-        if self._first and not heard:
-            self._say("no camera acknowledges its action commands; are the keys those of the cameras?")
-        self._first = False
+        first, number = not self._sent, self._sent % NUMBERS + 1
+        self._sent += 1
+        problem = "no camera acknowledges its action commands; are the keys those of the cameras?"
+        try:
+            heard = self._send(self._keys, self._receiver, number, ANSWER if first else 0.0)
+        except OSError as error:
+            heard = 0
+            problem = (
+                f"its action commands cannot be sent to {self._receiver} ({error}); "
+                "`interface` names this computer's address in the network of the cameras"
+            )
+        if first and not heard:
+            self._say(problem)

@@ -12,13 +12,15 @@ import numpy as np
 import viva_genicam
 from viva_genicam import GenApiError, GenicamError, TransportError
 
+from followspot_cameras.camera_features import Feature
+from followspot_cameras.frame_numbers import SHORT
 from followspot_cameras.genicam.camera import CameraGone, CameraInfo, Picture
 from followspot_cameras.genicam.camera_clock import Reading
 from followspot_cameras.genicam.clock_features import ClockFeatures, clock_features, frequency, nanoseconds
-from followspot_cameras.genicam.features import Feature
-from followspot_cameras.genicam.frame_numbers import SHORT
 
 NAME = "viva-genicam"
+UNREACHABLE = "register I/O failed"
+"""Begin of errors of a node map that the camera did not answer, or no longer obeys."""
 _KINDS = {"StringReg": "String", "IntConverter": "Integer", "Converter": "Float"}
 T = TypeVar("T")
 
@@ -84,22 +86,13 @@ def connect(info: CameraInfo, interface: str, packet_size: int) -> VivaCamera:
     return VivaCamera(camera, interface, packet_size)
 
 
-def send_action(device_key: int, group_key: int, group_mask: int, receiver: str, wait: int) -> int:
-    """Send an action command; how many cameras acknowledge it within `wait`, ms. Raises CameraGone."""
-    sent = _asked(
-        lambda: viva_genicam.send_action(
-            device_key, group_key, group_mask, destination=receiver, timeout_ms=wait
-        )
-    )
-    return int(sent.acks)
-
-
 def _asked(ask: Callable[[], T]) -> T:
     """An answer of the camera. Raises CameraGone, ValueError for what its node map refuses."""
     try:
         return ask()
     except GenApiError as error:
-        raise ValueError(str(error)) from None
+        refused = not str(error).startswith(UNREACHABLE)
+        raise (ValueError if refused else CameraGone)(str(error)) from None
     except GenicamError as error:
         raise CameraGone(str(error)) from None
 

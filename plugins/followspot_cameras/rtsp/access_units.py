@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from followspot_cameras.rtsp.rtp import RtpPacket
 from followspot_cameras.rtsp.session_description import START
@@ -12,12 +12,22 @@ MOST_BYTES = 32 << 20
 
 
 class AccessUnit(NamedTuple):
-    """One picture. damaged: packets of it are missing; arrival: of its first packet, ns."""
+    """One picture.
+
+    damaged: packets of it are missing, perhaps all that have data; arrival: of its first packet, ns;
+    after_lost: all packets of a picture before it are missing, or of several.
+    """
 
     data: bytes
     timestamp: int
     damaged: bool
     arrival: int
+    after_lost: bool = False
+
+    @property
+    def lost(self) -> int:
+        """Pictures that its missing packets cost."""
+        return self.damaged + self.after_lost
 
 
 class AccessUnits:
@@ -30,15 +40,24 @@ class AccessUnits:
         self._timestamp, self._arrival = 0, 0
         self._sequence: int | None = None
         self._damaged = False
+        self._loss: Literal["", "before", "between"] = ""
+        """Whether packets are missing right before its first: some of them may be its own. "between": the
+        picture before has all of its packets."""
 
     def add(self, packet: RtpPacket, arrival: int) -> AccessUnit | None:
         """Take a packet; the picture that it completes, or that it shows to be complete."""
         skipped = self._sequence is not None and packet.sequence != (self._sequence + 1) & 0xFFFF
         self._sequence = packet.sequence
-        before = self._taken() if self._units and packet.timestamp != self._timestamp else None
-        if (not self._units and self._fragment is None) or packet.timestamp != self._timestamp:
+        begun = bool(self._units) or self._fragment is not None
+        before = None
+        if begun and packet.timestamp != self._timestamp:
+            self._damaged |= skipped
+            before = self._taken()
+        if before is not None or not begun:
             self._timestamp, self._arrival = packet.timestamp, arrival
-        if skipped:
+            if skipped:
+                self._loss = "between" if before is None else "before"
+        elif skipped:
             self._damaged, self._fragment = True, None
         (self._add_h264 if self._codec == "h264" else self._add_hevc)(packet.payload)
         if sum(map(len, self._units)) + len(self._fragment or b"") > MOST_BYTES:
@@ -49,9 +68,17 @@ class AccessUnits:
 
     def _taken(self) -> AccessUnit:
         data = b"".join(START + unit for unit in self._units)
-        unit = AccessUnit(data, self._timestamp, self._damaged, self._arrival)
-        self._units, self._fragment, self._damaged = [], None, False
+        whole = self._fragment is None and not self._damaged and (not self._loss or self._has_first_slice())
+        unit = AccessUnit(data, self._timestamp, not whole, self._arrival, whole and self._loss == "between")
+        self._units, self._fragment, self._damaged, self._loss = [], None, False, ""
         return unit
+
+    def _has_first_slice(self) -> bool:
+        """Whether its first slice begins the picture: first_mb_in_slice, first_slice_segment_in_pic_flag."""
+        head, slices = (1, range(1, 6)) if self._codec == "h264" else (2, range(32))
+        kinds = (unit[0] & 0x1F if self._codec == "h264" else unit[0] >> 1 & 0x3F for unit in self._units)
+        first = next((u for u, kind in zip(self._units, kinds, strict=True) if kind in slices), b"")
+        return len(first) > head and bool(first[head] & 0x80)
 
     def _add_h264(self, payload: bytes) -> None:
         kind = payload[0] & 0x1F if payload else 0

@@ -21,7 +21,7 @@ class ConnectionLost(ConnectionError):
     """The server does not answer, refuses, or has ended the connection; the text says which."""
 
 
-class Interleaved(NamedTuple):
+class Packet(NamedTuple):
     """A packet of a channel. arrival: ns since 1970."""
 
     channel: int
@@ -30,9 +30,10 @@ class Interleaved(NamedTuple):
 
 
 class Response(NamedTuple):
-    """Of the server. headers: names in lower case."""
+    """Of the server. reason: why it refuses, in its words; headers: names in lower case."""
 
     status: int
+    reason: str
     headers: dict[str, str]
     body: str
 
@@ -40,6 +41,7 @@ class Response(NamedTuple):
 class RtspConnection:
     """Requests and packets on one connection. url: with user and password if the server wants them.
 
+    own_address: of this computer, as it faces the server; peer: the server's address.
     Every method raises ConnectionLost.
     """
 
@@ -49,15 +51,20 @@ class RtspConnection:
         self.url = urlunsplit(parts._replace(netloc=parts.netloc.rpartition("@")[2]))
         self._number, self._session, self._challenge = 0, "", ""
         self._received = b""
-        self._waiting: deque[Interleaved] = deque()
+        self._waiting: deque[Packet] = deque()
         try:
             host, port = parts.hostname or "", parts.port or PORTS[parts.scheme]
             self._socket = socket.create_connection((host, port), timeout=open_timeout)
+            self.own_address, self.peer = self._socket.getsockname()[0], self._socket.getpeername()[0]
             if parts.scheme == "rtsps":
                 self._socket = ssl.create_default_context().wrap_socket(self._socket, server_hostname=host)
         except (OSError, ValueError) as error:
             raise ConnectionLost(f"cannot be reached: {error}") from None
         self._socket.settimeout(read_timeout)
+
+    def fileno(self) -> int:
+        """Of the socket, to wait for it together with others."""
+        return self._socket.fileno()
 
     def request(self, method: str, url: str = "", **headers: str) -> Response:
         """The answer to a request; it is asked again with the user's name if the server wants that."""
@@ -68,7 +75,7 @@ class RtspConnection:
         if answer.status == 401:
             raise ConnectionLost("the server wants another user or password")
         if answer.status != 200:
-            raise ConnectionLost(f"the server answers {method} with {answer.status}")
+            raise ConnectionLost(f"the server answers {method} with {answer.status} {answer.reason}".rstrip())
         self._session = answer.headers.get("session", self._session).partition(";")[0]
         return answer
 
@@ -76,7 +83,7 @@ class RtspConnection:
         """Send a request whose answer is not waited for, to keep the session alive."""
         self._send(method, self.url, {})
 
-    def packet(self, timeout: float) -> Interleaved | None:
+    def packet(self, timeout: float) -> Packet | None:
         """The next packet; None if none comes in time, s."""
         if self._waiting:
             return self._waiting.popleft()
@@ -84,7 +91,7 @@ class RtspConnection:
         try:
             while True:
                 found = self._next()
-                if isinstance(found, Interleaved):
+                if isinstance(found, Packet):
                     return found
         except TimeoutError:
             return None
@@ -103,7 +110,7 @@ class RtspConnection:
         try:
             while True:
                 found = self._next()
-                if isinstance(found, Interleaved):
+                if isinstance(found, Packet):
                     self._waiting.append(found)
                 elif found.headers.get("cseq", "") == str(number):
                     return found
@@ -135,14 +142,14 @@ class RtspConnection:
         told = {"username": self._user, "realm": realm, "nonce": nonce, "uri": url, "response": answer}
         return "Digest " + ", ".join(f'{name}="{value}"' for name, value in told.items())
 
-    def _next(self) -> Interleaved | Response:
+    def _next(self) -> Packet | Response:
         """The next packet or response. Raises TimeoutError, and keeps what has come of it."""
         while True:
             self._need(4)
             if self._received[0] == 0x24:  # "$"
                 size = int.from_bytes(self._received[2:4], "big")
                 self._need(4 + size)
-                return Interleaved(self._received[1], self._take(4 + size)[4:], time.time_ns())
+                return Packet(self._received[1], self._take(4 + size)[4:], time.time_ns())
             if self._received.startswith(b"RTSP"):
                 return self._response()
             head = self._head()  # a request of the server: it needs no answer here
@@ -159,7 +166,7 @@ class RtspConnection:
             raise ConnectionLost("the server's answer cannot be read")
         self._need(len(head) + size)
         body = self._take(len(head) + size)[len(head) :]
-        return Response(int(words[1]), headers, body.decode("utf-8", "replace"))
+        return Response(int(words[1]), " ".join(words[2:]), headers, body.decode("utf-8", "replace"))
 
     def _head(self) -> bytes:
         while (end := self._received.find(b"\r\n\r\n")) < 0:

@@ -1,4 +1,7 @@
-"""A network camera: RTSP on loopback, H.264 over the same connection, a clock of its own that may be off."""
+"""A network camera: RTSP on loopback, H.264 by TCP or UDP, a clock of its own that may be off.
+
+By UDP, `fate` tells what happens to the packets of its pictures.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,8 @@ import socket
 import struct
 import threading
 import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 
@@ -40,9 +45,19 @@ def encoded(count: int = 10) -> list[list[bytes]]:
     return pictures
 
 
+Fate = Callable[[int, bytes], Sequence[bytes]]
+"""Packets that a network delivers when the n-th one is sent."""
+
+
+def delivered(number: int, packet: bytes) -> Sequence[bytes]:
+    return [packet]
+
+
 @dataclass
 class RtspCamera:
-    """shift: of its clock, s; drift: its rate less 1; latency: of its encoder, s; reports: s between them."""
+    """shift: of its clock, s; drift: its rate less 1; latency: of its encoder, s; reports: s between them;
+    fate: of the packets of pictures by UDP; takes_udp: whether it sends by UDP at all.
+    """
 
     shift: float = 0.0
     drift: float = 0.0
@@ -51,12 +66,19 @@ class RtspCamera:
     fps: float = 20.0
     port: int = 0
     password: str = ""
+    fate: Fate = delivered
+    takes_udp: bool = True
+    pictures: list[list[bytes]] = field(default_factory=encoded)
     captured: list[int] = field(default_factory=list)
     """True capture times of what was sent, ns."""
     requests: list[str] = field(default_factory=list)
 
     def __enter__(self) -> RtspCamera:
         self._ended = threading.Event()
+        self._there: int | None = None
+        self._sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._sender.bind(("127.0.0.1", 0))
+        self.sent = 0
         self._listening = socket.create_server(("127.0.0.1", self.port))
         self.port = self._listening.getsockname()[1]
         self._began = time.time()
@@ -70,6 +92,7 @@ class RtspCamera:
         self._listening.close()
         for thread in self._threads:
             thread.join(5)
+        self._sender.close()
 
     @property
     def url(self) -> str:
@@ -85,7 +108,8 @@ class RtspCamera:
                 client, _ = self._listening.accept()
             except OSError:
                 return
-            self._talk(client)
+            with suppress(ConnectionError):  # the client has left
+                self._talk(client)
 
     def _talk(self, client: socket.socket) -> None:
         client.settimeout(0.1)
@@ -120,15 +144,23 @@ class RtspCamera:
         if self.password and "Authorization" not in head:
             asked = 'WWW-Authenticate: Digest realm="camera", nonce="5ca1ab1e"\r\n\r\n'
             return f"RTSP/1.0 401 Unauthorized{start}{asked}".encode()
+        more = ""
+        ports = re.search(r"client_port=(\d+)-(\d+)", head)
+        if method == "SETUP" and ports is not None:
+            if not self.takes_udp:
+                return f"RTSP/1.0 461 Unsupported Transport{start}\r\n".encode()
+            self._there = int(ports[1])
+            own = self._sender.getsockname()[1]
+            more = f"Transport: RTP/AVP;unicast;client_port={ports[1]}-{ports[2]};server_port={own}-{own}\r\n"
         body = ""
         if method == "DESCRIBE":
             body = "v=0\r\nm=audio 0 RTP/AVP 0\r\na=rtpmap:0 PCMU/8000\r\nm=video 0 RTP/AVP 96\r\n"
             body += f"a=rtpmap:96 H264/{RATE}\r\na=control:track1\r\n"
-        head = f"RTSP/1.0 200 OK{start}Session: 7;timeout=60\r\nContent-Length: {len(body)}\r\n\r\n"
+        head = f"RTSP/1.0 200 OK{start}Session: 7;timeout=60\r\n{more}Content-Length: {len(body)}\r\n\r\n"
         return (head + body).encode()
 
     def _play(self, client: socket.socket) -> None:
-        pictures, sequence, reported = encoded(), 65_530, 0.0
+        pictures, sequence, reported = self.pictures, 65_530, 0.0
         origin = time.time()
         number = 0
         while not self._ended.wait(max(0.0, origin + number / self.fps - time.time())):
@@ -159,13 +191,24 @@ class RtspCamera:
             marker = 0x80 if n == len(payloads) - 1 else 0
             head = struct.pack(">BBHII", 0x80, marker | 96, sequence & 0xFFFF, stamp & 0xFFFFFFFF, 7)
             packet = head + payload
-            client.sendall(struct.pack(">BBH", 0x24, 0, len(packet)) + packet)
+            self._put(client, 0, packet)
             sequence += 1
         return sequence
+
+    def _put(self, client: socket.socket, channel: int, packet: bytes) -> None:
+        if self._there is None:
+            client.sendall(struct.pack(">BBH", 0x24, channel, len(packet)) + packet)
+            return
+        packets = [packet]
+        if channel == 0:
+            packets = list(self.fate(self.sent, packet))
+            self.sent += 1
+        for one in packets:
+            self._sender.sendto(one, ("127.0.0.1", self._there + channel))
 
     def _report(self, client: socket.socket, origin: float) -> None:
         now = self.clock(time.time())
         stamp = 4_294_900_000 + round((now - self.clock(origin)) * RATE)
         ntp = int((now + EPOCH) * 2**32)
         report = struct.pack(">BBHIQIII", 0x80, 200, 6, 7, ntp, stamp & 0xFFFFFFFF, 0, 0)
-        client.sendall(struct.pack(">BBH", 0x24, 1, len(report)) + report)
+        self._put(client, 1, report)

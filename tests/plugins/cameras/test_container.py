@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.plugins.cameras.recordings import record
 
-from followspot_cameras.container import EBML, SEGMENT, cut_off, declared_size
+from followspot_cameras.video.container import EBML, SEGMENT, cut_off, declared_size
 
 
 @pytest.mark.parametrize(("name", "codec"), [("a.mkv", "MJPG"), ("a.avi", "MJPG"), ("a.mp4", "mp4v")])

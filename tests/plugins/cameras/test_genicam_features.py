@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from followspot_cameras.genicam.features import Feature, Value, as_text, mistakes
+from followspot_cameras.camera_features import Feature, Value, as_text, mistakes
 
 FEATURES = {
     feature.name: feature

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from followspot_cameras.genicam.pixel_formats import UnknownFormat, as_bgr, as_gray, eight_bits, pixel_format
+from followspot_cameras.pixel_formats import UnknownFormat, as_bgr, as_gray, eight_bits, pixel_format
 
 SIZE = (6, 4)
 rng = np.random.default_rng(5)

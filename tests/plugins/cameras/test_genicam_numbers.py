@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from followspot_cameras.frame_numbers import SHORT, FrameNumbers
 from followspot_cameras.genicam.camera_clock import CameraClock, Reading
 from followspot_cameras.genicam.capture_times import CaptureTimes
-from followspot_cameras.genicam.frame_numbers import SHORT, FrameNumbers
 
 MS, S = 1_000_000, 1_000_000_000
 

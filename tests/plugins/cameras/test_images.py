@@ -25,6 +25,8 @@ def play(folder: Path, warnings: list[str] | None = None, **params: object) -> l
     images.setup()
     frames = list(images.process())
     assert images.length() >= len(frames)
+    if images.length() == len(frames):
+        assert [images.capture_time(k) for k in range(len(frames))] == [f.header.time for f in frames]
     return frames
 
 

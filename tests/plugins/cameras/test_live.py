@@ -14,9 +14,9 @@ from tests.plugins.cameras.recordings import context, numbers, picture, record
 
 from followspot import InputError
 from followspot_cameras import reconnection
-from followspot_cameras.device import Device, driver_time
 from followspot_cameras.live import Capture, CaptureCamera
 from followspot_cameras.stream import Stream, public_address
+from followspot_cameras.v4l2.stage import Device
 
 
 class Unplugged:
@@ -29,9 +29,6 @@ class Unplugged:
         raise AssertionError("a device that is not open is never grabbed")
 
     def retrieve(self, image=None, /):
-        raise AssertionError
-
-    def get(self, prop: int, /) -> float:
         raise AssertionError
 
     def release(self) -> None:
@@ -118,10 +115,6 @@ def test_close_from_another_thread_ends_the_wait_for_a_lost_camera(monkeypatch: 
     assert not thread.is_alive()
 
 
-def test_absent_device_is_not_opened() -> None:
-    assert not Device(context(), device="/dev/no-such-camera").connect().isOpened()
-
-
 @pytest.mark.parametrize("device", ["rtsp://a/b", "video.mkv", "file:///dev/video0", -1, 700])
 def test_what_cannot_be_a_device_is_refused(device: int | str) -> None:
     with pytest.raises(ValidationError):
@@ -140,39 +133,6 @@ def test_a_path_to_something_else_is_refused_before_and_in_a_run(
     with pytest.raises(InputError, match=f"{path} is {what}, no camera"):
         next(device.process())
     assert not list(Device.check_files(Device.Params(device="/dev/null"), device.room, None))
-
-
-def test_the_driver_says_when_a_picture_was_captured() -> None:
-    steady, now = 5_000_000_000_000, 1_700_000_000_000_000_000
-    assert driver_time(4_999_960.25, steady, now) == now - 39_750_000
-    for other in (0.0, 5_000_001.0, 1.7e12):  # no time, one to come, and one of another clock
-        assert driver_time(other, steady, now) == now
-
-
-class Stamped(Unplugged):
-    """A device whose driver stamps its pictures 25 ms before they come."""
-
-    def isOpened(self) -> bool:  # noqa: N802
-        return True
-
-    def grab(self) -> bool:
-        return True
-
-    def retrieve(self, image=None, /):
-        return True, picture(1)
-
-    def get(self, prop: int, /) -> float:
-        return time.monotonic_ns() / 1e6 - 25 if prop == cv2.CAP_PROP_POS_MSEC else 0.0
-
-
-def test_capture_time_of_a_device_is_that_of_its_driver(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Device, "connect", lambda self: Stamped())
-    device = Device(context())
-    frames = device.process()
-    before = time.time_ns()
-    frame = next(frames)
-    assert before - 25_100_000 <= frame.header.time <= time.time_ns() - 24_900_000
-    device.close()
 
 
 class Mjpeg(BaseHTTPRequestHandler):

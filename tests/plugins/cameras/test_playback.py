@@ -1,14 +1,14 @@
 """A recording as a live camera."""
 
 import threading
-from itertools import pairwise
+from itertools import islice, pairwise
 from pathlib import Path
 
 import pytest
 from tests.plugins.cameras.recordings import context, numbers, record
 
 from followspot.testing import check_stage
-from followspot_cameras.playback import Playback
+from followspot_cameras.video.playback import Playback
 
 
 class Waits(threading.Event):
@@ -41,6 +41,18 @@ def test_frames_are_those_of_the_recording_with_its_times(tmp_path: Path) -> Non
     frames = list(stage.process())
     assert [numbers(frame.pixels) for frame in frames] == [0, 1, 2, 3]
     assert [frame.header.time for frame in frames] == [n * 1_000_000_000 // 30 for n in range(4)]
+
+
+def test_a_loop_goes_on_with_times_and_numbers(tmp_path: Path) -> None:
+    stage, waits = playback(record(tmp_path / "a.mkv", frames=3), loop=True, start_frame=1)
+    frames = list(islice(stage.process(), 6))
+    assert [numbers(frame.pixels) for frame in frames] == [1, 2, 1, 2, 1, 2]
+    assert [frame.header.seq for frame in frames] == [1, 2, 3, 4, 5, 6]
+    steps = [later.header.time - sooner.header.time for sooner, later in pairwise(frames)]
+    assert all(abs(step - 1_000_000_000 / 30) < 2 for step in steps)
+    assert stage.length() is None
+    waits.set()
+    assert list(stage.process()) == [], "closed, it does not begin again"
 
 
 @pytest.mark.parametrize("speed", [1.0, 0.25])

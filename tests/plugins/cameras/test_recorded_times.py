@@ -12,8 +12,8 @@ from tests.plugins.cameras.recordings import SIZE, context, numbers, picture, re
 
 from followspot import InputError, Room
 from followspot_cameras.images import Images
-from followspot_cameras.video import Video
-from followspot_cameras.video_times import TimeStamps
+from followspot_cameras.video.stage import Video
+from followspot_cameras.video.times import TimeStamps
 
 TABLE = "sync_index,cam_id,frame_index,frame_time\n"
 ROWS = ["5,2,30,9.0", "5,3,40,10.000000001", "6,3,42,10.05", "7,3,43,10.2"]

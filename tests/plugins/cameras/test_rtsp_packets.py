@@ -82,6 +82,38 @@ def test_a_picture_whose_last_packet_is_missing_ends_with_the_next_time() -> Non
     assert (found.timestamp, found.arrival) == (10, 1)
 
 
+@pytest.mark.parametrize("begin", [b"\x7c\x85AB", b"\x41\x80slice"])
+def test_a_picture_whose_last_packet_is_lost_is_damaged_and_the_next_is_whole(begin: bytes) -> None:
+    units = AccessUnits("h264")
+    units.add(packet(1, 10, begin), 1)
+    lost = units.add(packet(3, 20, b"\x41\x80next"), 2)
+    whole = units.add(packet(4, 30, b"\x41\x80more"), 3)
+    assert lost is not None
+    assert (lost.timestamp, lost.damaged, lost.lost) == (10, True, 1)
+    assert whole is not None
+    assert (whole.timestamp, whole.damaged, whole.lost) == (20, False, 0)
+
+
+@pytest.mark.parametrize(
+    ("codec", "first", "later"),
+    [("h264", b"\x41\x80", b"\x41\x40"), ("hevc", b"\x02\x01\x80", b"\x02\x01\x40")],
+)
+def test_a_loss_between_pictures_is_one_picture_and_one_within_damages_it(
+    codec: str, first: bytes, later: bytes
+) -> None:
+    for begin, damaged in ((first, False), (later, True)):
+        units = AccessUnits(codec)
+        before = units.add(packet(1, 10, first + b"one", marker=True), 1)
+        found = units.add(packet(3, 30, begin + b"two", marker=True), 2)
+        after = units.add(packet(4, 40, first + b"three", marker=True), 3)
+        assert before is not None
+        assert before.lost == 0
+        assert found is not None
+        assert (found.damaged, found.lost) == (damaged, 1)
+        assert after is not None
+        assert (after.damaged, after.lost) == (False, 0)
+
+
 @pytest.mark.parametrize("drift", [-100e-6, 100e-6])
 def test_a_clock_that_is_off_and_drifts_gives_times_within_five_milliseconds(drift: float) -> None:
     clock, rng = SenderClock(90_000), np.random.default_rng(2)

@@ -14,7 +14,7 @@ from tests.plugins.cameras.recordings import SIZE, context, numbers, record
 import followspot as fs
 from followspot import InputError, Room, room_file
 from followspot.frame_times import capture_time, exact_rate
-from followspot_cameras.video import Video
+from followspot_cameras.video.stage import Video
 
 GLOWBALLS = Path(__file__).parents[3] / "../shared/data/glowballs-dev"
 needs_shared = pytest.mark.skipif(not GLOWBALLS.parents[1].exists(), reason="needs ../shared")
@@ -70,6 +70,14 @@ def test_start_frame_and_frames_choose_a_part_and_keep_the_numbers(tmp_path: Pat
 def test_given_frame_rate_overrides_that_of_the_file(tmp_path: Path) -> None:
     frames, _ = play(record(tmp_path / "a.mkv", frames=3), fps=50)
     assert [f.header.time for f in frames] == [0, 20_000_000, 40_000_000]
+
+
+@pytest.mark.parametrize("given", [{}, {"fps": 50.0}, {"start_frame": 2, "start_time": 3.0}])
+def test_capture_times_are_known_before_the_first_frame(given: dict[str, float], tmp_path: Path) -> None:
+    video = Video(context(), path=record(tmp_path / "a.mkv", frames=5), **given)
+    video.setup()
+    told = [video.capture_time(number) for number in range(video.length() or 0)]
+    assert told == [frame.header.time for frame in video.process()]
 
 
 def test_length_is_known_before_the_first_frame(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import cv2
 from followspot.errors import InputError, Mistake
 from followspot.files import require_regular
 from followspot.frame_times import exact_rate
-from followspot_cameras.container import cut_off
+from followspot_cameras.video.container import cut_off
 
 
 def open_video(path: Path) -> cv2.VideoCapture:

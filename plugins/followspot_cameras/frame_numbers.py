@@ -1,4 +1,4 @@
-"""Rising numbers of a camera's frames from block identifiers of GigE Vision, which begin again at 1."""
+"""Rising numbers of a camera's frames, from block identifiers of GigE Vision or sequence numbers of V4L2."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from followspot.errors import Mistake
 from followspot.geometry import project, ray
 from followspot.room import Member
 from followspot.tracking import Frame
-from followspot_cameras.video import Video
+from followspot_cameras.video.stage import Video
 
 Row = tuple[float, float, float]
 
@@ -62,6 +62,10 @@ class RectifiedVideo(Stage):
     def length(self) -> int | None:
         """Number of frames, if the file states it."""
         return self._video.length()
+
+    def capture_time(self, number: int) -> int | None:
+        """As the video says, ns."""
+        return self._video.capture_time(number)
 
     def process(self) -> Source[Frame]:
         """The video's frames, each with its time and number."""

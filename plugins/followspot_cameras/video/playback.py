@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from functools import cached_property
 from threading import Event
 from typing import ClassVar
 
-from followspot import Field, Source
+from followspot import Field, Source, at
 from followspot.tracking import Frame
-from followspot_cameras.video import Video
+from followspot_cameras.video.stage import Video
+
+_ONLY = 1_000_000_000
+"""Time of the only frame of a recording, ns."""
 
 
 class Playback(Video):
@@ -23,6 +27,7 @@ class Playback(Video):
 
     class Params(Video.Params):
         speed: float = Field(1.0, gt=0, le=1000, unit="1", description="speed over that of the recording")
+        loop: bool = Field(False, description="whether to play it again and again; times and numbers go on")
 
     params: Params
 
@@ -35,7 +40,7 @@ class Playback(Video):
         """Frames when they are due; overdue frames at once."""
         began, origin = 0.0, None
         try:
-            for frame in super().process():
+            for frame in self._rounds():
                 captured = frame.header.time
                 if origin is None:
                     began, origin = time.monotonic(), captured
@@ -45,6 +50,26 @@ class Playback(Video):
                 yield frame
         finally:
             self.capture.release()
+
+    def length(self) -> int | None:
+        """See `Video.length`; None for a recording that is played again and again."""
+        return None if self.params.loop else super().length()
+
+    def _rounds(self) -> Iterator[Frame]:
+        """The frames of the recording, with `loop` again and again: a frame's time after the last one."""
+        later = ahead = 0
+        while True:
+            first = last = None
+            played = 0
+            for frame in super().process():
+                first, last, played = first or frame.header, frame.header, played + 1
+                yield at(last.time + later, frame, seq=last.seq + ahead) if later else frame
+            if not self.params.loop or first is None or last is None or self.stopped.is_set():
+                return
+            span = last.time - first.time
+            later += span + (span // (played - 1) if played > 1 else _ONLY)
+            ahead += last.seq + 1 - first.seq
+            self.setup()
 
     def close(self) -> None:
         """End the waiting, also from another thread; the one that reads the file closes it."""

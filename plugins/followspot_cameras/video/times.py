@@ -14,9 +14,9 @@ from pydantic import model_validator
 from followspot import Field, InputPath
 from followspot.errors import InputError
 from followspot.frame_times import capture_time
-from followspot_cameras.container import is_matroska
 from followspot_cameras.recorded_times.params import TimesParams, read_times
-from followspot_cameras.video_file import announced_frames, frame_rate
+from followspot_cameras.video.container import is_matroska
+from followspot_cameras.video.file import announced_frames, frame_rate
 
 
 class VideoParams(TimesParams):

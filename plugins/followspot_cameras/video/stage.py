@@ -10,11 +10,11 @@ from followspot import Field, Source, Stage, at
 from followspot.errors import Mistake
 from followspot.room import Member, Room
 from followspot.tracking import Frame
-from followspot_cameras.container import cut_off
 from followspot_cameras.picture import as_frame, check_size, color_buffer
 from followspot_cameras.recorded_times.params import read_times
-from followspot_cameras.video_file import announced_frames, open_video
-from followspot_cameras.video_times import ListedTimes, VideoParams, times_of
+from followspot_cameras.video.container import cut_off
+from followspot_cameras.video.file import announced_frames, open_video
+from followspot_cameras.video.times import ListedTimes, TimeStamps, VideoParams, times_of
 
 
 class Video(Stage):
@@ -67,6 +67,11 @@ class Video(Stage):
         total = len(read_times(p.times, self.camera.name)) if p.times else announced_frames(p.path)
         total -= p.start_frame
         return min(total, p.frames or total) if total > 0 else None
+
+    def capture_time(self, number: int) -> int | None:
+        """That of the frame in the file, whether it is damaged or not; None if time stamps say it, ns."""
+        times = self.times
+        return None if isinstance(times, TimeStamps) else times.time_of(self.params.start_frame + number)
 
     def process(self) -> Source[Frame]:
         """Frames with their capture time and the number that they have in the file."""

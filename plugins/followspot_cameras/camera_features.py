@@ -1,4 +1,4 @@
-"""Features of a camera, checked against the node map that the camera itself gives (GenApi, SFNC)."""
+"""Features of a camera, checked against what the camera itself tells of them: GenApi, or controls of V4L2."""
 
 from __future__ import annotations
 
@@ -32,18 +32,19 @@ def mistakes(
     names: Collection[str],
     feature: Callable[[str], Feature | None],
     origin: str,
+    noun: str = "feature",
 ) -> list[Mistake]:
     """What is wrong with the features that a user wants, each with a remedy.
 
     wanted: name -> value; names: of all features of the camera; feature: finds one by its name; origin: the
-    camera, for the texts.
+    camera, and noun: what its kind calls a feature, for the texts.
     """
     found: list[Mistake] = []
     for name, value in wanted.items():
         known = feature(name) if name in names else None
         if known is None:
             found.append(
-                Mistake(None, f'{origin} has no feature "{name}"', Guess(name, "its features", names))
+                Mistake(None, f'{origin} has no {noun} "{name}"', Guess(name, f"its {noun}s", names))
             )
         else:
             found += _wrong(known, value, origin)

@@ -1,0 +1,89 @@
+"""Pictures of V4L2 devices as grey or BGR."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from followspot.messages import Array
+from followspot.room import Camera
+from followspot.tracking import Frame
+from followspot_cameras.picture import Loan, as_frame, color_buffer
+from followspot_cameras.pixel_formats import as_bgr, as_gray, eight_bits, pixel_format
+
+UNPACKED = {
+    "YUYV": "YUV422_8",
+    "UYVY": "YUV422_8_UYVY",
+    "BGR3": "BGR8",
+    "RGB3": "RGB8",
+    "GREY": "Mono8",
+    "Y10 ": "Mono10",
+    "Y12 ": "Mono12",
+    "Y16 ": "Mono16",
+    "RGGB": "BayerRG8",
+    "GRBG": "BayerGR8",
+    "GBRG": "BayerGB8",
+    "BA81": "BayerBG8",
+}
+"""Pixel formats of V4L2, and what the Pixel Format Naming Convention calls them."""
+PLANAR = {
+    "NV12": cv2.COLOR_YUV2BGR_NV12,
+    "NV21": cv2.COLOR_YUV2BGR_NV21,
+    "YU12": cv2.COLOR_YUV2BGR_I420,
+    "YV12": cv2.COLOR_YUV2BGR_YV12,
+}
+"""Formats with a plane of grey and a quarter of it twice for the colours."""
+COMPRESSED = ("MJPG", "JPEG")
+READ = (*UNPACKED, *PLANAR, *COMPRESSED)
+"""Formats that can be read, those first that cost least."""
+
+
+class Damaged(ValueError):
+    """A picture that cannot be decoded, or has too few bytes."""
+
+
+def frame_of(data: Array, fourcc: str, line: int, camera: Camera, loan: Loan, origin: str) -> Frame:
+    """The picture as the camera's frame, converted into a loaned array.
+
+    data: (B,) uint8, of the camera's size; line: bytes from one line to the next, 0 if they are not told.
+    Raises Damaged; InputError for a compressed picture of another size.
+    """
+    if fourcc in UNPACKED:
+        return _converted(data, UNPACKED[fourcc], line, camera, loan)
+    if fourcc in PLANAR:
+        return as_frame(_planes(data, fourcc, line, camera, loan), camera, loan, origin)
+    decoded = cv2.imdecode(data, cv2.IMREAD_COLOR) if len(data) else None
+    if decoded is None:
+        raise Damaged("it cannot be decoded")
+    return as_frame(np.asarray(decoded), camera, loan, origin)
+
+
+def _converted(data: Array, name: str, line: int, camera: Camera, loan: Loan) -> Frame:
+    width, height = camera.size
+    known = pixel_format(name)
+    packed = _lines(data, line, width * known.channels * (2 if known.bits > 8 else 1), height)
+    try:
+        raw = eight_bits(packed, camera.size, name)
+    except ValueError as error:
+        raise Damaged(str(error)) from None
+    if camera.kind == "color":
+        return Frame(camera=camera.name, pixels=as_bgr(raw, name, loan((height, width, 3), "u1")))
+    return Frame(camera=camera.name, pixels=as_gray(raw, name, loan((height, width, 1), "u1")))
+
+
+def _planes(data: Array, fourcc: str, line: int, camera: Camera, loan: Loan) -> Array:
+    """The picture in colour, (H, W, 3). Raises Damaged."""
+    width, height = camera.size
+    if line > width:
+        raise Damaged(f"lines of {line} bytes for {width} px are not read in {fourcc}")
+    if len(data) < width * height * 3 // 2:
+        raise Damaged(f"the picture has {len(data)} of {width * height * 3 // 2} bytes")
+    planes = data[: width * height * 3 // 2].reshape(height * 3 // 2, width)
+    return np.asarray(cv2.cvtColor(planes, PLANAR[fourcc], dst=color_buffer(camera, loan)))
+
+
+def _lines(data: Array, line: int, used: int, height: int) -> Array:
+    """The bytes of the picture without those that fill up its lines. line, used: bytes of a line."""
+    if line <= used or len(data) < line * height:
+        return data
+    return data[: line * height].reshape(height, line)[:, :used].reshape(-1)

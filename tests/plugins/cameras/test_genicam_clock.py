@@ -1,0 +1,58 @@
+"""A camera that stamps by the clock that it tells, and one whose clock is this computer's (PTP)."""
+
+from __future__ import annotations
+
+import threading
+import time
+from itertools import islice
+
+import numpy as np
+import pytest
+from tests.plugins.cameras.genicam_port import own_port
+from tests.plugins.cameras.gev_camera import HEIGHT, WIDTH, GevCamera
+from tests.plugins.cameras.gvcp_camera import serving
+from tests.plugins.cameras.recordings import context
+
+from followspot_cameras.genicam.capture_times import CaptureTimes
+
+MS, S = 1_000_000, 1_000_000_000
+
+
+def test_pictures_have_the_times_at_which_the_camera_took_them() -> None:
+    """Its clock is 5000 s off and drifts; on a busy computer, readings without delay come sooner or later."""
+    pytest.importorskip("viva_genicam", reason="viva-genicam is not installed")
+    from followspot_cameras.genicam.stage import Genicam
+
+    camera = GevCamera(fps=60, shift=5000 * S, drift=50e-6)
+    taking = threading.Thread(target=camera.work)
+    where = {"camera": "127.0.0.1", "backend": "viva-genicam", "interface": "127.0.0.1"}
+    with own_port(), serving(camera):
+        taking.start()
+        source = Genicam(context("infrared", (WIDTH, HEIGHT)), **where)
+        found: list[int] = []
+        for frame in islice(source.process(), 1200):
+            found = [*found[-19:], frame.header.time]
+            taken = np.array([moment for _, moment in camera.captured])
+            off = np.abs(np.array(found)[:, None] - taken).min(axis=1)
+            if len(found) == 20 and off.max() < MS / 10:
+                break
+        source.close()
+        camera.end()
+        taking.join()
+    assert off.max() < MS / 10
+
+
+def test_stamps_of_this_computers_clock_are_taken_as_they_are() -> None:
+    times = CaptureTimes(lambda: None)
+    times.update(time.monotonic_ns())
+    stamp = time.time_ns() - 300 * MS
+    assert times.capture_time(stamp, time.monotonic_ns()) == stamp
+    assert times.by == "shared"
+
+
+def test_stamps_of_another_clock_are_not_taken_as_they_are() -> None:
+    times = CaptureTimes(lambda: None)
+    times.update(time.monotonic_ns())
+    stamp = time.time_ns() - 2 * S
+    assert times.capture_time(stamp, time.monotonic_ns()) > stamp + S
+    assert times.by == "delay"

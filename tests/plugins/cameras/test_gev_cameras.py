@@ -1,0 +1,172 @@
+"""Two GigE Vision cameras, each in a network namespace of its own, by clocks that are off and drift."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.integration.hosts import Hosts, namespaces_are_permitted
+from tests.plugins.cameras.attempts import one_of
+
+from followspot import Camera, Room
+from followspot.room import StageUse, Sync
+from followspot.room_file import save
+
+ROOT = Path(__file__).parents[3]
+HERE = Path(__file__).parent
+SYSTEM = Path("/usr/lib/python3/dist-packages")
+NAMES = ("desk", "left", "right")
+NEEDS = {
+    "viva-genicam": "import viva_genicam",
+    "aravis": "import gi; gi.require_version('Aravis', '0.8'); from gi.repository import Aravis",
+}
+WHOLE = [[60, place] for place in range(5)]
+"""All packets of a picture."""
+LEFT = {"shift": 5e12, "drift": 50e-6, "drop": [[20, 1], [40, 2], *WHOLE]}
+RIGHT = {"shift": 0.25e9, "drift": -50e-6, "drop": [[30, 3]]}
+RATE = 20
+PERIOD = 10**9 // RATE
+
+pytestmark = [
+    pytest.mark.thorough,
+    pytest.mark.skipif(not namespaces_are_permitted(), reason="this user may not make network namespaces"),
+]
+
+
+@pytest.fixture
+def environment(tmp_path: Path) -> dict[str, str]:
+    """One in which Python sees the tests and the system's `gi`."""
+    if (SYSTEM / "gi").is_dir():
+        (tmp_path / "gi").symlink_to(SYSTEM / "gi")
+    return {**os.environ, "PYTHONPATH": f"{tmp_path}:{ROOT}"}
+
+
+@pytest.fixture
+def hosts(tmp_path: Path) -> Iterator[Hosts]:
+    with Hosts(tmp_path, NAMES) as made:
+        yield made
+
+
+def start(hosts: Hosts, host: str, script: str, *words: str, env: dict[str, str]) -> subprocess.Popen[str]:
+    command = ["ip", "netns", "exec", hosts.space(host), sys.executable, str(HERE / script), *words]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    process = subprocess.Popen(command, text=True, env=env, **pipes)
+    hosts.processes.append(process)
+    return process
+
+
+def running_cameras(
+    hosts: Hosts, environment: dict[str, str], cameras: dict[str, Any]
+) -> dict[str, subprocess.Popen[str]]:
+    running = {}
+    for name, options in cameras.items():
+        address = hosts.address(name)
+        running[name] = start(hosts, name, "gev_camera.py", address, json.dumps(options), env=environment)
+        assert running[name].stdout.readline() == "running\n", running[name].stderr.read()
+    return running
+
+
+def trial(hosts: Hosts, environment: dict[str, str], cameras: dict[str, Any], **asked: Any) -> dict[str, Any]:
+    """What the client tells of each camera, and what the camera does."""
+    running = running_cameras(hosts, environment, cameras)
+    where = {name: hosts.address(name) for name in cameras}
+    told = json.dumps({"cameras": where, "interface": hosts.address("desk"), **asked})
+    client = start(hosts, "desk", "gev_client.py", told, env=environment)
+    out, errors = client.communicate(timeout=120)
+    assert client.returncode == 0, errors
+    found = json.loads(out)
+    for name, camera in running.items():
+        found[name] |= json.loads(camera.communicate(timeout=60)[0])
+    return found
+
+
+def errors(found: dict[str, Any]) -> np.ndarray:
+    """Capture times less when the camera took the pictures, ns: (N,); infinite if two are of one picture."""
+    taken = np.array([moment for _, moment in found["captured"]])
+    times = np.array([moment for _, moment in found["frames"]])
+    nearest = np.abs(times[:, None] - taken).argmin(axis=1)
+    return times - taken[nearest] if (np.diff(nearest) > 0).all() else np.full(len(times), np.inf)
+
+
+@pytest.mark.parametrize("backend", list(NEEDS))
+def test_capture_times_are_within_a_tenth_of_a_millisecond_and_losses_are_told_to_the_number(
+    hosts: Hosts, environment: dict[str, str], backend: str
+) -> None:
+    if subprocess.run(
+        [sys.executable, "-c", NEEDS[backend]], env=environment, capture_output=True
+    ).returncode:
+        pytest.skip(f"{backend} is not installed")
+
+    def attempt() -> bool:
+        found = trial(
+            hosts, environment, {"left": LEFT, "right": RIGHT}, backend=backend, count=360, sync=None
+        )
+        worst = {name: np.abs(errors(one)[-120:]).max() / 1e6 for name, one in found.items()}
+        lost = {name: one["lost"] for name, one in found.items()}
+        assert [number for number, _ in found["left"]["frames"]][-1] >= 362
+        return max(worst.values()) < 0.1 and lost == {
+            "left": {"packet_loss": 2, "gap": 1},
+            "right": {"packet_loss": 1},
+        }
+
+    assert one_of(4, attempt)
+
+
+@pytest.mark.parametrize("trigger", ["software", "action"])
+def test_both_cameras_take_a_picture_at_each_trigger_and_give_it_the_same_time(
+    hosts: Hosts, environment: dict[str, str], trigger: str
+) -> None:
+    pytest.importorskip("viva_genicam", reason="viva-genicam is not installed")
+    sync = {"trigger": trigger, "rate": RATE, "camera": "left" if trigger == "action" else ""}
+
+    def attempt() -> bool:
+        cameras = {"left": {"shift": 5e12}, "right": {"shift": 0.25e9}}
+        found = trial(hosts, environment, cameras, backend="viva-genicam", count=80, sync=sync)
+        for one in found.values():
+            assert len(one["captured"]) <= one["heard"][trigger]
+        times = {name: {moment for _, moment in one["frames"]} for name, one in found.items()}
+        whole = all(moment % PERIOD == 0 for found in times.values() for moment in found)
+        both = len(times["left"] & times["right"])
+        early = [np.median(errors(one)) / 1e6 for one in found.values()]
+        return whole and both > 60 and all(-PERIOD / 2e6 < late <= 0 for late in early)
+
+    assert one_of(4, attempt)
+
+
+def room_of(hosts: Hosts, names: Sequence[str], sync: Sync) -> Path:
+    """A room file with these cameras, which the desk reaches."""
+    eye, matrix = np.eye(3), np.array([[50.0, 0, 31.5], [0, 50, 23.5], [0, 0, 1]])
+    cameras = {}
+    for name in names:
+        where = {"camera": hosts.address(name), "interface": hosts.address("desk")}
+        source = StageUse("cameras.genicam", {**where, "backend": "viva-genicam"})
+        cameras[name] = Camera(name, "infrared", (64, 48), matrix, np.zeros(5), eye, eye[0], source=source)
+    save(Room("two", cameras, sync=sync), hosts.folder / "room.yaml")
+    return hosts.folder / "room.yaml"
+
+
+def test_doctor_finds_that_triggered_cameras_are_in_step(hosts: Hosts, environment: dict[str, str]) -> None:
+    pytest.importorskip("viva_genicam", reason="viva-genicam is not installed")
+    running_cameras(hosts, environment, {"left": {"shift": 5e12}, "right": {"shift": 0.25e9}})
+    room = room_of(hosts, ("left", "right"), Sync("software", rate=RATE))
+
+    def attempt() -> bool:
+        doctor = hosts.start("desk", "doctor", "--room", room, "--cameras", "--json")
+        out, said = doctor.communicate(timeout=120)
+        told = [
+            one for one in json.loads(out)["findings"] if one["subject"] in ("right", "timing of cameras")
+        ]
+        picture, right, both = (one["text"] for one in told)
+        assert "64x48" in picture, said
+        rate = float(right.partition(" pictures/s")[0])
+        states = {one["state"] for one in told}
+        return abs(rate - RATE) < 1 and "than left" in right and "apart" in both and states == {"ok"}
+
+    assert one_of(4, attempt)
