@@ -3,15 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from followspot import Array, Field, Joined, Latest, Stage, StageParams
 from followspot.tracking import Blobs, Forecast, Positions
 from followspot_balls.alignment import delays
+from followspot_balls.course import Course
 from followspot_balls.outline import unit_outline
 from followspot_balls.search import lost_targets, tracked_targets
-from followspot_balls.single_view import Motions, Sight, images, misfit, resting, settled
+from followspot_balls.single_view import (
+    COURSE,
+    RISING,
+    Motions,
+    Sight,
+    images,
+    misfit,
+    resting,
+    settled,
+)
 
 
 class Bridge(Stage):
@@ -72,12 +83,16 @@ class Bridge(Stage):
         self.planes = np.array(list(self.room.planes.values())).reshape(-1, 4)
         self.radius = np.array([t.radius for t in self.room.targets.values()])
         self.outline = unit_outline(self.room)
+        self.course = Course.unknown(len(self.radius))
 
     def process(
         self, positions: Positions, blobs: Joined[Blobs], forecast: Latest[Forecast] = None
     ) -> Positions:
         wanting = tracked_targets(forecast, len(self.radius))
-        if forecast is None or not wanting.any():
+        if forecast is None or not len(forecast.xyz):
+            return positions
+        before, self.course = self.course, self.course.followed(forecast.xyz, wanting, forecast.period)
+        if not wanting.any():
             return positions
         stray = wanting[positions.target] & self.stray(positions, forecast)
         if stray.any():
@@ -88,11 +103,33 @@ class Bridge(Stage):
         target = np.flatnonzero(wanting)
         sight, found = self.nearest(target, blobs, forecast)
         target = target[found]
+        return with_predicted(positions, *self.placed(target, sight.where(found), forecast, before))
+
+    def placed(
+        self, target: Array, sight: Sight, forecast: Forecast, course: Course
+    ) -> tuple[Array, Array, Array]:
+        """Targets that single views place, their places (M, 3) m and covariances (M, 3, 3) m^2.
+
+        A ball that rolled along a plane, left its course and is far from it now may be anywhere on the ray:
+        it was picked up, or pushed. target: (M,); sight: M blobs; course: before this frame.
+        """
+        radius, reach, sigma = self.radius[target], self.params.resting_clearance, self.params.blob_sigma
         ball = Motions(forecast.xyz[target], forecast.velocity[target], forecast.covariance[target])
-        lying = resting(ball, self.radius[target], self.planes, self.params.resting_clearance)
-        return with_predicted(
-            positions, target, *settled(ball.place, sight.where(found), lying, self.params.blob_sigma)
-        )
+        steady = Motions(course.place[target], course.velocity[target], np.zeros((len(target), 3, 3)))
+        lying = resting(ball, radius, self.planes, reach)
+        normal, _ = resting(steady, radius, self.planes, reach)
+        landed = np.vecdot(steady.velocity, normal) >= -RISING
+        rolled = lying[0].any(axis=1) & normal.any(axis=1) & landed
+        xyz, covariance = settled(ball.place, sight, lying, sigma)
+        stray = np.linalg.norm(course.stray(xyz, target, forecast.period), axis=1)
+        near = ~rolled | (stray <= COURSE)
+        return target[near], xyz[near], covariance[near]
+
+    def state(self) -> Any:
+        return self.course._asdict()
+
+    def restore(self, state: Any) -> None:
+        self.course = Course(*(np.array(state[name]) for name in Course._fields))
 
     def stray(self, positions: Positions, forecast: Forecast) -> Array:
         """Positions of no supporting pair, or of a single weak one, far from the forecast: (M,) bool."""

@@ -1,4 +1,4 @@
-"""Pairs that show a tracked ball where it lies on a plane, and so are no projections on it."""
+"""Finds pairs that show a tracked ball on a plane; the homography test alone takes them for projections."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from followspot.room import Room
 from followspot.tracking import TRACKED, Forecast
 from followspot_balls.bundle.points import point_images
 from followspot_balls.outline import unit_outline
+from followspot_balls.single_view import nearest_planes
 
 
 class LyingTargets:
-    """The tracked targets of a room that lie on its planes: whose clearance is at most this, m."""
+    """The tracked targets of a room that lie on its planes. clearance: m, of a ball that lies on one."""
 
     def __init__(self, room: Room, clearance: float) -> None:
         self.clearance = clearance
@@ -24,9 +25,9 @@ class LyingTargets:
         self.outline = unit_outline(room)[:, None]
 
     def shown(self, ends: Array, cameras: Array, targets: Array, forecast: Forecast) -> Array:
-        """Which pairs lie in both images of a target that is tracked and lies on a plane: (M,) bool.
+        """Which pairs lie in both images of a tracked target that lies on a plane: (M,) bool.
 
-        ends: (M, 2, 2) px; cameras: (M, 2) numbers; targets: (M, T) bool, which each pair may be.
+        ends: (M, 2, 2) px, the two blobs; cameras: (M, 2) numbers; targets: (M, T) bool, which each may be.
         """
         lying = ((forecast.state == TRACKED) & self.touching(forecast.xyz)).nonzero()[0]
         if not len(lying):
@@ -41,5 +42,6 @@ class LyingTargets:
 
     def touching(self, place: Array) -> Array:
         """Whether balls there touch a plane: (T, 3) m -> (T,) bool."""
-        distance = np.abs(place @ self.planes[:, :3].T + self.planes[:, 3])
-        return np.asarray(np.abs(distance.min(axis=1, initial=np.inf) - self.radius) <= self.clearance)
+        if not len(self.planes):
+            return np.zeros(len(place), bool)
+        return np.asarray(np.abs(nearest_planes(place, self.radius, self.planes)[1]) <= self.clearance)

@@ -6,10 +6,10 @@ from typing import Literal
 
 import numpy as np
 
-from followspot import Array, Field, Latest, Stage
+from followspot import Array, Field, Latest
 from followspot.tracking import Candidates, Forecast, Positions
-from followspot_balls.blob_params import BlobParams
 from followspot_balls.evidence import appearing, recovery_credit
+from followspot_balls.fusion import Fusion
 from followspot_balls.kernels import epipolar_weight
 from followspot_balls.mode_covariance import ModeCovariance, rivals_covariance
 from followspot_balls.modes import Modes, Sample, densest, seek_modes, weighted_mean
@@ -19,7 +19,7 @@ FAINT = 1e-200
 """Smallest credit of a candidate, so that a distant one can be chosen if there is no other."""
 
 
-class MeanShift(Stage):
+class MeanShift(Fusion):
     """Seek the mode of each target's candidates, from the forecast or from the densest candidate."""
 
     advice = (
@@ -27,7 +27,7 @@ class MeanShift(Stage):
         "cameras where all are of one kind"
     )
 
-    class Params(BlobParams):
+    class Params(Fusion.Params):
         """Modes, and which candidates count."""
 
         initial_center: Literal["forecast", "densest", "mean"] = Field(
@@ -105,6 +105,7 @@ class MeanShift(Stage):
     params: Params
 
     def setup(self) -> None:
+        super().setup()
         self.covariance = ModeCovariance(self.room, self.params, self.params.depth_sigma)
 
     def process(self, candidates: Candidates, forecast: Latest[Forecast] = None) -> Positions:
@@ -121,7 +122,7 @@ class MeanShift(Stage):
         modes = self.modes(sample, center, recovery_credit(candidates), lost)
         used = modes.held > self.params.minimum_support_weight
         shown = np.where(used.any(axis=1, keepdims=True), used, modes.held > 0)
-        return Positions(
+        positions = Positions(
             target=target.astype(np.int32),
             xyz=modes.center,
             covariance=self.covariances(candidates, target, modes, weights),
@@ -131,6 +132,7 @@ class MeanShift(Stage):
             iterations=modes.steps.astype(np.int32),
             predicted=np.zeros(len(target), bool),
         )
+        return self.believed(positions, candidates, forecast)
 
     def covariances(self, candidates: Candidates, target: Array, modes: Modes, weights: Array) -> Array:
         """(M, 3, 3) m^2, from the blobs of the candidates in the modes and from the candidates outside."""

@@ -13,6 +13,8 @@ OPEN = 1.0
 itself."""
 PLANE = 0.01
 """One sigma of the height of a ball that lies on a plane, m."""
+COURSE = 0.08
+"""Distance from its course beyond which a ball that rolled on a plane may be anywhere on the ray, m."""
 RISING = 0.15
 """Speed away from a plane beyond which a ball does not lie on it, m/s: 99 % of the estimates of balls at rest
 are smaller, at 20 to 60 frames a second."""
@@ -65,6 +67,17 @@ class Motions(NamedTuple):
     """(M, 3, 3) m^2, of the place."""
 
 
+def nearest_planes(place: Array, radius: Array, planes: Array) -> tuple[Array, Array]:
+    """The planes nearest to balls: normals (M, 3) towards the balls, and clearances (M,) m.
+
+    place: (M, 3) m; radius: (M,) m; planes: (K, 4), at least one.
+    """
+    distance = place @ planes[:, :3].T + planes[:, 3]
+    nearest = np.abs(distance).argmin(axis=1)
+    above = distance[np.arange(len(distance)), nearest]
+    return planes[nearest, :3] * np.sign(above)[:, None], np.abs(above) - radius
+
+
 def resting(ball: Motions, radius: Array, planes: Array, reach: float) -> tuple[Array, Array]:
     """The nearest planes of balls that lie on one: normals (M, 3), zero for others, and clearances (M,) m.
 
@@ -74,11 +87,7 @@ def resting(ball: Motions, radius: Array, planes: Array, reach: float) -> tuple[
     """
     if not len(planes):
         return np.zeros(ball.place.shape), np.zeros(len(ball.place))
-    distance = ball.place @ planes[:, :3].T + planes[:, 3]
-    nearest = np.abs(distance).argmin(axis=1)
-    above = distance[np.arange(len(distance)), nearest]
-    clearance = np.abs(above) - radius
-    normal = planes[nearest, :3] * np.sign(above)[:, None]
+    normal, clearance = nearest_planes(ball.place, radius, planes)
     variance = np.vecdot(normal, (ball.covariance @ normal[..., None])[..., 0])
     lying = (np.abs(clearance) <= reach) & (variance <= (2 * reach) ** 2)
     lying &= np.vecdot(ball.velocity, normal) <= RISING

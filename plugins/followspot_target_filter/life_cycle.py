@@ -98,7 +98,7 @@ def confirmed(
     shown = np.where(agreeing, evidence.frames, positions.evident)
     row = np.where(possible, np.where(again, life.streak[target], 0) + shown, 0)
     doubted = (status == LOST) & vague(positions, evidence)
-    strong = possible & (row >= evidence.frames * (1 + doubted))
+    strong = possible & (shown > 0) & (row >= evidence.frames * (1 + doubted))
     place = life.place.copy()
     streak[target], place[target] = row, xyz
     return LifeCycle(life.status, life.missed, life.hits, streak, place), known | strong

@@ -18,8 +18,8 @@ from followspot.stage import Context
 from followspot.tracking import Candidates, Forecast, Positions
 from followspot_balls.bundle.glow import glow_sigma, nearest_planes
 from followspot_balls.bundle.sightings import sightings
-from followspot_balls.bundle.stage import Bundle
 from followspot_balls.bundle.trust import variance
+from followspot_balls.bundle_fusion import Bundle
 
 ROOM = make_room()
 P = np.array([c.projection for c in ROOM.cameras.values()])

@@ -195,7 +195,9 @@ def test_they_keep_the_promises_of_stages(learning_frames: int) -> None:
     check_stage(Gather, room=room, messages=200)
 
 
-@pytest.mark.parametrize(("cameras", "coverage"), [(2, 0.9), (1, 0.6)])
+@pytest.mark.parametrize(
+    ("cameras", "coverage"), [(2, 0.9), pytest.param(1, 0.6, marks=pytest.mark.thorough)]
+)
 def test_depth_cameras_track_the_balls_of_the_simulated_room(
     tmp_path: Path, cameras: int, coverage: float
 ) -> None:

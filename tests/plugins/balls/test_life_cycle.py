@@ -116,6 +116,13 @@ def test_vague_position_shows_a_lost_target_by_twice_the_frames(
     assert shown == [0] * (frames - 1) + [1] * (7 - frames)
 
 
+def test_a_frame_without_evidence_confirms_nothing_that_a_vague_one_began() -> None:
+    stage = kalman()
+    watch(stage, 1, support=5, sigma=0.5, evident=False)
+    assert not any(len(o.tracks.target) for o in watch(stage, 5, first=1, support=1, evident=False))
+    assert len(watch(stage, 1, first=6, support=1)[0].tracks.target) == 1
+
+
 def test_there_is_never_a_position_for_a_missing_or_lost_target() -> None:
     stage = kalman()
     watch(stage, 40)

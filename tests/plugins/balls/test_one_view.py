@@ -80,6 +80,45 @@ def test_a_ball_on_the_floor_is_reported_as_long_as_a_target_may_be_missed(speed
     assert sigmas.max() < 0.03
 
 
+@pytest.mark.parametrize("fps", [20.0, 30.0, 60.0])
+@pytest.mark.parametrize("way", [(0.1, -0.1, 1.0), (0.4, 0.4, 0.8), (0.0, 0.0, 0.4)])
+def test_a_ball_that_is_picked_up_while_one_view_shows_it_falls_silent(
+    way: tuple[float, float, float], fps: float
+) -> None:
+    raised = np.clip((np.arange(60) - SEEN) / fps / 0.6, 0.0, 1.0)
+    errors, _ = reported(SPOT + (raised * raised * (3 - 2 * raised))[:, None] * way, fps)
+    assert len(errors) < 0.3 * fps
+    assert np.linalg.norm(errors, axis=1).max() < 0.2  # 0.7 to 1.2 if it still seems to roll
+
+
+@pytest.mark.parametrize("fps", [20.0, 30.0, 60.0])
+def test_a_ball_that_slows_as_it_rolls_is_reported_on(fps: float) -> None:
+    time = np.arange(60) / fps
+    way = np.outer(2.0 * (1 - np.exp(-time / 2.0)), [0.7, -0.7, 0.0])  # 1 m/s, and 0.5 m/s^2 less
+    errors, _ = reported(SPOT + way - way[SEEN], fps)
+    assert len(errors) >= 24
+    assert np.linalg.norm(errors, axis=1).max() < 0.05
+
+
+@pytest.mark.parametrize("fps", [30.0, 60.0])
+@pytest.mark.parametrize("lain", [2, 4, 6, 8])
+def test_a_ball_that_has_just_fallen_on_the_floor_is_reported_on(lain: int, fps: float) -> None:
+    before = np.maximum(SEEN - lain - np.arange(60), 0) / fps  # until it lies, s
+    errors, _ = reported(SPOT + np.outer(2.0 * before, [0.0, 0.0, 1.0]), fps)
+    assert len(errors) >= 24
+
+
+def test_one_view_goes_on_after_a_hot_swap_as_before() -> None:
+    stage, other = (Bridge(Context(room=ROOM)) for _ in range(2))
+    for bridge in (stage, other):
+        bridge.setup()
+    stage.course = stage.course.followed(np.ones((2, 3)), np.ones(2, bool), 0.1)
+    other.restore(stage.state())
+    assert {name: values.tolist() for name, values in other.state().items()} == {
+        name: values.tolist() for name, values in stage.state().items()
+    }
+
+
 def test_what_the_velocity_loses_its_covariance_gains() -> None:
     motion = initiated(Motion.zero(2), np.array([0, 1]), np.zeros((2, 3)), np.tile(np.eye(3), (2, 1, 1)), 0.5)
     motion.state[:, 3:] = [[2.0, -1.0, 0.5], [1.0, 1.0, 1.0]]

@@ -17,7 +17,7 @@ from followspot.room import Camera, Room, Target
 from followspot.stage import Context, Stage
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.bridge import Bridge
-from followspot_balls.bundle.stage import Bundle
+from followspot_balls.bundle_fusion import Bundle
 from followspot_balls.color_blobs import ColorBlobs
 from followspot_balls.ir_blobs import IrBlobs
 from followspot_balls.kalman import Kalman

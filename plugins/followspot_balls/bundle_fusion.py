@@ -6,9 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from followspot import Array, Field, Latest, Stage
+from followspot import Array, Field, Latest
 from followspot.tracking import Candidates, Forecast, Positions
-from followspot_balls.blob_params import BlobParams
 from followspot_balls.bundle.assignment import Claims, assigned, shares, squared_errors
 from followspot_balls.bundle.contradiction import contradicted
 from followspot_balls.bundle.glow import glow_sigma, nearest_planes
@@ -29,6 +28,7 @@ from followspot_balls.bundle.points import (
 from followspot_balls.bundle.sightings import sightings
 from followspot_balls.bundle.trust import Outlines, variance
 from followspot_balls.evidence import appearing, recovery_credit
+from followspot_balls.fusion import Fusion
 from followspot_balls.search import lost_targets
 
 USED = 0.4
@@ -55,10 +55,10 @@ class Fit(NamedTuple):
     """(M, C) blob of each target in each view."""
 
 
-class Bundle(Stage):
+class Bundle(Fusion):
     """Minimise the robust reprojection error of each target over all cameras, one blob in each."""
 
-    class Params(BlobParams):
+    class Params(Fusion.Params):
         """Starts, outliers, and the part of the forecast."""
 
         vote_scale: float = Field(
@@ -104,7 +104,6 @@ class Bundle(Stage):
             unit="m",
             description="sigma added to the forecast's; raising it trusts precise forecasts less",
         )
-
         contradiction_exponent: float = Field(
             10.0,
             gt=0,
@@ -116,6 +115,7 @@ class Bundle(Stage):
     params: Params
 
     def setup(self) -> None:
+        super().setup()
         cameras = list(self.room.cameras.values())
         self.P = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
         self.color = np.array([c.kind == "color" for c in cameras], bool)
@@ -149,7 +149,8 @@ class Bundle(Stage):
             iterations=np.full(len(target), STEPS, np.int32),
             predicted=np.zeros(len(target), bool),
         )
-        return positions if used.any(axis=1).all() else positions.where(positions.support > 0)
+        seen = positions if used.any(axis=1).all() else positions.where(positions.support > 0)
+        return self.believed(seen, candidates, forecast)
 
     def credit(self, candidates: Candidates, target: Array, lost: Array, forecast: Forecast | None) -> Array:
         """Factor of the candidates' votes, (M, N): from their distance to the forecast, or from their
@@ -165,7 +166,8 @@ class Bundle(Stage):
         """Agreement of all views with each candidate as the position of each target: (M, N).
 
         A view votes by a Cauchy density whose squared width, px^2, grows with the sigma of its blob, as the
-        cutoff of the fit does: a fragment says less where it is, and contradicts less that is near.
+        cutoff of the fit does: a fragment supports an exact candidate less than a whole blob does, and
+        contradicts a near one less.
         xyz: (N, 3) m; credit: (M, N) factors, 0 for candidates that are not in question.
         """
         row, candidate = np.nonzero(credit)

@@ -1,0 +1,73 @@
+"""How long no colour camera has shown a target: infrared cameras alone prolong its track for a bounded time.
+
+Colour cameras tell whose ball it is. What they go on not showing while infrared cameras show it is a
+reflector, or the ball of another target.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from followspot import Array, Field, Room, StageParams
+from followspot.tracking import Candidates, Forecast, Positions
+from followspot_balls.bundle.points import point_images
+
+NEAREST = 1e-3
+"""Smallest depth of a place that has an image, m."""
+
+
+class ColorlessParams(StageParams):
+    """How long infrared cameras alone may prolong a track."""
+
+    colorless_time: float = Field(
+        1.0,
+        ge=0,
+        unit="s",
+        description="time for which a target has positions that no colour camera confirms, though one has "
+        "the place in its picture; 0: for ever; raising it keeps targets longer, also wrong ones",
+    )
+
+
+class Colorless:
+    """Time since a colour camera showed each target of a room."""
+
+    def __init__(self, room: Room, params: ColorlessParams) -> None:
+        self.limit = params.colorless_time
+        color = [c for c in room.cameras.values() if c.kind == "color"]
+        depth = any(c.kind == "depth" for c in room.cameras.values())
+        self.applies = bool(color) and not depth and self.limit > 0
+        self.P = np.array([c.projection for c in color]).reshape(-1, 3, 4)
+        self.size = np.array([c.size for c in color], float).reshape(-1, 2)
+        self.radius2 = np.square([t.radius for t in room.targets.values()])
+        self.since = np.zeros(len(self.radius2))
+        """(T,) s."""
+
+    def bounded(self, positions: Positions, candidates: Candidates, forecast: Forecast | None) -> Positions:
+        """The positions without those of targets that no colour camera has shown for too long.
+
+        Depth cameras tell a ball without its colour: where there are any, all positions remain.
+        """
+        target = positions.target
+        if not self.applies or forecast is None or not len(target):
+            return positions
+        unseen = ~self.shown(positions, candidates)
+        if not unseen.any():
+            self.since[target] = 0.0
+            return positions
+        unseen[unseen] = self.in_picture(positions.xyz[unseen])
+        self.since[target] = np.where(unseen, self.since[target] + forecast.period, 0.0)
+        late = self.since[target] > self.limit
+        return positions.where(~late) if late.any() else positions
+
+    def shown(self, positions: Positions, candidates: Candidates) -> Array:
+        """Whether a candidate with the colour of its target lies in its ball: (M,) bool."""
+        labelled = candidates.labelled.nonzero()[0]
+        off = candidates.xyz[labelled][:, None] - positions.xyz
+        inside = np.vecdot(off, off) < self.radius2[positions.target]
+        return np.asarray((inside & candidates.targets[labelled][:, positions.target]).any(axis=0))
+
+    def in_picture(self, xyz: Array) -> Array:
+        """Whether places lie in the picture of a colour camera: (M, 3) m -> (M,) bool."""
+        seen = point_images(self.P, xyz)
+        inside = ((seen.xy >= 0) & (seen.xy < self.size)).all(axis=2)
+        return np.asarray((inside & (seen.depth > NEAREST)).any(axis=1))

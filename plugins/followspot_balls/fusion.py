@@ -1,0 +1,38 @@
+"""What the fusions of all views have in common: which of their positions they believe."""
+
+from __future__ import annotations
+
+from abc import ABC
+from typing import Any
+
+import numpy as np
+
+from followspot import Stage
+from followspot.tracking import Candidates, Forecast, Positions
+from followspot_balls.blob_params import BlobParams
+from followspot_balls.colorless import Colorless, ColorlessParams
+from followspot_balls.recovery import Recovery, RecoveryParams
+
+
+class Fusion(Stage, ABC):
+    """Base of fusions: lost targets are found where all views make them likely, and colourless tracks end."""
+
+    class Params(BlobParams, RecoveryParams, ColorlessParams):
+        """How exactly blobs tell places, and what the views must say of a target."""
+
+    params: Params
+
+    def setup(self) -> None:
+        self.recovery = Recovery(self.room, self.params)
+        self.colorless = Colorless(self.room, self.params)
+
+    def believed(self, positions: Positions, candidates: Candidates, forecast: Forecast | None) -> Positions:
+        """The positions that the views do not contradict."""
+        likely = self.recovery.judged(positions, candidates, forecast)
+        return self.colorless.bounded(likely, candidates, forecast)
+
+    def state(self) -> Any:
+        return {"since": self.colorless.since}
+
+    def restore(self, state: Any) -> None:
+        self.colorless.since = np.array(state["since"], float)

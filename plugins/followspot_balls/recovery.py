@@ -1,0 +1,113 @@
+"""Whether all views make it likely that a lost target turned up: a likelihood ratio for its place.
+
+Candidates that agree are no independent evidence: one blob of a colour camera that lies by chance on the
+ray to a reflector makes a candidate with each infrared camera. So the views are weighed, not their pairs,
+also those that see the place and show nothing there (Bar-Shalom, Daum & Huang 2009).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from followspot import Array, Field, Room, StageParams
+from followspot.tracking import Candidates, Forecast, Positions
+from followspot_balls.associate_params import AssociateParams
+from followspot_balls.hypotheses import Hypotheses
+from followspot_balls.likelihood import Model, ball_ratio, coincidences, information, precision
+from followspot_balls.search import lost_targets, tracked_targets
+from followspot_balls.view_evidence import ViewEvidence, Views
+
+ELSEWHERE = 1.0
+"""Sigma of the place of a target that is not where it seems to be, m: some place in the room."""
+OUTSTANDING = 3.0
+"""Lead over `sure_recovery_evidence` from which a place stands out, nats: a twentieth of the odds remains."""
+
+
+class RecoveryParams(StageParams):
+    """What all views must say of a place where a lost target turns up."""
+
+    least_recovery_evidence: float = Field(
+        -1.0,
+        unit="nats",
+        description="log-likelihood ratio of all views below which a lost target is not there; raising it "
+        "avoids false recoveries and delays those of partly hidden balls",
+    )
+    sure_recovery_evidence: float = Field(
+        2.0,
+        unit="nats",
+        description="that below which candidates that agree do not find it at once; evident ones, which are "
+        "large and no light, are weighed against reflectors; raising it avoids false recoveries",
+    )
+
+
+class Recovery:
+    """The views of a room, which weigh the places of lost targets by the parameters of `balls.associate`."""
+
+    def __init__(self, room: Room, params: RecoveryParams) -> None:
+        self.params = params
+        p = AssociateParams()
+        cameras = list(room.cameras.values())
+        self.reach = p.reach
+        self.color = np.array([c.kind == "color" for c in cameras], bool)
+        self.depth = any(c.kind == "depth" for c in cameras)
+        self.shown = np.full((len(room.targets), len(cameras)), p.detection)
+        self.evidence = ViewEvidence(
+            room,
+            Model(p.detection, p.clutter, p.neighbourhood, p.blob_sigma, p.relative_sigma, p.hidden_sigma),
+        )
+
+    def judged(self, positions: Positions, candidates: Candidates, forecast: Forecast | None) -> Positions:
+        """The positions without those of lost targets that the views contradict.
+
+        If they hardly confirm candidates that agree, one counts, or two if the position is evident, and it is
+        as vague as the place is unlikely: it needs several frames. Depth cameras measure more than these
+        views weigh: where there are any, all positions remain.
+        """
+        count = len(self.shown)
+        lost = lost_targets(forecast, count)[positions.target]
+        weighed = lost & positions.confirmed & (positions.evident | (positions.support > 1))
+        if self.depth or not weighed.any():
+            return positions
+        row = weighed.nonzero()[0]
+        ratio, reflector = np.full((2, len(weighed)), np.inf)
+        found = positions.xyz[row], positions.target[row]
+        ratio[row], reflector[row] = self.ratios(*found, candidates, forecast)
+        sure = np.where(positions.evident, reflector, ratio)
+        doubted = (sure < self.params.sure_recovery_evidence) & (positions.support > 1)
+        vague = doubted * ELSEWHERE**2 / (1 + np.exp(sure))
+        judged = replace(
+            positions,
+            support=np.where(doubted, 1 + positions.evident, positions.support).astype(np.int32),
+            covariance=positions.covariance + vague[:, None, None] * np.eye(3),
+        )
+        return judged.where(ratio >= self.params.least_recovery_evidence)
+
+    def ratios(self, xyz: Array, target: Array, candidates: Candidates, forecast: Forecast | None) -> Array:
+        """Log-likelihood ratios of balls at M places against whatever else, and against reflectors: (2, M).
+
+        Those that do not stand out are taken at the likeliest places nearby.
+        xyz: (M, 3) m; target: (M,).
+        """
+        tracked = tracked_targets(forecast, len(self.shown))
+        blobs = self.evidence.blobs(candidates, forecast, tracked)
+        count = len(xyz)
+        begun = Hypotheses(
+            xyz, target, np.full(count, -1), xyz, np.full(count, self.reach**2), np.zeros(count)
+        )
+        ratio = self.weighed(begun, self.evidence.views(begun, blobs, self.shown))
+        close = (ratio[0] < self.params.sure_recovery_evidence + OUTSTANDING).nonzero()[0]
+        if len(close):
+            near = Hypotheses(*(column[close] for column in begun))
+            ratio[:, close] = self.weighed(*self.evidence.likeliest(near, blobs, self.shown))
+        return ratio
+
+    def weighed(self, found: Hypotheses, views: Views) -> Array:
+        """The log-likelihood ratios of hypotheses from their views, as of :meth:`ratios`: (2, M)."""
+        known = information(views.jacobian, precision(views.likely, views.ratio))
+        chance = coincidences(known, self.color, 1 / found.variance)
+        ratio = ball_ratio(views.ratio, self.color, chance, 1.0)
+        if self.color.all() or not self.color.any():
+            return np.array([ratio, ratio])
+        return np.array([ratio, views.ratio[:, self.color].sum(axis=1) + chance[2]])

@@ -1,0 +1,118 @@
+"""What all views say of a place where a lost target turns up."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.plugins.balls.scene import blobs_of, forecast_at, look_at, make_room
+
+from followspot.messages import seal
+from followspot.room import Room
+from followspot.stage import Context
+from followspot.tracking import LOST, Blobs, Candidates, Forecast, Positions
+from followspot_balls.bundle_fusion import Bundle
+from followspot_balls.mean_shift import MeanShift
+from followspot_balls.recovery import Recovery, RecoveryParams
+from followspot_balls.triangulate import Triangulate
+from followspot_balls.verify_pairs import VerifyPairs
+from followspot_target_filter.life_cycle import Evidence, vague
+
+BALL, ELSEWHERE = (0.1, 0.2, 1.2), (-1.0, 0.0, 0.5)
+OFF = 2.0
+"""Distance of a chance blob from the image of the reflector, px: a quarter of the ball."""
+Fusion = type[MeanShift] | type[Bundle]
+FUSIONS = pytest.mark.parametrize("fusion", [MeanShift, Bundle])
+
+
+def room_of(kinds: str) -> Room:
+    """The small room with a camera for each letter, c or i, all around the middle."""
+    angles = 2 * np.pi * np.arange(len(kinds)) / len(kinds)
+    cameras = [
+        look_at(f"cam{k}", "color" if kind == "c" else "infrared", (3 * np.cos(a), 3 * np.sin(a), 3.0))
+        for k, (kind, a) in enumerate(zip(kinds, angles, strict=True))
+    ]
+    return replace(make_room(), cameras={c.name: c for c in cameras})
+
+
+def fused(
+    fusion: Fusion, room: Room, shown: str, state: Forecast | None = None, off: float = 0.0, **params: float
+) -> Positions:
+    """The position of the first target that these cameras show, by their numbers; infrared has no label.
+
+    off: px, by which its blobs in colour cameras are too low.
+    """
+    fuse = fusion(Context(room=room), **params)
+    fuse.setup()
+    return fuse.process(candidates_of(room, shown, state, off), state)
+
+
+def candidates_of(room: Room, shown: str, state: Forecast | None, off: float) -> Candidates:
+    verify, triangulate = VerifyPairs(Context(room=room)), Triangulate(Context(room=room))
+    verify.setup()
+    triangulate.setup()
+    blobs = tuple(blob(room, name, name[3:] in shown, off) for name in room.cameras)
+    return seal(triangulate.process(seal(verify.process(blobs)), state))
+
+
+def blob(room: Room, name: str, shown: bool, off: float) -> Blobs:
+    camera = room.cameras[name]
+    found = blobs_of(camera, [BALL] * shown, [[True, camera.kind == "infrared"]] * shown)
+    return seal(replace(found, xy=found.xy + np.array([0.0, off]))) if camera.kind == "color" else found
+
+
+@FUSIONS
+def test_a_ball_in_clear_view_keeps_its_support(fusion: Fusion) -> None:
+    assert fused(fusion, room_of("cicici"), "012345").support.tolist() == [15]
+
+
+@FUSIONS
+def test_one_colour_blob_on_the_ray_to_a_reflector_makes_many_pairs_and_no_sure_place(fusion: Fusion) -> None:
+    """Four infrared cameras see the reflector, one of five colour cameras has a blob there by chance."""
+    found = fused(fusion, room_of("cicicicic"), "01357", off=OFF)
+    assert found.support.tolist() == [2]
+    assert found.evident.all()
+    assert vague(found, Evidence(3, 3, 0.3, 0.0)).all(), "so it needs several frames"
+    sure = fused(fusion, room_of("cicicicic"), "01357", off=OFF, sure_recovery_evidence=-50.0)
+    assert sure.support[0] >= 6
+
+
+def test_an_unsure_place_that_is_not_evident_counts_as_one_candidate() -> None:
+    room = room_of("cicicicic")
+    found = fused(MeanShift, room, "01357", off=OFF, sure_recovery_evidence=-50.0)
+    found = seal(replace(found, evident=np.zeros(1, bool)))
+    judged = Recovery(room, RecoveryParams()).judged(found, candidates_of(room, "01357", None, OFF), None)
+    assert judged.support.tolist() == [1]
+
+
+@FUSIONS
+def test_a_pair_that_most_cameras_contradict_is_no_lost_target(fusion: Fusion) -> None:
+    assert not len(fused(fusion, room_of("cici" * 3), "01").target)
+    assert len(fused(fusion, room_of("cici" * 3), "01", least_recovery_evidence=-50.0).target)
+
+
+@FUSIONS
+def test_a_pair_that_few_cameras_contradict_may_be_one(fusion: Fusion) -> None:
+    found = fused(fusion, room_of("cici"), "01")
+    assert found.support.tolist() == [1]
+    assert found.evident.all()
+
+
+@FUSIONS
+def test_a_target_that_is_not_lost_needs_no_such_evidence(fusion: Fusion) -> None:
+    assert len(fused(fusion, room_of("cici" * 3), "01", forecast_at([BALL, ELSEWHERE])).target) == 1
+
+
+@FUSIONS
+def test_depth_cameras_measure_more_than_views_weigh(fusion: Fusion) -> None:
+    room = room_of("cici" * 3)
+    depth = replace(room.cameras["cam4"], kind="depth")
+    assert len(fused(fusion, replace(room, cameras={**room.cameras, "cam4": depth}), "01").target) == 1
+
+
+@FUSIONS
+def test_an_unlikely_place_is_told_of_lost_targets_alone(fusion: Fusion) -> None:
+    there = forecast_at([BALL, ELSEWHERE])
+    lost = seal(replace(there, state=np.full(2, LOST, np.uint8)))
+    assert not len(fused(fusion, room_of("cici" * 3), "01", lost).target)
