@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+from followspot import Array
 from followspot_persons.color.model import ColorModel
+from followspot_persons.existence import Stirring
+from followspot_persons.floor_contact import Contact
 from followspot_persons.stature import Stature
 from followspot_persons.track import Track, coasted
 
@@ -21,7 +24,8 @@ class Acquaintance:
     detector's last box, while the foreground may prolong `seen`; foreground: mean share of the
     upper body that differs from the background, None while there is no background; comparable: whether the
     person came after the background, or once differed from it, and so is no part of it; left: whether the
-    last picture shows the background where the person would be.
+    last picture shows the background where the person would be; contact: where the person stood at the last
+    update, None if the feet were not seen; stirring: against the background.
     """
 
     number: int
@@ -37,6 +41,36 @@ class Acquaintance:
     comparable: bool = False
     stature: Stature = field(default_factory=Stature)
     left: bool = False
+    contact: Contact | None = None
+    stirring: Stirring = Stirring()
+
+    @classmethod
+    def tentative(
+        cls,
+        particles: Array,
+        features: int,
+        score: float,
+        now: int,
+        *,
+        comparable: bool,
+        contact: Contact | None,
+    ) -> Acquaintance:
+        """A person after one box, at one of these places (N, 6); no colour of so many features is known."""
+        return cls(
+            number=0,
+            track=Track.initiated(particles),
+            colors=ColorModel.unseen(features),
+            initiated=now,
+            seen=now,
+            hits=1,
+            trust=score,
+            comparable=comparable,
+            contact=contact,
+        )
+
+    def contact_after(self, told: Contact | None, seconds: float) -> Contact | None:
+        """Where the person stands some seconds later: as told, or vaguely as before while feet are hidden."""
+        return told or (self.contact.later(seconds) if self.contact else None)
 
 
 def missed(

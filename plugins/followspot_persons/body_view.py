@@ -42,7 +42,8 @@ class BodyView:
     """P bodies in a picture.
 
     edge: (P, E, 2) and surface: (P, F, 2) px float32; normal: (P, E) rad, of the edges; visibility: (P, F);
-    box: (P, 4) px, x0 y0 x1 y1 of the upper body, not cut at the picture's edge nor wrapped.
+    box: (P, 4) px, x0 y0 x1 y1 of the upper body, not cut at the picture's edge nor wrapped. Places in the
+    picture are NaN if a body has no image; its edges then have the normals of an upright one.
     """
 
     edge: Array
@@ -64,11 +65,12 @@ def bearing(camera: Camera, pose: Array) -> Bearing:
 
 
 def view(camera: Camera, shape: ShapeModel, pose: Array) -> BodyView:
-    """Features of posed bodies in the picture; NaN if a body has no image. pose: (P, 6)."""
+    """Features of posed bodies in the picture. pose: (P, 6)."""
     stand = bearing(camera, pose)
     turned = turn(shape, stand.torso, stand.head, pose[:, TILT])
     axes = _axes(camera, shape, pose, stand)
-    normal = shape.outline.normal + np.arctan2(-axes.down[:, 0], axes.down[:, 1])[:, None]
+    lean = np.nan_to_num(np.arctan2(-axes.down[:, 0], axes.down[:, 1]))
+    normal = shape.outline.normal + lean[:, None]
     edge = _placed(turned.edge, axes)
     low = axes.top[:, 1] + (1 - shape.waist) * axes.down[:, 1]
     box = np.column_stack([edge[..., 0].min(axis=1), edge[..., 1].min(axis=1), edge[..., 0].max(axis=1), low])

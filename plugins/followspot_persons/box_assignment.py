@@ -99,6 +99,10 @@ class BoxAssignment:
         )
         return -float(np.log(color_likelihood(responses * inside, seen.visibility)[0]))
 
+    def on_others(self, boxes: Array, box: int, taken: list[int]) -> bool:
+        """Whether a box is on a body that has another one; boxes: (N, 4) px; taken: numbers of those."""
+        return bool(on_body(boxes[[box]], boxes[taken], self.around).any())
+
     def unclaimed(self, boxes: Boxes, pairs: list[tuple[int, int]], bodies: Array, least: Array) -> list[int]:
         """Boxes that initiate a person: of a sufficient score, and not on a person that is seen.
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from followspot_persons.floor_contact import Presence
 
 STILL, THERE = 0.2, 0.5
@@ -12,6 +14,31 @@ furniture more surely, but pictures in a row are hardly independent.
 """
 RECENT = 0.3
 """Weight of the newest picture in a person's share of foreground."""
+
+RIGID, PATIENCE = 0.005, 1.0
+"""Share of foreground about a person that furniture does not exceed, and for how long it must not, s: who
+stands still sways by some millimetres and breathes, which changes the outline.
+"""
+
+
+@dataclass(frozen=True)
+class Stirring:
+    """How much a person has stirred: since: ns, of the first comparison with the background, 0 for none;
+    most: largest share of foreground about the person.
+    """
+
+    since: int = 0
+    most: float = 0.0
+
+    def after(self, shown: Presence | None, now: int) -> Stirring:
+        """After one more picture of a time, ns."""
+        if shown is None:
+            return self
+        return Stirring(self.since or now, max(self.most, shown.about))
+
+    def furniture(self, now: int) -> bool:
+        """Whether nothing has stirred for so long that it is no person."""
+        return self.since > 0 and (now - self.since) * 1e-9 >= PATIENCE and self.most < RIGID
 
 
 def evidence_of(foreground: float | None, *, comparable: bool) -> float:

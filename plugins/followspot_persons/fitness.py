@@ -15,6 +15,7 @@ from followspot_persons.color.likelihood import color_likelihood, feature_respon
 from followspot_persons.color.pairs import difference_likelihood, pair_responses
 from followspot_persons.combination import gamma_operation
 from followspot_persons.edge_likelihood import edge_likelihood
+from followspot_persons.floor_contact import Contact
 from followspot_persons.hog.likelihood import box_likelihood, heading_log_likelihood
 from followspot_persons.hsi import hsi
 from followspot_persons.illumination import in_usual_light
@@ -32,6 +33,8 @@ class Weights:
     hog: float = 1.0
     gamma: float = 0.8
     """Share of the product in eq. 7."""
+    color_power: float = 1.0
+    """Power of F^C in a particle's weight, where alpha is no more than a constant factor of the product."""
     sharpness: float = 40.0
     """Power of eq. 7 in a particle's weight."""
     heading: float = 0.5
@@ -103,14 +106,20 @@ class Fitness:
     colors: tuple[Array, Array] | None = None
     """Mean and variance (F, 3) HSI of the surface features."""
     detection: Detection | None = None
+    contact: Contact | None = None
+    """Where the person stands, by the feet."""
     pairs: Array | None = None
     """(2, N) of the surface features, for the colour difference."""
 
     def __call__(self, pose: Array) -> Array:
         """Log-weights, up to a constant. pose: (P, 6). Returns (P,)."""
         seen = view(self.picture.camera, self.shape, pose)
-        value = self.weights.sharpness * np.log(np.maximum(self.agreement(seen), 1e-9))
+        agreement = self.agreement(seen, self.weights.color_power)
+        value = self.weights.sharpness * np.log(np.maximum(agreement, 1e-9))
         value += log_prior(pose, self.habits)
+        if self.contact is not None:
+            away = np.hypot(*(pose[:, :2] - self.picture.camera.center[:2]).T)
+            value -= 0.5 * ((away - self.contact.distance) / self.contact.sigma) ** 2
         if self.detection is not None:
             told = heading_log_likelihood(self.detection.torso, seen.bearing.torso)
             told += heading_log_likelihood(self.detection.head, seen.bearing.head)
@@ -121,12 +130,15 @@ class Fitness:
         """P(I | theta) of eq. 7. pose: (P, 6). Returns (P,), 0 to 1."""
         return self.agreement(view(self.picture.camera, self.shape, pose))
 
-    def agreement(self, seen: BodyView) -> Array:
-        """Eq. 7 of the given cues, for bodies in view."""
+    def agreement(self, seen: BodyView, color_power: float = 1.0) -> Array:
+        """Eq. 7 of the given cues, for bodies in view, (P,); color_power: of F^C."""
         w = self.weights
         cues = [(self.edge, w.edge)]
         if self.colors is not None:
-            cues += [(self.color, w.color), (self.difference, w.difference if self.pairs is not None else 0)]
+            cues += [
+                (lambda seen: np.asarray(self.color(seen) ** color_power), w.color),
+                (self.difference, w.difference if self.pairs is not None else 0),
+            ]
         if self.detection is not None:
             cues.append((self.box, w.hog))
         counting = [(cue, share) for cue, share in cues if share > 0]

@@ -12,10 +12,9 @@ import numpy as np
 
 from followspot import Array, Camera
 from followspot.geometry import project
-from followspot_persons.background import foreground
 from followspot_persons.body_view import HEIGHT
-from followspot_persons.panorama import full_turn
-from followspot_persons.standing import knows_floor, rise
+from followspot_persons.scene import Scene
+from followspot_persons.standing import WAIST, knows_floor, rise
 
 WIDTH = 0.3
 """Half the width of the searched strip, in heights of the upper body."""
@@ -25,83 +24,160 @@ GAP = 0.1
 """Longest gap between two rows of legs, in heights of the upper body: a belt, a bare ankle."""
 BEFORE_AXIS = 0.18
 """Distance of the nearer foot's edge from the axis of the body, towards the camera, m."""
+STRIDE_SIGMA = 0.15
+"""Sigma of a distance by the feet, m: the nearer foot of who walks is up to half a step before the axis."""
+WALK = 1.0
+"""Growth of the sigma of a distance with its age, m/s."""
 LARGEST_CHANGE = 0.25
-"""Difference of the distance from that by size, relative, beyond which the lowest row is not that of the
-feet: furniture hides the legs, or another person stands before them.
+"""Difference of the distance from that by size, relative, up to which both are of one body. Feet farther away
+are none: furniture hides the legs. Feet much nearer are those of a person whose head or chest alone was taken
+for the upper body.
 """
 BODY = 0.6
 """Share of the upper half of the strip's middle that is foreground where a person is."""
+BESIDE = 0.45
+"""Half the width of another person's columns, in heights of its upper body."""
+FREE = 0.5
+"""Share of the strip that nearer people must leave."""
+ROUNDS = 4
+"""Of looking for the feet, for a nearer person has a wider strip."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Where a person stands: horizontal distance from the camera, and its sigma, m."""
+
+    distance: float
+    sigma: float = STRIDE_SIGMA
+
+    def later(self, seconds: float) -> Contact:
+        """The same some seconds later, when the person may have walked."""
+        return Contact(self.distance, float(np.hypot(self.sigma, WALK * seconds)))
 
 
 @dataclass(frozen=True)
 class Presence:
-    """What the background tells of a person: share of the upper body that is foreground; height by the feet,
-    m, None if they are not seen on the floor.
+    """What the background tells of a person: share of foreground in the middle of the upper body, and of a
+    strip about it that holds its outline; height by the feet, m, and distance by the feet, both None if they
+    are not seen on the floor.
     """
 
     foreground: float
+    about: float
     height: float | None = None
+    contact: Contact | None = None
 
 
-def presence(
-    camera: Camera, pixels: Array, background: Array, light: float, pose: Array, box: Array
-) -> Presence | None:
-    """Compare a person with the background; None if the person has no image.
+@dataclass(frozen=True, eq=False)
+class _Axis:
+    """Pixels of the head's top, of the waist and of the point on the floor below, (2,) each."""
 
-    pixels, background: (H, W, 3) u1; light: of the picture; pose: (6,); box: (4,) px, the upper body of this
-    pose.
+    head: Array
+    waist: Array
+    foot: Array
+
+    @classmethod
+    def of(cls, camera: Camera, pose: Array) -> _Axis | None:
+        """The axis of a pose (6,); None if the camera does not see it upright."""
+        rows = np.array([pose[HEIGHT], WAIST * pose[HEIGHT], 0.0])
+        axis = cls(*project(camera, np.column_stack([np.tile(pose[:2], (3, 1)), rows])))
+        seen = np.isfinite([axis.head, axis.waist, axis.foot]).all()
+        return axis if seen and axis.head[1] < axis.waist[1] < axis.foot[1] else None
+
+    @property
+    def tall(self) -> float:
+        """Height of the upper body, px."""
+        return float(self.waist[1] - self.head[1])
+
+    def column(self, row: Array) -> Array:
+        """Columns at these rows, px."""
+        (x0, y0), (x1, y1) = self.head, self.foot
+        return np.asarray(x0 + (row - y0) * (x1 - x0) / (y1 - y0))
+
+
+def presence(scene: Scene | None, pose: Array, others: Array) -> Presence | None:
+    """Compare a person with the background; None if it is unknown, or if the person has no image.
+
+    pose: (6,); others: (K, 4) px, upper bodies of nearer people, whose columns say nothing of this person.
     """
-    tall = float(box[3] - box[1])
-    head, foot = project(camera, np.array([[*pose[:2], pose[HEIGHT]], [*pose[:2], 0.0]]))
-    if not (np.isfinite([*head, *foot]).all() and tall > 0 and foot[1] > head[1]):
+    axis = None if scene is None else _Axis.of(scene.camera, pose)
+    strip = None if scene is None or axis is None else _Strip.along(scene, axis, others)
+    if scene is None or strip is None:
         return None
-    rows, legs = strip(camera, pixels, background, light, (head, foot), WIDTH * tall)
-    chest = legs[rows < box[3]]
-    middle = chest[:, chest.shape[1] // 3 : -(chest.shape[1] // 3) or None]
-    if not middle.size:
-        return None
-    share = float(middle.mean())
-    if share < BODY or not knows_floor(camera):
-        return Presence(share)
-    low = int(rows[lowest(legs.mean(axis=1) >= SHARE, max(1, round(GAP * tall)))])
-    return Presence(share, height_on_floor(camera, pose, (head, foot), low))
+    share, about, eye = strip.body, strip.about, scene.camera.center
+    for _ in range(ROUNDS if knows_floor(scene.camera) else 0):
+        low = None if axis is None or strip is None else strip.lowest(axis.tall)
+        distance = None if axis is None or low is None else distance_on_floor(scene.camera, axis, low)
+        by_size = float(np.hypot(*(pose[:2] - eye[:2])))
+        if axis is None or distance is None or distance > (1 + LARGEST_CHANGE) * by_size:
+            break
+        height = float(eye[2] + rise(scene.camera, axis.head[:1], axis.head[1:])[0] * distance)
+        if distance >= (1 - LARGEST_CHANGE) * by_size:
+            return Presence(share, about, height, Contact(distance))
+        pose = moved(pose, eye, distance, height)
+        axis = _Axis.of(scene.camera, pose)
+        strip = None if axis is None else _Strip.along(scene, axis, others)
+    return Presence(share, about)
 
 
-def height_on_floor(camera: Camera, pose: Array, axis: tuple[Array, Array], low: int) -> float | None:
-    """Height of a person whose lowest row in the picture is `low`, m; None if it is not that of feet.
+def moved(pose: Array, eye: Array, distance: float, height: float) -> Array:
+    """A pose (6,) at another distance in the same direction, of another height, m."""
+    away = pose[:2] - eye[:2]
+    out = pose.copy()
+    out[:2] = eye[:2] + away * distance / np.hypot(*away)
+    out[HEIGHT] = height
+    return out
 
-    pose: (6,), about; axis: pixels of the head's top and of the point on the floor.
+
+def distance_on_floor(camera: Camera, axis: _Axis, low: int) -> float | None:
+    """Horizontal distance of a person whose lowest row in the picture is `low`, m; None if the picture ends
+    there, or if it shows no floor there.
     """
     if low >= camera.size[1] - 2:
         return None
-    head, foot = axis
-    column = foot[0] + (low - foot[1]) * (foot[0] - head[0]) / (foot[1] - head[1])
-    down, up = rise(camera, np.array([column, head[0]]), np.array([low + 0.5, head[1]]))
-    if down >= 0:
-        return None
-    distance = float(-camera.center[2] / down) + BEFORE_AXIS
-    by_size = float(np.hypot(*(pose[:2] - camera.center[:2])))
-    height = float(camera.center[2] + up * distance)
-    return height if abs(distance - by_size) <= LARGEST_CHANGE * by_size else None
+    down = float(rise(camera, axis.column(np.array([low])), np.array([low + 0.5]))[0])
+    return float(-camera.center[2] / down) + BEFORE_AXIS if down < 0 else None
 
 
-def strip(
-    camera: Camera, pixels: Array, background: Array, light: float, axis: tuple[Array, Array], half: float
-) -> tuple[Array, Array]:
-    """Foreground along the axis of a body from head to below the feet: rows (R,) and (R, columns) bool.
+@dataclass(frozen=True, eq=False)
+class _Strip:
+    """Foreground along the axis of a body from head to below the feet.
 
-    axis: pixels of the head's top and of the point on the floor; half: width to either side, px.
+    rows: (R,); changed, free: (R, C) bool, foreground, and what no nearer person hides; body, about: share of
+    foreground in the middle of the upper body, and in all columns of its rows.
     """
-    head, foot = axis
-    last = min(camera.size[1], int(foot[1] + 0.5 * (foot[1] - head[1])))
-    rows = np.arange(max(0, int(head[1])), max(last, 1))
-    middle = head[0] + (rows - head[1]) * (foot[0] - head[0]) / (foot[1] - head[1])
-    columns = np.rint(middle).astype(int)[:, None] + np.arange(-int(half), int(half) + 1)
-    width = camera.size[0]
-    inside = np.ones(columns.shape, bool) if full_turn(camera) else (columns >= 0) & (columns < width)
-    columns = columns % width if full_turn(camera) else np.clip(columns, 0, width - 1)
-    there = rows[:, None], columns
-    return rows, foreground(pixels[there], background[there], light) & inside
+
+    rows: Array
+    changed: Array
+    free: Array
+    body: float
+    about: float
+
+    @classmethod
+    def along(cls, scene: Scene, axis: _Axis, others: Array) -> _Strip | None:
+        """The strip about an axis; None if the upper body is not in the picture."""
+        last = min(scene.camera.size[1], int(axis.foot[1] + 0.5 * (axis.foot[1] - axis.head[1])))
+        rows = np.arange(max(0, int(axis.head[1])), max(last, 1))
+        half = int(WIDTH * axis.tall)
+        aside = np.arange(-half, half + 1)
+        columns = np.rint(axis.column(rows)).astype(int)[:, None] + aside
+        middle = np.abs(aside) <= half / 3
+        changed = scene.changed(rows[:, None], columns)
+        upper = changed[rows < axis.waist[1]]
+        free = scene.beside(columns, others, BESIDE)
+        if not upper.size:
+            return None
+        return cls(rows, changed, free, float(upper[:, middle].mean()), float(upper.mean()))
+
+    def lowest(self, tall: float) -> int | None:
+        """The lowest row of the person; None if nobody is there, or a nearer person hides too much.
+
+        tall: of the upper body, px.
+        """
+        if self.body < BODY or self.free.mean() < FREE:
+            return None
+        filled = (self.changed & self.free).sum(axis=1) >= SHARE * self.free.shape[1]
+        return int(self.rows[lowest(filled, max(1, round(GAP * tall)))])
 
 
 def lowest(filled: Array, gap: int) -> int:

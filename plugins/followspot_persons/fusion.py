@@ -36,7 +36,11 @@ class Fused:
 
 
 class Fusion(Stage):
-    """Fuse the poses of several cameras: positions by their uncertain directions, headings by a vote."""
+    """Fuse the poses of several cameras: positions by their uncertain directions, headings by a vote.
+
+    `room_poses` are poses that others found in the room, as `persons.associate` does: they count by what they
+    say of their uncertainty.
+    """
 
     class Params(StageParams):
         direction_sigma: float = Field(
@@ -82,8 +86,9 @@ class Fusion(Stage):
         self.numbers = 0
         self.time = -1
 
-    def process(self, poses: Joined[Poses]) -> Poses:
+    def process(self, poses: Joined[Poses] = (), room_poses: Joined[Poses] = ()) -> Poses:
         poses = tuple(p for p in poses if p.camera in self.room.cameras)  # already fused poses have no camera
+        poses += tuple(p for p in room_poses if not p.camera)
         if not poses:
             return Poses.empty()
         now = max(p.header.time for p in poses)

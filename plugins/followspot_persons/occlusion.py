@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -41,3 +41,23 @@ def silhouette(shape: ShapeModel, edge: Array, bottom: float) -> Array:
     left, crown, right = (edge[side == s][np.argsort(-shape.outline.up[side == s])] for s in (-1, 0, 1))
     feet = np.array([[left[-1, 0], bottom], [right[-1, 0], bottom]])
     return np.concatenate([feet[:1], left[::-1], crown, right, feet[1:]])
+
+
+@dataclass(frozen=True, eq=False)
+class Shades:
+    """A picture in which nearer people hide farther ones: for those with a number, and for tentative ones.
+
+    Who is tentative may be no person, and hides nobody with a number.
+    """
+
+    numbered: Picture
+    tentative: Picture
+
+    def of(self, number: int) -> Picture:
+        """The picture of a person; number: 0 for a tentative one."""
+        return self.numbered if number else self.tentative
+
+    def behind(self, number: int, shape: ShapeModel, pose: Array) -> Shades:
+        """With one more person of this shape and pose (6,)."""
+        numbered = covered(self.numbered, shape, pose) if number else self.numbered
+        return Shades(numbered, covered(self.tentative, shape, pose))

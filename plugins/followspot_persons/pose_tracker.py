@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,7 +16,9 @@ from followspot_persons.box_assignment import NANOSECOND
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.pairs import telling_pairs
 from followspot_persons.condensation import Search, scattered
-from followspot_persons.fitness import Detection, Fitness, Picture, Weights, pictured
+from followspot_persons.fitness import Detection, Fitness, Picture, pictured
+from followspot_persons.floor_contact import Contact
+from followspot_persons.followed_person import Followed
 from followspot_persons.girth import girths_of
 from followspot_persons.identity_change import changed
 from followspot_persons.illumination import Illumination
@@ -25,7 +27,7 @@ from followspot_persons.panorama import full_turn
 from followspot_persons.pose_tracker_params import PoseTrackerParams
 from followspot_persons.shape import read_shape, with_girth
 from followspot_persons.track import HIDDEN, Track, coasted, followed
-from followspot_persons.trail import SlowPose, Trail, carried_detection, carried_pose
+from followspot_persons.trail import SlowPose, carried_contact, carried_detection, carried_pose
 
 SPAWN_SIGMA = np.array([0.06, 0.06, 0.03, 0.3, 0.3, 0.1])
 """Sigma of particles about a pose of the slow instance: m, m, m, rad, rad, rad."""
@@ -35,22 +37,6 @@ STRAYING = np.array([0.5, 0.5, 0.0, 0.8, 0.8, 0.2])
 """Growth of this sigma with the age of the pose: m/s, m/s, m/s, rad/s, rad/s, rad/s."""
 NEAR = 0.6
 """Largest distance of a box from its person, in heights of the box."""
-
-
-@dataclass(frozen=True, eq=False)
-class Followed:
-    """A tracked person.
-
-    good, boxed: ns, times of the last picture that agreed, and of the last box of the detector; state: as in
-    `Poses`.
-    """
-
-    number: int
-    track: Track
-    good: int
-    boxed: int
-    state: int = TRACKED
-    trail: Trail = Trail()
 
 
 class PoseTracker(Stage):
@@ -68,9 +54,7 @@ class PoseTracker(Stage):
         self.bodies = girths_of(self.shape)
         self.around = self.camera.size[0] if full_turn(self.camera) else 0
         p = self.params
-        self.weights = Weights(
-            p.edge_weight, p.color_weight, p.difference_weight, p.hog_weight, p.gamma, p.likelihood_power
-        )
+        self.weights = p.weights
         self.pairs = telling_pairs(self.shape, read_relations(p.color_relations))
         self.search = Search(
             p.particles, p.random_share, p.ascent_share, p.search_rounds, p.local_search == "swarm"
@@ -102,7 +86,8 @@ class PoseTracker(Stage):
         for number in self.nearest_first(row):
             i = row[number]
             colors = (people.mean[i].astype(np.float32), people.variance[i].astype(np.float32))
-            picture = self.follow(number, picture, colors, told.get(number), seconds, now)
+            contact = carried_contact(people.contact[i], (now - int(people.seen[i])) * NANOSECOND)
+            picture = self.follow(number, picture, colors, told.get(number), contact, seconds, now)
         self.delete_missed(people, now)
         return self.poses(frame.camera)
 
@@ -190,6 +175,7 @@ class PoseTracker(Stage):
         picture: Picture,
         colors: tuple[Array, Array],
         detection: Detection | None,
+        contact: Contact | None,
         seconds: float,
         now: int,
     ) -> Picture:
@@ -197,7 +183,13 @@ class PoseTracker(Stage):
         known = self.people[number]
         known_colors = colors if self.params.use_colors else None
         fitness = Fitness(
-            picture, self.shape, self.weights, colors=known_colors, detection=detection, pairs=self.pairs
+            picture,
+            self.shape,
+            self.weights,
+            colors=known_colors,
+            detection=detection,
+            contact=contact,
+            pairs=self.pairs,
         )
         track = followed(known.track, seconds, fitness, self.bodies, self.search, self.rng)
         unboxed = (self.boxed - known.boxed) * NANOSECOND

@@ -6,6 +6,7 @@ from typing import Literal
 
 from followspot import Field, InputPath, StageParams
 from followspot_persons.color.difference import SHIPPED as SHIPPED_RELATIONS
+from followspot_persons.fitness import Weights
 from followspot_persons.shape import SHIPPED as SHIPPED_SHAPE
 
 
@@ -59,6 +60,14 @@ class PoseTrackerParams(StageParams):
     color_weight: float = Field(
         1.0, ge=0, le=100, unit="1", description="alpha of the colours in eq. 7; 0 leaves them out"
     )
+    color_power: float = Field(
+        1.0,
+        gt=0,
+        le=1,
+        unit="1",
+        description="power of the colours' likelihood in a particle's weight; lowering it trusts outlines "
+        "more for sizes, and turns poses more slowly",
+    )
     difference_weight: float = Field(
         0.0,
         ge=0,
@@ -109,3 +118,16 @@ class PoseTrackerParams(StageParams):
         unit="s",
         description="time until a person that the slow instance does not see is deleted",
     )
+
+    @property
+    def weights(self) -> Weights:
+        """Of the cues, for :class:`followspot_persons.fitness.Fitness`."""
+        return Weights(
+            edge=self.edge_weight,
+            color=self.color_weight,
+            difference=self.difference_weight,
+            hog=self.hog_weight,
+            gamma=self.gamma,
+            color_power=self.color_power,
+            sharpness=self.likelihood_power,
+        )

@@ -17,15 +17,17 @@ AGREE = np.radians(70)
 """Headings within this angle of the best one are averaged; others are outliers."""
 PRIOR_CONFIDENCE = 0.15
 """Confidence of the heading that the person had before, in the vote."""
+NETWORK_SIGMA = 0.03
+"""Error of places of the room that their sigma does not contain: a network's joints lie beside those, m."""
 MIN_SIGMA = np.array([0.01, 0.01, 0.01, 0.1, 0.1, 0.05])
 """Smallest sigma of a camera's pose: m, m, m, rad, rad, rad."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sightings:
-    """Rows of all cameras' poses. camera: (K,) number in the room; names: theirs, one a row; person: (K,)
-    number there; pose, sigma: (K, 6); information: (K, 2, 2) 1/m^2 of the place; covariance: its inverse;
-    confidence: (K,); eye: (K, 3) m, of the camera.
+    """Rows of all poses. camera: (K,) number in the room, -1 for poses of the room; names: theirs, one a row;
+    person: (K,) number there; pose, sigma: (K, 6); information: (K, 2, 2) 1/m^2 of the place; covariance: its
+    inverse; confidence: (K,); eye: (K, 3) m, of the camera, NaN for poses of the room.
     """
 
     camera: Array
@@ -44,22 +46,32 @@ def sightings_of(
 ) -> Sightings:
     """Poses side by side, each place as uncertain as a camera is: little across its view, much along it.
 
-    direction: one sigma, rad; distance: one sigma, of the distance.
+    Poses without a camera are of the room, as uncertain as they say. direction: one sigma, rad; distance: one
+    sigma, of the distance.
     """
-    order = list(cameras)
-    pose = np.concatenate([_states(p) for p in poses])
-    eye = np.concatenate([np.tile(cameras[p.camera].center, (len(p.person), 1)) for p in poses])
+    order = {name: number for number, name in enumerate(cameras)}
+    pose, sigma = np.concatenate([_states(p) for p in poses]), np.concatenate([p.sigma for p in poses])
+    center = {name: camera.center for name, camera in cameras.items()} | {"": np.full(3, np.nan)}
+    eye = np.concatenate([np.tile(center[p.camera], (len(p.person), 1)) for p in poses])
+    along = pose[:, :2] - eye[:, :2]
+    own = np.square(sigma[:, :2]) + NETWORK_SIGMA**2
+    of_room = np.isnan(eye[:, :1, None])
     return Sightings(
-        camera=np.concatenate([np.full(len(p.person), order.index(p.camera)) for p in poses]),
+        camera=np.concatenate([np.full(len(p.person), order.get(p.camera, -1)) for p in poses]),
         names=tuple(p.camera for p in poses for _ in p.person),
         person=np.concatenate([p.person for p in poses]),
         pose=pose,
-        sigma=np.concatenate([p.sigma for p in poses]),
-        information=information(pose[:, :2] - eye[:, :2], direction, distance),
-        covariance=information(pose[:, :2] - eye[:, :2], direction, distance, power=1),
+        sigma=sigma,
+        information=np.where(of_room, _diagonal(1 / own), information(along, direction, distance)),
+        covariance=np.where(of_room, _diagonal(own), information(along, direction, distance, power=1)),
         confidence=np.concatenate([p.confidence for p in poses]),
         eye=eye,
     )
+
+
+def _diagonal(values: Array) -> Array:
+    """Matrices (K, 2, 2) with these diagonals (K, 2)."""
+    return np.asarray(values[:, :, None] * np.eye(2))
 
 
 def _states(poses: Poses) -> Array:
@@ -113,11 +125,12 @@ def _sighted_height(eye: Array, pose: Array, place: Array) -> Array:
     """Heights at a place (2,) m of the lines of sight to the tops of heads, (K,) m.
 
     eye: (K, 3) m; pose: (K, 6). One camera determines the direction of the head's top, hardly its distance;
-    several determine the position, and with it the height.
+    several determine the position, and with it the height. Poses of the room, without an eye, keep theirs.
     """
     told = np.maximum(np.hypot(*(pose[:, :2] - eye[:, :2]).T), 0.1)
     true = np.hypot(*(place - eye[:, :2]).T)
-    return np.asarray(eye[:, 2] + (pose[:, HEIGHT] - eye[:, 2]) * true / told)
+    height = eye[:, 2] + (pose[:, HEIGHT] - eye[:, 2]) * true / told
+    return np.asarray(np.where(np.isnan(eye[:, 2]), pose[:, HEIGHT], height))
 
 
 def _heading(heading: Array, weight: Array, before: Array | None) -> tuple[float, Array]:

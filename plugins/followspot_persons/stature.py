@@ -7,11 +7,12 @@ the floor, the distance needs no size, and the line of sight to the head's top g
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from followspot import Array
+from followspot import Array, Camera
+from followspot_persons.standing import knows_floor, standing
 
 USUAL, SPREAD = 1.72, 0.09
 """Mean and sigma of adults' heights, m."""
@@ -21,8 +22,10 @@ CONTACT_SIGMA = 0.03
 """Sigma of a height by the feet that stays the same for a person: shoes, shadows, the way of walking, m."""
 SMALLEST_SIGMA = 0.015
 """Of a height, because steps and hats change it, m."""
-SIZES = 60.0
-"""Pictures that the height by size is a mean of."""
+LOWEST, HIGHEST = 1.3, 2.2
+"""Heights that a box can give, m; another is not of an upper body."""
+SIZES = 60
+"""Pictures that the height by size is the median of."""
 CONTACTS = 40
 """Pictures that the height by the feet is taken from."""
 LOW_QUANTILE = 0.3
@@ -33,25 +36,36 @@ FIRST_CONTACTS = 4
 
 @dataclass(frozen=True, eq=False)
 class Stature:
-    """What is known of a person's height: mean by size (m) of `sizes` pictures and its sigma (m); heights by
-    the feet (C,) m, newest last.
+    """What is known of a person's height: heights by the body's size (S,) m, their weights (S,), and the
+    sigma of their median, m; heights by the feet (C,) m; newest last.
     """
 
-    by_size: float = USUAL
-    sizes: float = 0.0
+    sizes: Array = field(default_factory=lambda: np.empty(0))
+    weights: Array = field(default_factory=lambda: np.empty(0))
     size_sigma: float = np.inf
     by_feet: Array = field(default_factory=lambda: np.empty(0))
 
-    def sized(self, height: float, eye: float) -> Stature:
-        """After a picture in which the body's size says this height, m; eye: height of the camera, m."""
-        count = min(self.sizes + 1, SIZES)
-        mean = self.by_size + (height - self.by_size) / count
-        sigma = size_sigma(mean, eye) * (1 + 1 / count) ** 0.5
-        return Stature(mean, count, sigma, self.by_feet)
+    @property
+    def by_size(self) -> float:
+        """Height by the body's size, m: the median, for some boxes are of heads alone."""
+        return weighted_median(self.sizes, self.weights) if len(self.sizes) else USUAL
 
-    def stood(self, height: float) -> Stature:
-        """After a picture in which the feet say this height, m."""
-        return Stature(self.by_size, self.sizes, self.size_sigma, np.append(self.by_feet, height)[-CONTACTS:])
+    def sized(self, height: float, eye: float, weight: float = 1.0) -> Stature:
+        """After a picture in which the body's size says this height, m; eye: height of the camera, m; weight:
+        how surely, 0 to 1.
+
+        The height must not depend on what was known before, or a first mistake would confirm itself.
+        """
+        sizes = np.append(self.sizes, height)[-SIZES:]
+        weights = np.append(self.weights, weight)[-SIZES:]
+        sigma = size_sigma(weighted_median(sizes, weights), eye) * (1 + 1 / weights.sum()) ** 0.5
+        return Stature(sizes, weights, sigma, self.by_feet)
+
+    def stood(self, height: float | None) -> Stature:
+        """After a picture in which the feet say this height, m; None if they are not seen."""
+        if height is None:
+            return self
+        return replace(self, by_feet=np.append(self.by_feet, height)[-CONTACTS:])
 
     @property
     def estimate(self) -> tuple[float, float]:
@@ -66,6 +80,14 @@ class Stature:
         return told, max(SMALLEST_SIGMA, total**-0.5)
 
 
+def weighted_median(values: Array, weights: Array) -> float:
+    """The value with half of the weight on either side, between two if they share the middle. (N,) each."""
+    order = np.argsort(values, kind="stable")
+    below = np.cumsum(weights[order])
+    middle = np.searchsorted(below, below[-1] * np.array([0.5 - 1e-9, 0.5 + 1e-9]))
+    return float(values[order[np.minimum(middle, len(order) - 1)]].mean())
+
+
 def size_sigma(height: float, eye: float) -> float:
     """Sigma of a height (m) that a body's size gives to a camera at the height `eye`, m.
 
@@ -75,3 +97,12 @@ def size_sigma(height: float, eye: float) -> float:
     if eye <= 0:
         return np.inf
     return max(SMALLEST_SIGMA, PROPORTION_SIGMA * abs(height - eye) * height / eye)
+
+
+def sized(stature: Stature, camera: Camera, box: Array, weight: float = 1.0) -> Stature:
+    """What is known after a box (4,) px of the upper body, head top to waist: people stand on the floor.
+
+    weight: how surely the box spans the upper body, 0 to 1.
+    """
+    height = float(standing(camera, box[None])[1][0]) if knows_floor(camera) else np.nan
+    return stature.sized(height, float(camera.center[2]), weight) if LOWEST < height < HIGHEST else stature

@@ -11,6 +11,7 @@ from followspot.geometry import wrap
 from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT, X, Y
 from followspot_persons.condensation import Search, condense
 from followspot_persons.fitness import Fitness, Habits
+from followspot_persons.floor_contact import Contact
 from followspot_persons.girth import Girth, observed
 from followspot_persons.shape import ShapeModel, with_girth
 from followspot_persons.stature import PROPORTION_SIGMA, SPREAD, USUAL
@@ -26,6 +27,10 @@ ORDINARY = 0.45
 """Smallest typical likelihood of a new person."""
 HIDDEN = 0.4
 """Smallest visible share of the outline for an update of the pose."""
+WHOLE = 0.95
+"""Visible share of the outline from which the size of the body tells its distance."""
+HOLD, FREE = 0.3, 1.0
+"""Sigmas of the radial speed, m/s: about that of before of who is partly hidden, and about none of others."""
 FASTEST = 2.0
 """Of a person in a room, m/s."""
 PERIOD = 1 / 15
@@ -41,8 +46,8 @@ CONCENTRATION = 8.0
 @dataclass(frozen=True, eq=False)
 class Track:
     """particles: (N, 6); pose, sigma: (6,), smoothed; velocity: (2,) m/s; stature: (2,) the person's height
-    and its sigma, m; measured: height that the last picture alone gave, m; likelihood: of the pose in the
-    last picture (eq. 7); typical: its slow mean; shown: share of the outline that no nearer person hides.
+    and its sigma, m; likelihood: of the pose in the last picture (eq. 7); typical: its slow mean; shown:
+    share of the outline that no nearer person hides.
     """
 
     particles: Array
@@ -50,7 +55,6 @@ class Track:
     sigma: Array
     velocity: Array
     stature: tuple[float, float] = (USUAL, SPREAD)
-    measured: float = USUAL
     girth: Girth = field(default_factory=Girth.unknown)
     likelihood: float = 0.0
     typical: float = 0.0
@@ -99,31 +103,44 @@ def followed(
     """
     eye = fitness.picture.camera.center
     own = replace(fitness, shape=with_girth(fitness.shape, track.girth.mean), habits=track.habits)
+    if own.contact is None and track.likelihood:
+        own = replace(own, contact=_held(track, seconds, eye, own.shown(track.pose)))
     particles, estimate = condense(track.particles, track.velocity, seconds, own, eye, search, rng)
     value = float(replace(own, detection=None).likelihood(estimate.pose[None])[0])
     shown = own.shown(estimate.pose)
     if shown < HIDDEN:
         return replace(coasted(track, seconds), particles=particles, likelihood=value, shown=shown)
     girth = observed(track.girth, own, bodies, estimate.pose)
-    tall = float(estimate.pose[HEIGHT])
-    measured = _with_stature(estimate.pose, *track.stature, eye)
+    measured = _with_stature(estimate.pose, *track.stature, eye, own.contact)
     forecast = track.pose.copy()
     forecast[[X, Y]] += track.velocity * seconds
     pose, velocity = _smoothed(forecast, track.velocity, measured, seconds, fresh=not track.likelihood)
     typical = track.typical or max(value, ORDINARY)
     typical += (RISE if value > typical else FALL) * (value - typical)
-    sigma = _vague(estimate.sigma, pose, track.stature[1], eye)
-    return Track(particles, pose, sigma, velocity, track.stature, tall, girth, value, typical, shown)
+    sigma = _vague(estimate.sigma, pose, track.stature[1], eye, fitness.contact)
+    return Track(particles, pose, sigma, velocity, track.stature, girth, value, typical, shown)
 
 
-def _with_stature(pose: Array, stature: float, sigma: float, eye: Array) -> Array:
+def _held(track: Track, seconds: float, eye: Array, shown: float) -> Contact:
+    """About the distance of a person whose feet are not seen: as in the last picture, for people walk a metre
+    a second and one picture's size says little; if the person is partly hidden, as it went on.
+
+    shown: share of the outline.
+    """
+    there = track.pose[[X, Y]] - eye[:2]
+    if shown < WHOLE:
+        there = there + track.velocity * seconds
+    return Contact(float(np.hypot(*there)), (FREE if shown >= WHOLE else HOLD) * max(seconds, PERIOD))
+
+
+def _with_stature(pose: Array, stature: float, sigma: float, eye: Array, contact: Contact | None) -> Array:
     """The pose with the person's height, known to `sigma` m, at the distance where the head's top stays in
     place.
 
     If the head is about as high as the camera, its image does not depend on the distance, which then stays.
     """
     above = _above(pose, eye)
-    by_size = SCALE_SIGMA**2 + PROPORTION_SIGMA**2
+    by_size = 1 / (1 / (SCALE_SIGMA**2 + PROPORTION_SIGMA**2) + _by_feet(pose, eye, contact))
     share = by_size / (by_size + (sigma / above) ** 2)
     out = pose.copy()
     out[[X, Y]] += share * (stature - pose[HEIGHT]) / above * (pose[[X, Y]] - eye[:2])
@@ -131,12 +148,17 @@ def _with_stature(pose: Array, stature: float, sigma: float, eye: Array) -> Arra
     return out
 
 
-def _vague(spread: Array, pose: Array, sigma: float, eye: Array) -> Array:
+def _by_feet(pose: Array, eye: Array, contact: Contact | None) -> float:
+    """Precision of the distance by the feet, relative to the distance."""
+    return 0.0 if contact is None else float(np.sum((pose[:2] - eye[:2]) ** 2)) / contact.sigma**2
+
+
+def _vague(spread: Array, pose: Array, sigma: float, eye: Array, contact: Contact | None) -> Array:
     """Sigma of a pose (6,): what the particles' spread (6,) leaves out, because it is one error in all
     pictures: the height is known to `sigma` m, and the distance no better than height and proportions are.
     """
     away = pose[[X, Y]] - eye[:2]
-    precision = PROPORTION_SIGMA**-2 + (_above(pose, eye) / sigma) ** 2
+    precision = PROPORTION_SIGMA**-2 + (_above(pose, eye) / sigma) ** 2 + _by_feet(pose, eye, contact)
     out = spread.copy()
     out[[X, Y]] = np.hypot(spread[[X, Y]], away * precision**-0.5)
     out[HEIGHT] = np.hypot(spread[HEIGHT], sigma)

@@ -10,6 +10,7 @@ from followspot import Array, Camera
 from followspot.geometry import wrap
 from followspot_persons.body_view import HEADING, PAN, view
 from followspot_persons.fitness import Detection
+from followspot_persons.floor_contact import Contact
 from followspot_persons.hog.likelihood import heading_log_likelihood
 from followspot_persons.shape import ShapeModel
 from followspot_persons.track import FASTEST
@@ -50,6 +51,14 @@ class SlowPose:
         velocity = (self.pose[:2] - before.pose[:2]) / apart
         velocity *= min(1.0, FASTEST / max(float(np.hypot(*velocity)), 1e-9))
         return np.concatenate([self.pose[:2] + velocity * seconds, self.pose[2:]])
+
+
+def carried_contact(told: Array, age: float) -> Contact | None:
+    """Where a person stands some seconds after this was told: (2,) distance, m, and precision, 1/m^2, where
+    0 says that the feet were not seen.
+    """
+    distance, precision = told.tolist()
+    return Contact(distance, precision**-0.5).later(age) if precision > 0 else None
 
 
 def carried_pose(pose: Array, then: Array, now: Array) -> Array:

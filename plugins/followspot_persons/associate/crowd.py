@@ -10,16 +10,19 @@ import numpy as np
 
 from followspot import Array
 from followspot.assignment import assigned
+from followspot_persons.associate import looks
 from followspot_persons.associate.contraction import clusters
 from followspot_persons.associate.existence import (
     HIGHEST,
     LOWEST,
     Evidence,
     Tally,
+    independence,
     missed,
     visible_shares,
 )
 from followspot_persons.associate.rows import Rows
+from followspot_persons.associate.torso_colors import log_ratios
 from followspot_persons.associate.views import View, Views
 
 NANOSECOND = 1e-9
@@ -62,12 +65,13 @@ class Model(Protocol[S]):
 @dataclass(frozen=True, eq=False)
 class Lives(Rows):
     """number: (M,) of the person, 0 until it is confirmed; odds: (M,) log-odds of existence; seen: (M,) time
-    of the last detection, ns.
+    of the last detection, ns; looks: (M, C, BINS) histograms of the torso in each camera, NaN if unknown.
     """
 
     number: Array
     odds: Array
     seen: Array
+    looks: Array
 
 
 @dataclass(frozen=True)
@@ -94,31 +98,34 @@ class Crowd(Generic[S]):
 
 @dataclass(frozen=True, eq=False)
 class Detections:
-    """Of one camera: its number among the views, the time of exposure, ns, and (N, ...) detections as the
-    model takes them.
+    """Of one camera: its number among the views, the time of exposure, ns, (N, ...) detections as the model
+    takes them, and (N, BINS) histograms of their torsos, NaN if unknown.
     """
 
     camera: int
     time: int
     found: Array
+    colors: Array
 
 
-def nobody(model: Model[S]) -> Crowd[S]:
-    """An empty room."""
-    return Crowd(model.none(), Lives(np.zeros(0, int), np.zeros(0), np.zeros(0, int)), 0, 0)
+def empty_crowd(model: Model[S], views: Views) -> Crowd[S]:
+    """The crowd of a room in which no person is known yet."""
+    lives = Lives(np.zeros(0, int), np.zeros(0), np.zeros(0, int), looks.unseen(0, len(views.each)))
+    return Crowd(model.none(), lives, 0, 0)
 
 
 def after(
     crowd: Crowd[S], model: Model[S], views: Views, sets: Sequence[Detections], rules: Rules
 ) -> Crowd[S]:
     """The people after one set of detections, each camera's at its own time of exposure."""
-    crowd = replace(crowd, bodies=model.fresh(crowd.bodies))
+    before, crowd = crowd.time, replace(crowd, bodies=model.fresh(crowd.bodies))
     left, tally = [], Tally.none(len(crowd.bodies))
     for one in sorted(sets, key=lambda each: each.time):
         crowd = _moved(crowd, model, one.time)
         crowd, tally, free = _seen(crowd, tally, model, views.each[one.camera], one, rules)
-        left.append(replace(one, found=one.found[free]))
-    odds = np.clip(crowd.lives.odds + tally.change(), LOWEST, HIGHEST)
+        left.append(replace(one, found=one.found[free], colors=one.colors[free]))
+    weight = independence((crowd.time - before) * NANOSECOND)
+    odds = np.clip(crowd.lives.odds + tally.change(weight), LOWEST, HIGHEST)
     crowd = replace(crowd, lives=replace(crowd.lives, odds=odds))
     crowd = _with_new(crowd, model, views, left, rules)
     return _ended(_numbered(crowd, rules), model, rules)
@@ -147,11 +154,13 @@ def _seen(
     if not len(crowd.bodies):
         return crowd, tally, free
     box, depth = model.silhouettes(crowd.bodies, view)
-    loss = missed(visible_shares(box, depth, view), rules.detection)
+    visible = visible_shares(box, depth, view)
+    loss = missed(visible, rules.detection)
     if not len(one.found):
         return crowd, replace(tally, loss=tally.loss + loss), free
     ratio = model.log_ratios(crowd.bodies, view, one.found)
-    rows, columns = assigned(ratio)
+    alike = looks.agreement(crowd.lives.looks, one.camera, one.colors)
+    rows, columns = assigned(np.where(ratio > 0, ratio + alike, ratio))
     bodies = model.updated(crowd.bodies, rows, view, one.found[columns])
     seen, gain, views = crowd.lives.seen.copy(), np.zeros(len(loss)), np.zeros(len(loss), int)
     gain[rows] = np.minimum(ratio[rows, columns], model.evidence.most)
@@ -159,7 +168,8 @@ def _seen(
     free = np.asarray((ratio[crowd.lives.number > 0] <= 0).all(axis=0))
     free[columns] = False
     tally = Tally(tally.gain + gain, tally.loss + loss, tally.views + views)
-    return replace(crowd, bodies=bodies, lives=replace(crowd.lives, seen=seen)), tally, free
+    learnt = looks.learnt(crowd.lives.looks, rows, one.camera, one.colors[columns], visible[rows])
+    return replace(crowd, bodies=bodies, lives=replace(crowd.lives, seen=seen, looks=learnt)), tally, free
 
 
 def _with_new(
@@ -171,7 +181,9 @@ def _with_new(
         return crowd
     camera = np.concatenate([np.full(len(one.found), one.camera) for one in parts])
     found = np.concatenate([one.found for one in parts])
-    for rows in clusters(model.pair_ratios(views, camera, found)):
+    colors = np.concatenate([one.colors for one in parts])
+    alike = log_ratios(colors[:, None], colors[None])
+    for rows in clusters(model.pair_ratios(views, camera, found) + alike):
         born, rows = _agreed(model, views, camera, found, rows)
         if born is None:
             continue
@@ -185,7 +197,8 @@ def _with_new(
             if c not in camera[rows]:
                 box, depth = model.silhouettes(crowd.bodies.joined(born), view)
                 odds += missed(visible_shares(box, depth, view), rules.detection)[-1]
-        lives = Lives(np.zeros(1, int), np.array([odds]), np.array([crowd.time]))
+        look = looks.first(len(views.each), camera[rows], colors[rows])
+        lives = Lives(np.zeros(1, int), np.array([odds]), np.array([crowd.time]), look)
         crowd = replace(crowd, bodies=crowd.bodies.joined(born), lives=crowd.lives.joined(lives))
     return crowd
 

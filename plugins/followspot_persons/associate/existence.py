@@ -14,6 +14,8 @@ from followspot_persons.associate.views import View
 
 LOWEST, HIGHEST = -8.0, 10.0
 """Bounds of the log-odds, so that they can turn again."""
+PERSISTENCE = 0.1
+"""Time for which a network misses the same person, s."""
 SHRUNK = 0.8
 """Width of a body over that of the box about it: what is behind the edge of the box is seen."""
 NEARER = 0.2
@@ -44,11 +46,16 @@ class Tally:
         """Before the first camera."""
         return cls(np.zeros(bodies), np.zeros(bodies), np.zeros(bodies, int))
 
-    def change(self) -> Array:
+    def change(self, news: float = 1.0) -> Array:
         """Change of the log-odds, (M,). One camera alone is no evidence: any false detection has a body that
-        fits it.
+        fits it. news: share of the misses that are independent of those before.
         """
-        return np.where(self.views > 1, self.gain, 0.0) + self.loss
+        return np.where(self.views > 1, self.gain, 0.0) + news * self.loss
+
+
+def independence(seconds: float) -> float:
+    """Share of the misses in a set of pictures that are independent of those in the set before, s earlier."""
+    return min(1.0, max(seconds, 0.0) / PERSISTENCE)
 
 
 def visible_shares(box: Array, depth: Array, view: View) -> Array:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from followspot import Array, Camera
 from followspot.geometry import undistort
 from followspot.people import Boxes
 from followspot.points import Points2D
+from followspot_persons.associate.torso_colors import torsos, torsos_in
 
 MOST = 60
 """Detections of one picture, those with the best scores."""
@@ -17,7 +20,14 @@ BORDER = 3.0
 """Distance from the picture's border at which an edge of a box is the picture's, px."""
 
 
-def joints_of(points: Points2D, joints: tuple[str, ...], minimum_score: float) -> Array:
+class Found(NamedTuple):
+    """N detections as a model takes them, and the corners of their torsos in the picture, (N, 4, 2) px."""
+
+    detections: Array
+    torsos: Array
+
+
+def joints_of(points: Points2D, joints: tuple[str, ...], minimum_score: float) -> Found:
     """Points of each person, (N, J, 2) px undistorted, NaN for joints that were not found; the surest first.
 
     Points without an instance, or whose label is none of the joints, are left out.
@@ -29,12 +39,14 @@ def joints_of(points: Points2D, joints: tuple[str, ...], minimum_score: float) -
     used = (label >= 0) & (points.instance >= 0) & there & (points.score >= minimum_score)
     instance, row = np.unique(points.instance[used], return_inverse=True)
     xy = np.full((len(instance), len(joints), 2), np.nan)
-    xy[row, label[used]] = points.xy[used]
+    pixel = xy.copy()
+    xy[row, label[used]], pixel[row, label[used]] = points.xy[used], points.pixel[used]
     total = np.bincount(row, points.score[used], minlength=len(instance))
-    return xy[np.argsort(-total, kind="stable")[:MOST]]
+    best = np.argsort(-total, kind="stable")[:MOST]
+    return Found(xy[best], torsos(joints, pixel[best]))
 
 
-def boxes_of(boxes: Boxes, camera: Camera, overlap: float, minimum_score: float) -> Array:
+def boxes_of(boxes: Boxes, camera: Camera, overlap: float, minimum_score: float) -> Found:
     """Boxes (N, 4) px undistorted, the surest first; NaN for edges that are the picture's.
 
     Of boxes that overlap by more than this share of their union, the surest stays.
@@ -46,7 +58,7 @@ def boxes_of(boxes: Boxes, camera: Camera, overlap: float, minimum_score: float)
     box = box[_suppressed(box, overlap)][:MOST]
     size = np.array(camera.size, float)
     cut = np.hstack([box[:, :2] < BORDER, box[:, 2:] > size - 1 - BORDER])
-    return np.where(cut, np.nan, _undistorted(box, camera))
+    return Found(np.where(cut, np.nan, _undistorted(box, camera)), torsos_in(box))
 
 
 def _suppressed(box: Array, overlap: float) -> Array:

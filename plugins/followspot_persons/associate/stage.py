@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,12 +12,15 @@ from followspot import Array, Joined, Stage
 from followspot.errors import FollowspotError
 from followspot.people import Boxes, Poses, Skeletons
 from followspot.points import Points2D
+from followspot.tracking import Frame
 from followspot_persons.associate.box_model import BoxModel
-from followspot_persons.associate.crowd import Crowd, Detections, Rules, after, as_of, nobody
-from followspot_persons.associate.found import boxes_of, joints_of
+from followspot_persons.associate.crowd import Crowd, Detections, Rules, after, as_of, empty_crowd
+from followspot_persons.associate.found import Found, boxes_of, joints_of
 from followspot_persons.associate.joint_model import JointModel
+from followspot_persons.associate.limbs import Lengths, constrained, learnt
 from followspot_persons.associate.parameters import AssociateParams
 from followspot_persons.associate.reports import box_poses, joint_poses, skeletons_of
+from followspot_persons.associate.torso_colors import BINS, histograms
 from followspot_persons.associate.views import Noise, views_of
 
 FLOOR = np.array([0.0, 0.0, 1.0, 0.0])
@@ -41,6 +44,7 @@ class Associate(Stage):
     networks give them; `boxes` are boxes of whole bodies, as `vision.boxes_csv` gives them with `upper_share`
     1. Connect one of them, with an edge from each camera. Each camera's detections are assigned to the people
     that were expected there at its time of exposure; what is left over becomes a new person if cameras agree.
+    With `frames`, the pictures, the colours of torsos count beside the places.
     """
 
     class Params(AssociateParams):
@@ -63,24 +67,33 @@ class Associate(Stage):
         p = given.confirmation_probability
         missed = round(given.maximum_missed_time * 1e9)
         self.rules = Rules(given.detection_probability, float(np.log(p / (1 - p))), missed, given.area)
-        self.by_joints: Crowd[Any] = nobody(self.joint_model)
-        self.by_boxes: Crowd[Any] = nobody(self.box_model)
+        self.by_joints: Crowd[Any] = empty_crowd(self.joint_model, self.views)
+        self.by_boxes: Crowd[Any] = empty_crowd(self.box_model, self.views)
         self.heading: dict[int, float] = {}
+        self.limbs = Lengths.none()
 
-    def process(self, points: Joined[Points2D] = (), boxes: Joined[Boxes] = ()) -> Outputs:
+    def process(
+        self, points: Joined[Points2D] = (), boxes: Joined[Boxes] = (), frames: Joined[Frame] = ()
+    ) -> Outputs | None:
+        pictures = {frame.camera: frame.pixels for frame in frames}
         if points:
-            return self.with_joints(points)
-        return self.with_boxes(boxes)
+            return self.with_joints(points, pictures)
+        return self.with_boxes(boxes, pictures) if boxes else None
 
-    def with_joints(self, points: Sequence[Points2D]) -> Outputs:
+    def with_joints(self, points: Sequence[Points2D], pictures: Mapping[str, Array]) -> Outputs:
         """The people after a set of joints."""
         points = [one for one in points if one.camera in self.number]
         self.name_joints(points)
         joints = self.joint_model.joints
-        sets = [self.detections(one, joints_of(one, joints, self.params.minimum_score)) for one in points]
+        sets = [
+            self.detections(one, joints_of(one, joints, self.params.minimum_score), pictures)
+            for one in points
+        ]
         self.by_joints = after(self.by_joints, self.joint_model, self.views, sets, self.rules)
         sigma = self.params.maximum_sigma
+        self.limbs = learnt(self.limbs.of(self.by_joints.lives.number), joints, self.by_joints.bodies)
         now = as_of(self.by_joints, self.joint_model, _time(points, self.by_joints.time))
+        now = replace(now, bodies=constrained(self.limbs, joints, now.bodies))
         return Outputs(joint_poses(now, joints, sigma), skeletons_of(now, joints, sigma))
 
     def name_joints(self, points: Sequence[Points2D]) -> None:
@@ -93,12 +106,14 @@ class Associate(Stage):
             crowd = self.by_joints
             self.by_joints = Crowd(bodies, crowd.lives, crowd.time, crowd.numbers)
 
-    def with_boxes(self, boxes: Sequence[Boxes]) -> Outputs:
+    def with_boxes(self, boxes: Sequence[Boxes], pictures: Mapping[str, Array]) -> Outputs:
         """The people after a set of boxes."""
         given = self.params
         sets = [
             self.detections(
-                one, boxes_of(one, self.room.cameras[one.camera], given.overlap, given.minimum_score)
+                one,
+                boxes_of(one, self.room.cameras[one.camera], given.overlap, given.minimum_score),
+                pictures,
             )
             for one in boxes
             if one.camera in self.number
@@ -108,10 +123,17 @@ class Associate(Stage):
         poses, self.heading = box_poses(now, self.heading)
         return Outputs(poses, Skeletons.empty())
 
-    def detections(self, message: Points2D | Boxes, found: Array) -> Detections:
+    def detections(
+        self, message: Points2D | Boxes, found: Found, pictures: Mapping[str, Array]
+    ) -> Detections:
         """One camera's detections, at their time of exposure."""
         camera = self.number[message.camera]
-        return Detections(camera, message.header.time + self.views.each[camera].offset, found)
+        colors = np.full((len(found.detections), BINS), np.nan)
+        picture = pictures.get(message.camera)
+        if picture is not None and picture.shape[2] == 3:
+            colors = histograms(picture, found.torsos)
+        time = message.header.time + self.views.each[camera].offset
+        return Detections(camera, time, found.detections, colors)
 
 
 def _time(messages: Sequence[Points2D] | Sequence[Boxes], without: int) -> int:

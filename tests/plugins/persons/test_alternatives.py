@@ -19,7 +19,7 @@ from followspot_persons.color.pairs import (
     telling_pairs,
 )
 from followspot_persons.condensation import Search, condense
-from followspot_persons.fitness import Fitness, Weights
+from followspot_persons.fitness import Fitness, Weights, log_prior
 from followspot_persons.hsi import hsi
 from followspot_persons.motion import MAX_TILT
 from followspot_persons.pose_tracker import PoseTracker
@@ -84,6 +84,17 @@ def test_differences_are_a_cue_of_equation_7_with_a_weight_of_their_own(scene):
     np.testing.assert_allclose(replace(scene, weights=weights).likelihood(poses), expected, rtol=1e-6)
 
 
+def test_colours_count_by_a_power_in_the_search_and_as_they_are_in_the_likelihood(scene):
+    """A body that is too small has the right colours everywhere, so they must not decide on its size."""
+    poses = np.stack([standing(2.5), standing(3.5)])
+    seen = view(scene.picture.camera, SHAPE, poses)
+    edge, color = scene.edge(seen), scene.color(seen)
+    halved = replace(scene, weights=Weights(color_power=0.5, gamma=1.0, sharpness=20.0))
+    expected = 10 * np.log(edge * color**0.5) + log_prior(poses, halved.habits)
+    np.testing.assert_allclose(halved(poses), expected, rtol=1e-6)
+    np.testing.assert_allclose(halved.likelihood(poses), (edge * color) ** 0.5, rtol=1e-6)
+
+
 def test_a_cue_of_weight_0_does_not_count(scene):
     poses = standing(2.5)[None]
     edge = scene.edge(view(scene.picture.camera, SHAPE, poses))
@@ -100,9 +111,12 @@ def test_weights_and_gamma_are_parameters():
         difference_weight=0.7,
         hog_weight=0.6,
         gamma=0.5,
+        color_power=0.4,
         likelihood_power=20,
     )
-    assert tracker.weights == Weights(0.9, 0.8, 0.7, 0.6, 0.5, 20)
+    assert tracker.weights == Weights(
+        edge=0.9, color=0.8, difference=0.7, hog=0.6, gamma=0.5, color_power=0.4, sharpness=20
+    )
     assert ready(PoseTracker, perspective()).weights == Weights()
 
 

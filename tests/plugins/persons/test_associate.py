@@ -105,3 +105,18 @@ def test_joints_and_boxes_at_once_are_refused() -> None:
     stage = Associate(Context("associate", corner_room(), receives=(Points2D, Boxes)))
     with pytest.raises(FollowspotError, match="points or boxes"):
         stage.setup()
+
+
+def test_a_camera_that_misses_somebody_for_a_moment_ends_nobody() -> None:
+    """At 60 pictures a second a network misses the same person in many pictures in a row."""
+    room, sets, _ = crowded(people=2, frames=40, fps=60, seed=3)
+    pairs = [each[:2] for each in sets]
+    before = followed(room, pairs[:14], "points")[-1].poses.person.tolist()
+    for frame in range(14, 24):
+        (seen, boxes), (missed, _) = pairs[frame]
+        blind = missed.where(slice(0))
+        blind.__dict__["header"] = missed.header
+        pairs[frame] = ((seen, boxes), (blind, boxes))
+    found = [each.poses.person.tolist() for each in followed(room, pairs, "points")[14:]]
+    assert len(before) == 2
+    assert found == [before] * len(found)

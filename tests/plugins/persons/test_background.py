@@ -2,19 +2,33 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.plugins.persons.drawn import SECOND, SHIRT, WALL, perspective, standing
 from tests.plugins.persons.test_appearance import Show
 
 from followspot.geometry import project
+from followspot_persons.acquaintance import Acquaintance
 from followspot_persons.background import FEWEST, INTERVAL, LONGEST, MOST, Background, foreground
 from followspot_persons.body_view import view
-from followspot_persons.existence import EVIDENCE, evidence_of
-from followspot_persons.floor_contact import BEFORE_AXIS, lowest, presence
+from followspot_persons.existence import EVIDENCE, RIGID, Stirring, evidence_of
+from followspot_persons.fitness import Detection
+from followspot_persons.floor_contact import (
+    BEFORE_AXIS,
+    STRIDE_SIGMA,
+    WALK,
+    Contact,
+    Presence,
+    lowest,
+    presence,
+)
+from followspot_persons.part_box import stood
+from followspot_persons.scene import Scene
 from followspot_persons.shape import read_shape
 
-NOBODY = np.empty((0, 4))
+NOBODY, NONE = np.empty((0, 4)), np.empty(0)
 PLAIN = np.full((24, 32, 3), (90, 120, 150), np.uint8)
 
 
@@ -84,8 +98,8 @@ def test_a_camera_that_moved_has_no_background():
     assert background.light(room[:20]) is None
 
 
-def of_body(pose, true):
-    """What a plain wall as background says of a pose, where a body of a true pose stands."""
+def room_with(true):
+    """A plain wall as background, and a body of a true pose (6,) before it, from head to feet."""
     camera = perspective()
     pixels = np.full((240, 320, 3), WALL, np.uint8)
     head, foot = project(camera, np.array([true[:3], [*true[:2], 0.0]]))
@@ -94,20 +108,68 @@ def of_body(pose, true):
     columns = slice(int(head[0] - half), int(head[0] + half))
     feet = project(camera, np.array([[true[0] - BEFORE_AXIS, true[1], 0.0]]))[0, 1]
     pixels[int(head[1]) : int(feet), columns] = SHIRT
-    box = view(camera, read_shape(), pose[None]).box[0]
-    return presence(camera, pixels, back, 1.0, pose, box)
+    return Scene(camera, pixels, back, 1.0)
+
+
+def of_body(pose, true, others=NOBODY):
+    """What the background says of a pose, where a body of a true pose stands."""
+    return presence(room_with(true), pose, others)
+
+
+def at_distance(pose, distance):
+    """A pose whose head's top is in the same place of the picture, (6,)."""
+    share = distance / np.hypot(*pose[:2])
+    return np.concatenate([pose[:2] * share, [1.2 + share * (pose[2] - 1.2)], pose[3:]])
 
 
 @pytest.mark.parametrize("height", [1.55, 1.7, 1.9])
 def test_feet_on_the_floor_give_the_height(height):
     """The pose has the head's top in place, at a wrong distance and height."""
     true = standing(4.0, 0.3, height)
-    pose = true.copy()
-    pose[:2] *= 1.1
-    pose[2] = 1.2 + 1.1 * (height - 1.2)
-    told = of_body(pose, true)
+    told = of_body(at_distance(true, 1.1 * np.hypot(*true[:2])), true)
     assert told.foreground > 0.6
     assert told.height == pytest.approx(height, abs=0.015)
+    assert told.contact.distance == pytest.approx(np.hypot(*true[:2]), abs=0.05)
+
+
+def test_a_head_alone_far_away_is_a_whole_body_where_its_feet_are():
+    told = of_body(at_distance(standing(3.0), 6.5), standing(3.0))
+    assert told.height == pytest.approx(1.7, abs=0.015)
+    assert told.contact.distance == pytest.approx(3.0, abs=0.05)
+
+
+def test_whom_a_nearer_person_hides_has_no_feet():
+    """Their columns end beside those of the other; with half of them left, feet are seen."""
+    true = standing(4.0)
+    width = 70.0
+    for shift, seen in ((0.0, False), (120.0, True)):
+        other = np.array([[159.5 + shift - width / 2, 60.0, 159.5 + shift + width / 2, 60.0 + 1.5 * width]])
+        told = of_body(true, true, other)
+        assert (told.contact is not None) == seen
+        assert told.foreground > 0.6
+
+
+def test_a_box_of_a_head_becomes_that_of_the_upper_body_and_another_one_stays():
+    true = standing(3.0)
+    scene = room_with(true)
+    whole = view(scene.camera, read_shape(), true[None]).box[0]
+    head = whole.copy()
+    head[3] = whole[1] + 0.35 * (whole[3] - whole[1])
+    of_head = stood(scene, Detection(head, NONE, NONE), standing(6.5), 1.7, NOBODY)
+    assert of_head.part
+    np.testing.assert_allclose(
+        of_head.detection.box[[1, 3]], whole[[1, 3]], atol=0.06 * (whole[3] - whole[1])
+    )
+    of_body = stood(scene, Detection(whole, NONE, NONE), true, 1.7, NOBODY)
+    assert not of_body.part
+    assert of_body.contact.distance == pytest.approx(3.0, abs=0.05)
+    np.testing.assert_array_equal(of_body.detection.box, whole)
+
+
+def test_without_a_background_a_detection_says_what_it_says():
+    detection = Detection(np.array([10.0, 10, 30, 40]), NONE, NONE)
+    told = stood(None, detection, standing(3.0), 1.7, NOBODY)
+    assert (told.detection, told.part, told.contact) == (detection, False, None)
 
 
 def test_feet_below_the_picture_or_far_from_the_pose_tell_nothing():
@@ -147,11 +209,33 @@ def test_boxes_on_furniture_confirm_nobody_and_a_person_there_is_confirmed():
     assert numbers == {False: [], True: [1]}
 
 
-def test_who_stood_there_from_the_start_stays():
+@pytest.mark.parametrize("sway", [0.01, 0.0])
+def test_who_stood_there_from_the_start_stays_and_what_never_stirs_was_nobody(sway):
+    """A person sways by a centimetre to either side; furniture that looks like one does not."""
     show = Show()
-    for _ in range(20):
-        told = show.see(standing(2.5), score=1.0)
+    for number in range(20):
+        told = show.see(standing(2.5, sway * np.sin(number)), score=2.0)
     assert told.person.tolist() == [1]
+    assert told.left.tolist() == [int(sway == 0)]
+
+
+def test_nothing_that_stirred_once_is_furniture():
+    shown = Presence(0.0, 0.0)
+    still = Stirring().after(shown, 1).after(shown, 2 * SECOND)
+    assert still.furniture(2 * SECOND)
+    assert not Stirring().after(shown, 1).furniture(SECOND // 2)
+    assert (
+        not still.after(Presence(0.0, 2 * RIGID), 3 * SECOND).after(shown, 9 * SECOND).furniture(9 * SECOND)
+    )
+    assert not Stirring().after(None, 1).furniture(9 * SECOND)
+
+
+def test_hidden_feet_leave_the_distance_of_before_ever_more_vague():
+    new = Acquaintance.tentative(np.tile(standing(3.0), (4, 1)), 45, 1.0, 0, comparable=True, contact=None)
+    assert new.contact_after(None, 1.0) is None
+    stands = replace(new, contact=Contact(3.0, 0.1))
+    assert stands.contact_after(None, 1.0) == Contact(3.0, float(np.hypot(0.1, WALK)))
+    assert stands.contact_after(Contact(2.0), 1.0) == Contact(2.0)
 
 
 def test_noise_in_dim_light_makes_no_foreground():
@@ -166,3 +250,15 @@ def test_noise_in_dim_light_makes_no_foreground():
         told = show.see_pixels(dim, boxed=[standing(2.5)], score=1.0)
     assert told.person.tolist() == []
     assert show.stage.illumination.light == pytest.approx(0.2, rel=0.1)
+
+
+def test_the_slow_instance_tells_where_feet_are_and_that_none_were_seen_before():
+    """Two pictures a second; the first ones are plain and make the background."""
+    show, true = Show(), standing(3.0)
+    show.leave(FEWEST)
+    told = [show.see_pixels(room_with(true).pixels, boxed=[true], score=3.0) for _ in range(3)][-1]
+    assert told.contact[0, 0] == pytest.approx(3.0, abs=0.05)
+    assert told.contact[0, 1] == pytest.approx(STRIDE_SIGMA**-2)
+    new = Show()
+    told = [new.see_pixels(room_with(true).pixels, boxed=[true], score=3.0) for _ in range(3)][-1]
+    assert told.contact.tolist() == [[0.0, 0.0]]

@@ -8,6 +8,7 @@ from tests.plugins.persons.drawn import perspective, standing
 
 from followspot.geometry import project
 from followspot_persons.body_view import view
+from followspot_persons.fitness import Fitness, Picture, Weights
 from followspot_persons.shape import read_shape
 
 SHAPE = read_shape()
@@ -42,3 +43,17 @@ def test_a_taller_or_nearer_body_is_larger_and_one_to_the_left_is_left_in_the_pi
     assert tall[1] < usual[1]
     assert near[3] - near[1] > 1.4 * (usual[3] - usual[1])
     assert left[0] < usual[0] - 20
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_body_without_an_image_has_no_places_and_no_likelihood_and_warns_of_nothing():
+    camera = perspective()
+    behind, before = standing(-3), standing(3)
+    seen = view(camera, SHAPE, np.stack([behind, before]))
+    assert np.isnan(seen.edge[0]).all()
+    assert np.isfinite(seen.normal).all()
+    pixels = np.zeros((camera.size[1] * camera.size[0],), np.uint8)
+    everywhere = Picture(camera, pixels + 255, pixels, np.tile(pixels[:, None], 3))
+    likelihood = Fitness(everywhere, SHAPE, Weights()).edge(seen)
+    assert likelihood[0] == 0
+    assert likelihood[1] > 0

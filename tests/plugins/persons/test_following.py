@@ -40,8 +40,8 @@ class Room:
         self.number = 0
         self.told = None
 
-    def tell(self, *poses, front=SHIRT, back=BACK, left=()):
-        """The slow instance reports people for the next picture."""
+    def tell(self, *poses, front=SHIRT, back=BACK, left=(), stands=(0.0, 0.0)):
+        """The slow instance reports people for the next picture; stands: as `contact` of `Appearances`."""
         colors = hsi(clothes(read_shape(), front, back).astype(np.uint8))
         count, time = len(poses), int(self.number * PERIOD * SECOND)
         message = Appearances(
@@ -52,6 +52,7 @@ class Room:
             evidence=np.ones((count, 45)),
             pose=np.array(poses).reshape(-1, 6),
             stature=np.tile([1.7, 0.03], (count, 1)),
+            contact=np.tile(stands, (count, 1)),
             seen=np.full(count, time, np.int64),
             left=np.isin(np.arange(1, count + 1), left).astype(np.uint8),
         )
@@ -75,6 +76,16 @@ def test_a_person_is_followed_while_it_walks():
     assert seen.state.tolist() == [TRACKED]
     assert seen.xy[0, 1] == pytest.approx(place[1], abs=0.06)
     assert room.stage.people[1].track.velocity[1] == pytest.approx(0.6, abs=0.3)
+
+
+@pytest.mark.parametrize(("precision", "distance"), [(400.0, 3.0), (0.0, 2.5)])
+def test_who_stands_elsewhere_by_the_feet_is_followed_there(precision, distance):
+    """The body's size and height say 2.5 m."""
+    room = Room()
+    for _ in range(8):
+        room.tell(standing(2.5), stands=(3.0, precision))
+        found = room.see(standing(2.5), boxed=[])
+    assert found.xy[0, 0] == pytest.approx(distance, abs=0.2)
 
 
 def test_without_a_slow_instance_nobody_is_followed():

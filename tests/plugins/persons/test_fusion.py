@@ -152,3 +152,34 @@ def test_a_place_is_vaguer_the_longer_nobody_sees_it():
     once, twice = track.predicted(0.4), track.predicted(0.2).predicted(0.2)
     np.testing.assert_allclose(once.covariance, twice.covariance)
     assert 0.1 < np.sqrt(once.covariance[0, 0]) < np.sqrt(track.predicted(1.0).covariance[0, 0]) < 1.0
+
+
+def room_poses(*people, sigma=0.02):
+    """Poses of the room. people: number, x, y."""
+    return replace(
+        camera_poses("", people), sigma=np.full((len(people), 6), sigma), height=np.full(len(people), 1.6)
+    )
+
+
+def test_poses_of_the_room_count_by_their_own_sigma():
+    """A camera is unsure of the distance; what is found over several cameras is not."""
+    for sigma, near in ((0.02, 2.3), (1.0, 2.0)):
+        cameras = Cameras()
+        for frame in range(6):
+            time = Header("fuse", frame, frame * SECOND // RATE)
+            told = stamped(camera_poses("a", [(1, 2.0, 0.0)]), time)
+            room = stamped(room_poses((5, 2.3, 0.0), sigma=sigma), time)
+            found = cameras.stage.process((told,), (room,))
+        assert found.person.tolist() == [1]
+        assert abs(found.xy[0, 0] - near) < 0.1
+
+
+def test_poses_of_the_room_alone_keep_their_heights_and_poses_of_cameras_are_none_of_them():
+    cameras = Cameras()
+    for frame in range(4):
+        time = Header("fuse", frame, frame * SECOND // RATE)
+        other = stamped(camera_poses("a", [(1, 4.0, 4.0)]), time)
+        found = cameras.stage.process((), (stamped(room_poses((5, 1.0, 2.0)), time), other))
+    assert found.person.tolist() == [1]
+    np.testing.assert_allclose(found.xy, [[1.0, 2.0]])
+    np.testing.assert_allclose(found.height, [1.6])

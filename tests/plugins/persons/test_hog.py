@@ -208,7 +208,9 @@ def likeliest(likelihood):
 
 
 @needs_shared
-@pytest.mark.parametrize(("video", "view"), [("d_o", panorama()), ("d_p", perspective())])
+@pytest.mark.parametrize(
+    ("video", "view"), [("d_o", panorama()), pytest.param("d_p", perspective(), marks=pytest.mark.thorough)]
+)
 def test_strangers_in_strange_pictures_are_found_with_their_headings(video, view):
     """The shipped weights never saw these videos or the persons in them."""
     made = ready(Hog, view)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.plugins.persons.drawn import SECOND, drawn, frame_of, gradients_of, standing
@@ -9,6 +11,7 @@ from tests.plugins.persons.test_appearance import Show
 from tests.plugins.persons.test_following import PERIOD, Room
 
 from followspot.tracking import TRACKED
+from followspot_persons.existence import Stirring
 from followspot_persons.illumination import COARSE, Illumination, in_usual_light
 
 ROOM = np.random.default_rng(5).integers(30, 220, (240, 320, 3), np.uint8)
@@ -59,8 +62,10 @@ def test_pixels_in_the_usual_light_are_those_of_the_first_picture():
 def test_the_slow_instance_learns_the_same_colours_in_the_dark():
     show, pose = Show(), standing(2.5)
     pixels = drawn(show.camera, pose)
-    usual = [show.see_pixels(pixels, boxed=[pose], score=2.0) for _ in range(4)][-1]
-    dark = [show.see_pixels(dimmed(pixels, 0.3), boxed=[pose], score=2.0) for _ in range(12)][-1]
+    usual = [show.see_pixels(pixels, boxed=[pose], score=6.0) for _ in range(8)][-1]
+    (person,) = show.stage.people  # as if it had stirred: what never does is furniture
+    show.stage.people = [replace(person, stirring=Stirring(most=1.0))]
+    dark = [show.see_pixels(dimmed(pixels, 0.3), boxed=[pose], score=6.0) for _ in range(12)][-1]
     assert usual.light == 1.0
     assert dark.light == pytest.approx(0.3, rel=0.06)
     seen = (usual.evidence[0] > 0) & (dark.evidence[0] > usual.evidence[0])

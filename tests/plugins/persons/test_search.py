@@ -13,13 +13,14 @@ from followspot_persons.ascent import ACROSS, DISTANCE, STATURE, STEPS, ascend, 
 from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT
 from followspot_persons.condensation import MODE, Search, condense, estimated, scattered, systematic
 from followspot_persons.fitness import Fitness, Habits, Weights, log_prior
+from followspot_persons.floor_contact import Contact
 from followspot_persons.girth import USUAL, Girth, girths_of, observed
 from followspot_persons.motion import HIGHEST, LOWEST, MAX_PAN, MAX_TILT, limited, predicted
 from followspot_persons.occlusion import covered
 from followspot_persons.shape import read_shape
 from followspot_persons.stature import PROPORTION_SIGMA, SPREAD
 from followspot_persons.stature import USUAL as USUAL_HEIGHT
-from followspot_persons.track import FASTEST, Track, coasted, followed
+from followspot_persons.track import FASTEST, HIDDEN, Track, coasted, followed
 
 EYE = np.array([0, 0, 1.2])
 SIDE = np.pi / 2
@@ -290,3 +291,61 @@ def test_a_turn_beyond_a_right_angle_is_taken_over_at_once(scene):
     turned[HEADING] += 2.5
     after = step(replace(known, pose=turned, particles=crowd(known.pose, 150)), scene)
     assert abs(wrap(after.pose[HEADING] - known.pose[HEADING])) < 0.4
+
+
+def test_feet_weigh_distances_from_the_camera():
+    camera = perspective()
+    there = standing(3.0)
+    fitness = Fitness(picture_of(camera, drawn(camera, there)), read_shape(), Weights())
+    told = replace(fitness, contact=Contact(3.0, 0.2))
+    poses = np.array([there, standing(3.4), standing(0.0, 3.0)])
+    np.testing.assert_allclose(told(poses) - fitness(poses), [0.0, -2.0, 0.0], atol=1e-6)
+
+
+@pytest.mark.parametrize(("aside", "moves"), [(0.22, False), (2.0, True)])
+def test_who_is_partly_hidden_keeps_the_distance(aside, moves):
+    """The picture shows a body a quarter farther away, at the height of the camera."""
+    camera, shape = perspective(), read_shape()
+    shown, there = standing(3.6, height=1.22), standing(2.9, height=1.22)
+    picture = covered(picture_of(camera, drawn(camera, shown)), shape, standing(1.5, aside))
+    fitness, bodies = Fitness(picture, shape, Weights()), girths_of(shape)
+    track = Track(crowd(there, 80), there, np.zeros(6), np.zeros(2), stature=(1.22, 0.02))
+    rng = np.random.default_rng(2)
+    for _ in range(5):
+        track = followed(track, 0.1, fitness, bodies, Search(80), rng)
+    assert track.shown >= HIDDEN
+    assert (track.pose[0] > 3.2) == moves
+
+
+def test_a_body_that_shrinks_in_one_picture_walks_away_no_faster_than_people_do():
+    """At once it looks as if it were 1.4 m farther; the last pictures are 0.4 s of it."""
+    camera, shape = perspective(), read_shape()
+    there, away = standing(2.6, height=1.22), standing(4.0, height=1.22)
+    first, then = (
+        Fitness(picture_of(camera, drawn(camera, pose)), shape, Weights()) for pose in (there, away)
+    )
+    track = Track(crowd(there, 150), there, np.zeros(6), np.zeros(2), stature=(1.22, 0.02))
+    rng, bodies = np.random.default_rng(3), girths_of(shape)
+    for fitness in [first] * 4 + [then] * 6:
+        before, track = track, followed(track, 1 / 15, fitness, bodies, Search(150), rng)
+    assert before.pose[0] < track.pose[0] < 3.1
+
+
+def test_a_pose_with_feet_is_where_they_are_and_is_surely_there():
+    """At the height of the camera, heads of all distances are in one row."""
+    camera = perspective()
+    there = standing(3.0, height=1.22)
+    fitness = Fitness(picture_of(camera, drawn(camera, there)), read_shape(), Weights())
+    poses = {}
+    for contact in (None, Contact(3.6, 0.05)):
+        track = Track(crowd(there, 60), there, np.zeros(6), np.zeros(2), stature=(1.22, 0.02))
+        rng = np.random.default_rng(1)
+        bodies = girths_of(fitness.shape)
+        for _ in range(6):
+            told = replace(fitness, contact=contact)
+            track = followed(track, 0.1, told, bodies, Search(60), rng)
+        poses[contact] = track
+    free, held = poses.values()
+    assert free.pose[0] < 3.3
+    assert held.pose[0] == pytest.approx(3.6, abs=0.1)
+    assert free.sigma[0] > 0.2 > 0.08 > held.sigma[0]

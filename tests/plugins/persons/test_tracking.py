@@ -16,18 +16,25 @@ from followspot_persons.body_view import HEADING, view
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.model import ColorModel
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights
+from followspot_persons.floor_contact import WALK, Contact
 from followspot_persons.girth import girths_of
 from followspot_persons.hog.likelihood import heading_log_likelihood
 from followspot_persons.hsi import from_plane
 from followspot_persons.identity import same_person
 from followspot_persons.look import Look
-from followspot_persons.occlusion import covered
+from followspot_persons.occlusion import Shades, covered
 from followspot_persons.pose_tracker import PoseTracker
 from followspot_persons.shape import read_shape, with_girth
 from followspot_persons.sightings import blended, sightings_of
 from followspot_persons.spawning import farthest, spawned
 from followspot_persons.track import Track
-from followspot_persons.trail import SlowPose, Trail, carried_detection, carried_pose
+from followspot_persons.trail import (
+    SlowPose,
+    Trail,
+    carried_contact,
+    carried_detection,
+    carried_pose,
+)
 
 FACING = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0.0]])
 SECOND = 1_000_000_000
@@ -82,6 +89,16 @@ def test_who_is_hidden_is_neither_likely_nor_unlikely():
     assert 0.3 < behind.likelihood(pose)[0] < 0.5
 
 
+def test_tentative_people_hide_nobody_with_a_number():
+    camera = perspective()
+    shape = read_shape()
+    before = empty(camera)
+    shades = Shades(before, before).behind(0, shape, standing(2.0))
+    assert shades.of(1).hidden is None
+    assert shades.of(0).hidden.any()
+    assert shades.behind(2, shape, standing(2.0)).of(1).hidden.any()
+
+
 def test_girths_compared_at_once_are_those_of_single_models():
     shape, camera = read_shape(), perspective()
     pose = np.stack([standing(2.0, 0.1, heading=a) for a in np.linspace(-3, 3, 70)])
@@ -113,6 +130,13 @@ def test_a_late_pose_is_carried_along_the_trail():
     carried = carried_pose(standing(2.1, heading=3.0), trail.at(SECOND), standing(4.0, heading=-3.0))
     assert carried[0] == pytest.approx(4.1)
     assert carried[HEADING] == pytest.approx(3.0 + (-3.0 - np.pi + 2 * np.pi) % (2 * np.pi), abs=1e-9)
+
+
+def test_a_distance_by_the_feet_becomes_vague_with_its_age():
+    told = np.array([3.0, 25.0])
+    assert carried_contact(told, 0.0) == Contact(3.0, 0.2)
+    assert carried_contact(told, 2.0).sigma == pytest.approx(np.hypot(0.2, 2 * WALK))
+    assert carried_contact(np.array([3.0, 0.0]), 0.0) is None
 
 
 def test_two_hearings_tell_where_a_walker_is_by_now():
@@ -217,6 +241,7 @@ def watched(tracker, number, pose):
         evidence=np.ones((1, 45)),
         pose=pose[None],
         stature=np.array([[1.7, 0.03]]),
+        contact=np.zeros((1, 2)),
         seen=np.zeros(1, np.int64),
         left=np.zeros(1, np.uint8),
     )

@@ -1,0 +1,35 @@
+"""Where the slow instance's people are in the picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from followspot import Array, Camera
+from followspot_persons.acquaintance import Acquaintance
+from followspot_persons.body_view import view
+from followspot_persons.shape import ShapeModel
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """Of one camera, with the shape model."""
+
+    camera: Camera
+    shape: ShapeModel
+
+    def boxes(self, people: Sequence[Acquaintance]) -> Array:
+        """Upper bodies of people, (K, 4) px."""
+        poses = np.array([p.track.pose for p in people]).reshape(-1, 6)
+        return view(self.camera, self.shape, poses).box
+
+    def distance(self, person: Acquaintance) -> float:
+        """Distance of a person from the camera, m."""
+        return float(np.hypot(*(person.track.pose[:2] - self.camera.center[:2])))
+
+    def nearer(self, people: Sequence[Acquaintance], person: Acquaintance) -> Array:
+        """Upper bodies of numbered people who are nearer than a person, (K, 4) px."""
+        away = self.distance(person)
+        return self.boxes([p for p in people if p.number and self.distance(p) < away])

@@ -1,0 +1,59 @@
+"""Boxes of a head or a chest alone, where feet are seen much nearer: the whole upper body instead."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from followspot import Array, Camera
+from followspot.geometry import project, ray
+from followspot_persons.fitness import Detection
+from followspot_persons.floor_contact import LARGEST_CHANGE, Contact, presence
+from followspot_persons.scene import Scene
+from followspot_persons.standing import WAIST, standing
+from followspot_persons.upper_body_box import RATIO
+
+
+@dataclass(frozen=True, eq=False)
+class Stood:
+    """A detection beside the floor.
+
+    detection: with the box of the whole upper body; part: whether its box was of a part; contact: where the
+    person stands, None if the feet are not seen.
+    """
+
+    detection: Detection
+    part: bool = False
+    contact: Contact | None = None
+
+
+def stood(scene: Scene | None, detection: Detection, pose: Array, stature: float, others: Array) -> Stood:
+    """A detection of a person about a pose (6,), of a height, m; others: of :func:`presence`."""
+    if scene is None:
+        return Stood(detection)
+    there = turned(scene.camera, pose, detection.box)
+    shown = presence(scene, there, others)
+    if shown is None or shown.contact is None:
+        return Stood(detection)
+    by_size = float(standing(scene.camera, detection.box[None])[0][0])
+    if by_size <= shown.contact.distance / (1 - LARGEST_CHANGE):
+        return Stood(detection, contact=shown.contact)
+    box = whole(scene.camera, there, shown.contact, stature)
+    return Stood(replace(detection, box=box), part=True, contact=shown.contact)
+
+
+def turned(camera: Camera, pose: Array, box: Array) -> Array:
+    """The pose at the same distance in the direction of a box."""
+    direction = ray(camera, np.array([[(box[0] + box[2]) / 2, box[1]]]))[0, :2]
+    away = np.hypot(*(pose[:2] - camera.center[:2]))
+    return np.concatenate([camera.center[:2] + away * direction / np.hypot(*direction), pose[2:]])
+
+
+def whole(camera: Camera, pose: Array, contact: Contact, stature: float) -> Array:
+    """Box (4,) px of the upper body of who stands there in the direction of a pose; stature: m."""
+    to = pose[:2] - camera.center[:2]
+    place = camera.center[:2] + to * contact.distance / np.hypot(*to)
+    head, waist = project(camera, np.array([[*place, stature], [*place, WAIST * stature]]))
+    half = RATIO / 2 * (waist[1] - head[1])
+    return np.array([head[0] - half, head[1], head[0] + half, waist[1]])

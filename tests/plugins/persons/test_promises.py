@@ -1,0 +1,172 @@
+"""What the documents promise of people over cameras and of their identities, each by a small case."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.plugins.persons.crowded import corner_room, crowded, followed
+from tests.plugins.persons.drawn import SECOND, clothes, frame_of, gradients_of, perspective, standing
+from tests.plugins.persons.test_associate_limbs import bodies
+from tests.plugins.persons.test_fusion import RATE, Cameras
+from tests.plugins.persons.test_identity import BLUE, RED, in_red_and_blue
+
+from followspot.people import Boxes
+from followspot.points import Points2D
+from followspot_persons.acquaintance import Acquaintance
+from followspot_persons.associate import joint_tracks
+from followspot_persons.associate.found import boxes_of
+from followspot_persons.associate.skeleton_pose import poses_of
+from followspot_persons.associate.views import Noise, views_of
+from followspot_persons.body_view import view
+from followspot_persons.box_assignment import BoxAssignment
+from followspot_persons.color.difference import read_relations
+from followspot_persons.color.model import ColorModel
+from followspot_persons.fitness import Detection, pictured
+from followspot_persons.hsi import hsi
+from followspot_persons.identity import same_person
+from followspot_persons.recognition import Recognition
+from followspot_persons.shape import read_shape
+from followspot_persons.stature import Stature
+from followspot_persons.track import Track
+from followspot_persons.trail import carried_detection
+from followspot_sim.actor.landmarks import NAMES
+
+
+def doubled(points: Points2D, words: tuple[str, ...], shift: float) -> Points2D:
+    """The points, and those whose names have one of the words once more, as other people's."""
+    named = np.array([any(word in name for word in words) for name in points.labels])[points.label]
+    again = points.where(named)
+    parts = {
+        column: np.concatenate([getattr(points, column), getattr(again, column)])
+        for column in ("label", "score")
+    }
+    instance = np.concatenate([points.instance, again.instance + 100])
+    places = {
+        column: np.concatenate([getattr(points, column), getattr(again, column) + shift])
+        for column in ("pixel", "xy")
+    }
+    found = replace(points, instance=instance.astype(np.int32), **parts, **places)
+    found.__dict__["header"] = points.header
+    return found
+
+
+@pytest.mark.parametrize(
+    ("words", "since"), [(("",), 0), (("ankle", "knee"), 6)], ids=["the whole body twice", "legs alone"]
+)
+def test_a_person_whom_a_network_finds_twice_is_one(words: tuple[str, ...], since: int) -> None:
+    room, sets, _ = crowded(people=2, frames=14, fps=10, seed=3)
+    twice = [
+        tuple((doubled(p, words, 3.0) if frame >= since else p, b) for p, b in each)
+        for frame, each in enumerate(sets)
+    ]
+    out = followed(room, twice, "points")
+    assert max(len(each.poses.person) for each in out) == 2
+    assert set(np.concatenate([each.poses.person for each in out]).tolist()) == {1, 2}
+
+
+def test_a_point_far_off_moves_a_joint_less_than_one_that_is_a_little_off() -> None:
+    view = views_of(tuple(corner_room().cameras.values())).each[0]
+    known, noise = bodies(0.03), Noise(2.0, 0.03, 0.01)
+    there = joint_tracks.expected(known, view, noise).there
+    row = NAMES.index("left_wrist")
+
+    def moved(pixels: float) -> float:
+        found = there.copy()
+        found[0, row, 0] += pixels
+        after = joint_tracks.updated(known, np.zeros(1, int), view, found, noise)
+        return float(np.linalg.norm(after.xyz[0, row] - known.xyz[0, row]))
+
+    assert moved(400.0) < moved(60.0)
+    assert moved(10.0) == pytest.approx(moved(5.0) * 2, rel=0.01)
+
+
+def test_of_two_boxes_on_one_person_the_surer_stays() -> None:
+    camera = next(iter(corner_room().cameras.values()))
+    box = np.array([[300.0, 200, 400, 500], [305, 205, 405, 505], [600, 200, 700, 500]])
+    none = np.zeros((3, 0))
+    boxes = Boxes(camera.name, box, np.array([0.5, 0.9, 0.4]), none, none)
+    found = boxes_of(boxes, camera, 0.6, 0.1).detections
+    np.testing.assert_allclose(found, box[[1, 2]], atol=1e-6)
+    assert len(boxes_of(boxes, camera, 0.95, 0.1).detections) == 3
+
+
+def test_a_level_face_has_no_tilt_and_a_raised_one_has() -> None:
+    names = ("left_ear", "right_ear", "nose", "left_shoulder", "right_shoulder")
+    head = np.array([[0.0, 0.08, 1.65], [0.0, -0.08, 1.65], [0.13, 0.0, 1.615]])
+    shoulders = np.array([[0.0, 0.2, 1.4], [0.0, -0.2, 1.4]])
+    turn = np.array([[np.cos(0.4), 0, -np.sin(0.4)], [0, 1, 0], [np.sin(0.4), 0, np.cos(0.4)]])
+    xyz = np.stack([np.vstack([head, shoulders]), np.vstack([head @ turn.T, shoulders])])
+    level, raised = poses_of(names, xyz, np.full(xyz.shape[:2], 0.01)).pose[:, 5]
+    assert abs(level) < 0.03
+    assert raised == pytest.approx(0.4, abs=0.03)
+
+
+def acquaintance(number: int, initiated: int, seen: int) -> Acquaintance:
+    """Somebody in usual clothes."""
+    relations = read_relations()
+    features = len(relations.mean)
+    model = ColorModel(relations.mean, np.full((features, 3), 0.01), np.full(features, 20.0))
+    track = Track.initiated(np.tile(standing(2.0), (10, 1)))
+    known = Acquaintance(number, track, model, initiated, seen, 9, 99.0, absent=number > 0)
+    stature = Stature()
+    for _ in range(20):
+        stature = stature.sized(1.75, 1.2)
+    return replace(known, stature=stature)
+
+
+@pytest.mark.parametrize(("left", "number"), [(10, 1), (30, 2)])
+def test_who_was_seen_beside_a_newcomer_is_somebody_else(left: int, number: int) -> None:
+    known, newcomer = acquaintance(1, 0, left), acquaintance(0, 20, 40)
+    people, numbers = Recognition(2.0, 0.0, read_relations()).applied([known, newcomer], 1)
+    assert max(p.number for p in people) == numbers == number
+
+
+def test_equal_clothes_on_bodies_of_other_heights_are_two_people() -> None:
+    model = acquaintance(1, 0, 0).colors
+    alike = same_person(model, model, (1.75, 1.75), read_relations())
+    other = same_person(model, model, (1.60, 1.85), read_relations())
+    assert alike > 0
+    assert other < alike - 5
+
+
+def test_a_head_that_turned_since_a_detection_turns_its_directions() -> None:
+    camera, shape = perspective(), read_shape()
+    table = np.zeros(8)
+    table[0] = 4.0
+    then = standing(2.0)
+    now = then.copy()
+    now[4] += np.pi / 2  # pan
+    found = carried_detection(Detection(np.zeros(4), table, table), camera, shape, then, now)
+    assert found.torso.argmax() == 0
+    assert found.head.argmax() == 2
+
+
+def test_a_camera_keeps_its_person_beside_a_stranger_who_is_a_little_nearer() -> None:
+    cameras = Cameras()
+    for _ in range(RATE):
+        cameras.tell(("a", 1, 2.0, 0.0))
+    for _ in range(3):
+        told = cameras.tell(("a", 1, 2.0, 0.12), ("a", 2, 2.0, -0.08))
+    assert told.xy[0, 1] > 0
+
+
+def test_people_who_cross_get_the_boxes_of_their_colours() -> None:
+    camera, shape = perspective(), read_shape()
+    left, right = standing(2.5, 0.3), standing(2.5, -0.3)
+    pixels = in_red_and_blue(camera, red=right, blue=left)
+    frame = frame_of(camera, pixels, SECOND, 1)
+    picture = pictured(camera, frame, gradients_of(camera, frame))
+    boxes = view(camera, shape, np.stack([left, right])).box
+    detections = [Detection(box, np.zeros(0), np.zeros(0)) for box in boxes]
+    people = []
+    for color, across in ((RED, 0.03), (BLUE, -0.03)):  # each a little nearer to the other's box
+        mean = hsi(clothes(shape, color, color).astype(np.uint8)).astype(float)
+        model = ColorModel(mean, np.full(mean.shape, 0.01), np.full(len(mean), 20.0))
+        known = acquaintance(len(people) + 1, 0, SECOND // 2)
+        track = Track.initiated(np.tile(standing(2.5, across), (10, 1)))
+        people.append(replace(known, absent=False, colors=model, track=track))
+    assignment = BoxAssignment(camera, shape, read_relations())
+    pairs = assignment.pairs(people, detections, np.zeros(2, bool), picture, SECOND)
+    assert sorted(pairs) == [(0, 1), (1, 0)]
