@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from base64 import b64encode
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from functools import cache
 from typing import Any, Literal
 
@@ -15,10 +15,14 @@ import numpy as np
 from followspot import Message, Room
 from followspot.messages import Array
 from followspot.people import Poses, PoseTruth
+from followspot.room import Camera
+from followspot.rotation import from_rotation_vector
 from followspot.tracking import Frame, Tracks, Truth
 from followspot_recording.recorder import Schema
 from followspot_recording.schemas import (
+    CAMERA_CALIBRATION,
     COMPRESSED_IMAGE,
+    FRAME_TRANSFORM,
     IMAGE_ANNOTATIONS,
     POINT_CLOUD,
     POSES_IN_FRAME,
@@ -39,6 +43,8 @@ _POINTS, _FLOAT32 = 1, 7
 _MARK = {"r": 1.0, "g": 0.9, "b": 0.1, "a": 1.0}
 _MARK_SIZE = 4.0
 """Of a point in a picture, px."""
+_LENSES = {"pinhole": "plumb_bob", "rational": "rational_polynomial", "fisheye": "kannala_brandt"}
+"""Foxglove's names of our lenses."""
 
 
 def view_of(message: Message, room: Room, pictures: Pictures) -> tuple[Schema, bytes] | None:
@@ -58,6 +64,36 @@ def view_of(message: Message, room: Room, pictures: Pictures) -> tuple[Schema, b
     if _has(kind, "xyz", 3):
         return POINT_CLOUD, _cloud(message.header.time, message.__dict__["xyz"])
     return None
+
+
+def cameras_of(room: Room, time: int) -> Iterator[tuple[str, Schema, bytes]]:
+    """Topic, schema and JSON of where each camera of a room stands, and of its lens; time: ns.
+
+    A panorama has no lens that Foxglove knows, and only its place is shown.
+    """
+    for camera in room.cameras.values():
+        topic = f"/cameras/{camera.name}"
+        yield f"{topic}/transform", FRAME_TRANSFORM, _placement(camera, time)
+        if camera.model in _LENSES:
+            yield f"{topic}/calibration", CAMERA_CALIBRATION, _lens(camera, time)
+
+
+def _placement(camera: Camera, time: int) -> bytes:
+    """From the camera's coordinates, x_cam = R X + t, to those of the room."""
+    vector, _ = cv2.Rodrigues(camera.rotation.T)
+    turn = dict(zip("wxyz", from_rotation_vector(vector.ravel()).tolist(), strict=True))
+    frames = {"parent_frame_id": ROOM_FRAME, "child_frame_id": camera.name}
+    place = {"translation": dict(zip("xyz", camera.center.tolist(), strict=True)), "rotation": turn}
+    return _json({"timestamp": _time(time), **frames, **place})
+
+
+def _lens(camera: Camera, time: int) -> bytes:
+    width, height = camera.size
+    matrix = camera.matrix
+    matrices = {"K": matrix, "R": np.eye(3), "P": np.column_stack([matrix, np.zeros(3)])}
+    about = {"timestamp": _time(time), "frame_id": camera.name, "width": width, "height": height}
+    lens = {"distortion_model": _LENSES[camera.model], "D": camera.distortion.tolist()}
+    return _json(about | lens | {name: found.ravel().tolist() for name, found in matrices.items()})
 
 
 @cache

@@ -50,7 +50,7 @@ class Recorder:
         self._channels: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
         self._flushed = time.monotonic()
-        self._broken = False
+        self._broken = self._complete = False
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file = path.open("xb")
@@ -60,11 +60,21 @@ class Recorder:
 
     def describe(self, metadata: Mapping[str, str], attachments: Mapping[str, str]) -> None:
         """Embed facts about the run, and files by name. Raises FollowspotError as `add` does."""
+        self.note("followspot", metadata)
         try:
-            self._writer.describe("followspot", dict(metadata))
             for name, text in attachments.items():
                 kind = "application/json" if name.endswith(".json") else "application/yaml"
                 self._writer.attach(name, kind, text.encode())
+        except OSError as error:
+            self._cut_short(error)
+
+    def note(self, name: str, facts: Mapping[str, str]) -> None:
+        """Embed facts under a name. Raises FollowspotError as `add` does."""
+        if self._broken:
+            return
+        try:
+            self._resume()
+            self._writer.describe(name, dict(facts))
         except OSError as error:
             self._cut_short(error)
 
@@ -78,6 +88,7 @@ class Recorder:
         now = time.monotonic()
         overdue = now - self._flushed >= self._chunking.seconds
         try:
+            self._resume()
             chunk = self._writer.chunk
             full = chunk.count == _MAX_COUNT or chunk.size + len(data) > self._chunking.size
             if full or overdue:
@@ -89,15 +100,34 @@ class Recorder:
         except OSError as error:
             self._cut_short(error)
 
-    def close(self) -> None:
-        """Write the last chunk and the index. Raises FollowspotError, if nothing was cut short before."""
+    def complete(self) -> None:
+        """Write the last chunk and the index; `add` may go on after that. Raises FollowspotError as `add`."""
+        if self._broken or self._complete:
+            return
         try:
-            if not self._broken:
-                self._writer.finish()
+            self._writer.finish()
+            self._complete = True
+        except OSError as error:
+            self._cut_short(error)
+
+    def close(self) -> None:
+        """Complete the file, and close it. Raises FollowspotError, if nothing was cut short before."""
+        try:
+            self.complete()
+        finally:
+            self._close_file()
+
+    def _close_file(self) -> None:
+        try:
             self._file.close()
         except OSError as error:
             if not self._broken:
                 self._cut_short(error)
+
+    def _resume(self) -> None:
+        if self._complete:
+            self._complete = False
+            self._writer.resume()
 
     def _cut_short(self, error: OSError) -> NoReturn:
         self._broken = True

@@ -14,6 +14,9 @@ from mcap.opcode import Opcode
 from followspot.closing import Closing
 from followspot.errors import FollowspotError
 from followspot.files import open_regular
+from followspot.firing import is_firings
+from followspot.messages import InvalidMessage
+from followspot.wire import restored
 from followspot_recording.contents import read_contents
 from followspot_recording.records import (
     Channel,
@@ -67,6 +70,16 @@ class Recording(Closing):
     @cached_property
     def ports(self) -> Mapping[str, Channel]:
         """The exactly recorded ports, STAGE.PORT, in the order in which they first spoke."""
+        return {port: channel for port, channel in self._exact.items() if not is_firings(port)}
+
+    @cached_property
+    def firings(self) -> tuple[str, ...]:
+        """What is recorded of the firings of stages, by the names that `firings_of` gives."""
+        return tuple(filter(is_firings, self._exact))
+
+    @cached_property
+    def _exact(self) -> Mapping[str, Channel]:
+        """The exact messages, by port, and the firings of stages."""
         return {
             port: channel
             for channel in sorted(self._contents.channels.values(), key=lambda channel: channel.number)
@@ -112,7 +125,7 @@ class Recording(Closing):
 
         They end at the first damage, which `problem` then states.
         """
-        channel = self.ports.get(port)
+        channel = self._exact.get(port)
         if channel is None:
             return
         for span in self._contents.chunks:
@@ -124,7 +137,7 @@ class Recording(Closing):
                 return
             for message in chunk.messages.get(channel.number, ()):
                 if message.time >= start and (stop is None or message.time <= stop):
-                    yield message
+                    yield message._replace(data=_restored(message.data))
 
     def examine(self) -> None:
         """Read all chunks, so that `problem` says for certain whether the file is whole."""
@@ -145,6 +158,14 @@ class Recording(Closing):
     def read(self, span: ChunkSpan) -> Chunk:
         """The chunk from the file. Raises Damaged."""
         return read_chunk(self._file, span)
+
+
+def _restored(data: memoryview) -> memoryview:
+    """The packed message as it was sent. Malformed bytes stay: unpacking them fails, and says why."""
+    try:
+        return memoryview(restored(data))
+    except InvalidMessage:
+        return data
 
 
 _chunks: OrderedDict[tuple[_File, int], Chunk] = OrderedDict()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from typing import Any, ClassVar, TypeVar
 
@@ -65,7 +64,7 @@ class Replay(Stage):
         self._check(recording, kind)
         start = recording.begin + round(given.start_time * 1e9)
         stop = recording.end if given.stop_time is None else recording.begin + round(given.stop_time * 1e9)
-        began = time.monotonic_ns()
+        began = self.context.begun()
         later, round_seqs = 0, 0
         while True:
             last = None

@@ -91,6 +91,24 @@ POINT_CLOUD = _schema(
 IMAGE_ANNOTATIONS = _schema(
     "foxglove.ImageAnnotations", circles=_ANY, points=_array(_MARKS), texts=_ANY, metadata=_ANY
 )
+CAMERA_CALIBRATION = _schema(
+    "foxglove.CameraCalibration",
+    frame_id=_TEXT,
+    width=_WHOLE,
+    height=_WHOLE,
+    distortion_model=_TEXT,
+    D=_array(_NUMBER),
+    K=_array(_NUMBER),
+    R=_array(_NUMBER),
+    P=_array(_NUMBER),
+)
+FRAME_TRANSFORM = _schema(
+    "foxglove.FrameTransform",
+    parent_frame_id=_TEXT,
+    child_frame_id=_TEXT,
+    translation=_VECTOR,
+    rotation=_QUATERNION,
+)
 SCENE_UPDATE = Schema(
     "foxglove.SceneUpdate",
     "jsonschema",

@@ -9,9 +9,9 @@ from typing import Literal
 from followspot import Field, Message, OutputPath, Stage, StageParams
 from followspot.errors import FollowspotError
 from followspot.messages import stamped
-from followspot.wire import pack
+from followspot.wire import differenced, pack
 from followspot_recording.contract import contract_of, type_name
-from followspot_recording.foxglove import Pictures, log_line, view_of
+from followspot_recording.foxglove import Pictures, cameras_of, log_line, view_of
 from followspot_recording.recorder import Chunking, Compression, Recorder, Schema, join, leave
 from followspot_recording.schemas import LOG
 from followspot_recording.topics import ENCODING, exact_topic, view_topic
@@ -34,7 +34,11 @@ class RecordingSink(Stage):
         picture_format: Literal["jpeg", "png", "raw", "none"] = Field(
             "jpeg", description="how frames are kept for viewers, beside the exact ones"
         )
-        compression: Compression = Field("lz4", description="lz4 is fast, zstd is small")
+        compression: Compression = Field(
+            "zstd",
+            description="zstd is small, for it stores pictures as differences of their rows; lz4 is faster,"
+            " with up to twice the bytes",
+        )
         chunk_size: float = Field(
             4.0,
             gt=0,
@@ -74,10 +78,14 @@ class RecordingSink(Stage):
 
     def process(self, message: Message) -> None:
         """Write one message. Raises FollowspotError if the disk does not take it, if that is essential."""
+        self.put(message)
+
+    def put(self, message: Message, *, shown: bool = True) -> None:
+        """As `process`; shown: whether viewers get their copy, too, which costs most of the time."""
         if self.recorder is None:
             raise FollowspotError(f"{self.context.name} has no file: it was not set up")
         with self._forgiving():
-            self._write(self.recorder, message)
+            self._write(self.recorder, message, shown)
 
     @contextmanager
     def _forgiving(self) -> Iterator[None]:
@@ -89,7 +97,7 @@ class RecordingSink(Stage):
                 raise
             self.context.warn(f"the recording ends here, the run goes on: {error}")
 
-    def _write(self, recorder: Recorder, message: Message) -> None:
+    def _write(self, recorder: Recorder, message: Message, shown: bool) -> None:
         kind = type(message)
         if self.schema is None:
             self.schema = Schema(type_name(kind), ENCODING, contract_of(kind))
@@ -98,11 +106,29 @@ class RecordingSink(Stage):
             self.described = True
             line = log_line(header.time, f"recording of {self.params.metadata.get('graph', 'a graph')}")
             recorder.add("/log", "json", LOG, header.time, 0, line)
+            for topic, schema, data in cameras_of(self.room, header.time):
+                recorder.add(topic, "json", schema, header.time, 0, data)
         exact = pack(stamped(message, header._replace(entered=0)))  # when it was computed is no part of it
+        if self.params.compression == "zstd":
+            exact = differenced(exact)
         recorder.add(self.topic, ENCODING, self.schema, header.time, header.seq, exact)
-        view = view_of(message, self.room, self.pictures)
+        view = view_of(message, self.room, self.pictures) if shown else None
         if view is not None:
             recorder.add(self.view, "json", view[0], header.time, header.seq, view[1])
+
+    def note(self, name: str, text: str, time: int) -> None:
+        """Note an event in the file, for readers of its facts and for viewers. time: ns. Raises as `process`.
+
+        name: of the facts, each once.
+        """
+        if self.recorder is not None:
+            self.recorder.note(name, {"text": text, "time": str(time)})
+            self.recorder.add("/log", "json", LOG, time, 0, log_line(time, text))
+
+    def complete(self) -> None:
+        """Complete the file, so that others can read it; `process` may go on. Raises as `process`."""
+        if self.recorder is not None:
+            self.recorder.complete()
 
     def close(self) -> None:
         """Leave the file; the last one completes it. Raises FollowspotError, if that is essential."""

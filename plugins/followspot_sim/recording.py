@@ -7,22 +7,19 @@ import csv
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, TypeVar
 
 import cv2
 import numpy as np
-import pydantic
 
-from followspot import Array, Camera, FollowspotError, InputError, Room
+from followspot import Array, Camera, InputError, Room
 from followspot.errors import Mistake
 from followspot.geometry import project
-from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.parameters import CameraParams, SimParams
 from followspot_sim.picture import Picture
+from followspot_sim.video import finite, open_video
 from followspot_sim.visibility import judge, visible_fraction
 from followspot_sim.world import Scene, setting, world_of
 
-P = TypeVar("P", SimParams, ActorParams)
 CLIP_FRAMES = 20
 """Length of a template clip."""
 COLUMNS = ("frame", "time", "object", "x", "y", "z", "hidden", "trackable", "pair")
@@ -44,18 +41,6 @@ def parameters_of(room: Room, *, frames: int | None = None, seed: int | None = N
     for _, own in given:
         finite(CameraParams, **{**own, **values})
     return finite(SimParams, **values)
-
-
-def finite(kind: type[P], **values: Any) -> P:
-    """Checked parameters of a room that ends. Raises InputError."""
-    try:
-        params = kind(**values)
-    except pydantic.ValidationError as error:
-        wrong = [Mistake(None, f"{'.'.join(map(str, e['loc']))}: {e['msg']}", "") for e in error.errors()]
-        raise InputError(wrong) from None
-    if params.frames == 0:
-        raise InputError([Mistake(None, "this room never ends", "say how many frames: --frames 600")])
-    return params
 
 
 def clock_offset_of(camera: Camera) -> float:
@@ -93,14 +78,6 @@ def write_videos(room: Room, params: SimParams, folder: Path) -> None:
             for picture, pixels, video in zip(pictures, buffers, videos, strict=True):
                 picture.render(frame, pixels)
                 video.write(pixels if pixels.shape[2] == 3 else cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGR))
-
-
-def open_video(path: Path, fps: float, size: tuple[int, int]) -> cv2.VideoWriter:
-    """A lossless video to write colour pictures of this size into. Raises FollowspotError."""
-    video = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"FFV1"), fps, size, True)
-    if not video.isOpened():
-        raise FollowspotError(f"{path}: cannot write a video; is the folder writable and the disk not full?")
-    return video
 
 
 def write_truth(room: Room, params: SimParams, path: Path) -> None:

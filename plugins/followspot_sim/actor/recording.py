@@ -15,7 +15,7 @@ from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.actor.picture import ActorPicture
 from followspot_sim.actor.scene import Play, stage_of
 from followspot_sim.actor.visibility import Onlooker
-from followspot_sim.recording import finite, open_video
+from followspot_sim.video import finite, open_video
 
 STAGE = "sim.person_camera"
 COLUMNS = (

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import time
 from collections.abc import Iterator
 from typing import ClassVar
 
@@ -66,7 +65,7 @@ class SimImu(Stage):
 
     def process(self) -> Source[Inertial]:
         """Readings from time 0 to that of the last picture."""
-        begun = time.monotonic_ns()
+        begun = self.context.begun()
         for message in self._messages():
             since = int(message.time[-1])
             yield at(since, message, due=begun + since if self.params.realtime else 0)

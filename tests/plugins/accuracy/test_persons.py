@@ -26,7 +26,7 @@ from followspot_accuracy import (
 )
 from followspot_accuracy.persons.visits import switches
 
-PERSONS = Path(__file__).parents[2] / "../shared/data/persons-dev"
+PERSONS = Path(__file__).parents[3] / "../shared/data/persons-dev"
 needs_shared = pytest.mark.skipif(not PERSONS.parents[1].exists(), reason="needs ../shared")
 FPS = 10.0
 HEAD = "frame,time,person,x,y,z_head_top,phi,r,torso_heading,head_pan,head_tilt,confidence"

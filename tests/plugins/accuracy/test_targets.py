@@ -27,7 +27,7 @@ from followspot_accuracy import (
 from followspot_accuracy.statistics import nearest
 from followspot_accuracy.targets.figures import PAPER_UNIT, found_while_sought, jerk_cost, recoveries
 
-GLOWBALLS = Path(__file__).parents[2] / "../shared/data/glowballs-dev"
+GLOWBALLS = Path(__file__).parents[3] / "../shared/data/glowballs-dev"
 needs_shared = pytest.mark.skipif(not GLOWBALLS.parents[1].exists(), reason="needs ../shared")
 FPS = 30.0
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import resource
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -20,10 +21,11 @@ from followspot_recording.sink import RecordingSink
 
 COUNT = 60
 PORT = "fuse.out"
+ABOUT: Mapping[str, Any] = {"compression": "lz4", "metadata": {"graph": "toy"}}
 
 
 def record(path: Path) -> Path:
-    sink = RecordingSink(Context("a"), path=path, port=PORT, chunk_size=0.001, metadata={"graph": "toy"})
+    sink = RecordingSink(Context("a"), path=path, port=PORT, chunk_size=0.001, **ABOUT)
     sink.setup()
     fill(sink, COUNT)
     sink.close()

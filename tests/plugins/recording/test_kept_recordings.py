@@ -1,6 +1,7 @@
 """Recordings of earlier versions stay readable.
 
 `kept/version_0_1.mcap`: eight frames of points of the simulated room, tracked by `graphs/points.yaml`.
+`kept/pictures/version_0_1.mcap`: three pictures as differences of their rows, drawn by a formula.
 A format that changes gets a file of its own beside it; this one is never made anew.
 """
 
@@ -13,7 +14,7 @@ import pytest
 
 import followspot as fs
 from followspot.cli.main import main
-from followspot.tracking import Tracks
+from followspot.tracking import Frame, Tracks
 
 KEPT = Path(__file__).parent / "kept"
 LAST = [[0.607472, -0.027176, 1.133843], [-0.622448, 0.070334, 1.046488], [0.438949, 0.497389, 1.095244]]
@@ -33,6 +34,16 @@ def test_a_script_reads_the_messages(kept: Path) -> None:
     assert [message.header.seq for message in found] == list(range(8))
     assert found[-1].header.time == round(7e9 / 60)
     np.testing.assert_allclose(found[-1].xyz, LAST, atol=1e-6)
+
+
+def test_pictures_are_those_of_the_formula() -> None:
+    y, x = np.mgrid[:24, :32]
+    with fs.open_recording(KEPT / "pictures" / "version_0_1.mcap") as recording:
+        found = [message for message in recording["camera/cam0.out"] if isinstance(message, Frame)]
+    for number, message in enumerate(found):
+        drawn = np.stack([7 * y + number, 3 * x, x * y], axis=2).astype("u1")
+        np.testing.assert_array_equal(message.pixels, drawn)
+    assert len(found) == 3
 
 
 def test_its_graph_runs_on_its_sources(kept: Path, tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import cv2
 import jsonschema
 import numpy as np
 import pytest
@@ -21,11 +22,15 @@ from followspot.messages import Header, Message, identical, seal, stamped
 from followspot.people import Poses, PoseTruth
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
+from followspot.room import Camera, Model, Room
+from followspot.rotation import matrix
 from followspot.testing import tiny_room
 from followspot.tracking import Blobs, Frame, Positions, Tracks, Truth
-from followspot.wire import unpack
-from followspot_recording.contract import ContractError, contract_of, message_type
-from followspot_recording.foxglove import view_of
+from followspot.wire import differenced, pack, unpack
+from followspot_recording.contract import ContractError, contract_of, message_type, type_name
+from followspot_recording.decoding import decoded as decoded_port
+from followspot_recording.foxglove import cameras_of, view_of
+from followspot_recording.recorder import Chunking, Recorder, Schema
 from followspot_recording.recording import Recording
 from followspot_recording.replays import REPLAYS
 from followspot_recording.sink import RecordingSink
@@ -35,7 +40,7 @@ SPACING = 16_666_667
 
 
 def frame(number: int) -> Frame:
-    pixels = np.random.default_rng(number).integers(0, 256, (12, 16, 3), "u1")
+    pixels = np.random.default_rng(number).integers(0, 256, (20, 24, 3), "u1")
     return stamped(seal(Frame("cam0", pixels)), Header("camera/cam0", number, number * SPACING, 99))
 
 
@@ -77,6 +82,21 @@ def test_messages_come_out_bit_for_bit(tmp_path: Path, compression: str) -> None
     assert all(identical(tracks(n), message) for n, message in enumerate(found))
 
 
+def test_a_malformed_picture_names_its_message(tmp_path: Path) -> None:
+    """It says that its rows are coded, and its head speaks of more bytes than came."""
+    whole = differenced(pack(frame(5)))
+    recorder = Recorder(tmp_path / "a.mcap", Chunking(1 << 20, 1.0, "none"))
+    schema = Schema(type_name(Frame), "followspot", contract_of(Frame))
+    for number, data in enumerate([whole, whole[:-64]]):
+        recorder.add("/followspot/camera/cam0/out", "followspot", schema, number, number, data)
+    recorder.close()
+    with Recording(recorder.path) as recording:
+        found = decoded_port(recording, "camera/cam0.out", Frame)
+        assert identical(next(found), frame(5))
+        with pytest.raises(FollowspotError, match=r"message 1 of camera/cam0.out is none: "):
+            next(found)
+
+
 def test_a_part_of_a_recording_is_found_by_capture_time(tmp_path: Path) -> None:
     with Recording(record(tmp_path / "a.mcap", chunk_size=0.001)) as recording:
         part = decoded(recording, "track.tracks", Tracks, start=10 * SPACING, stop=12 * SPACING)
@@ -94,10 +114,13 @@ def test_the_reader_of_the_mcap_package_opens_it(tmp_path: Path) -> None:
     assert summary is not None
     assert summary.statistics is not None
     assert len(summary.chunk_indexes) > 1
-    assert summary.statistics.message_count == len(messages) == 161  # twice two ports, and one line of log
+    assert summary.statistics.message_count == len(messages) == 161 + 2 * len(ROOM.cameras)
+    # twice two ports, a line of log, and of each camera its place and its lens
     topics = {channel.topic for channel in summary.channels.values()}
     exact = {"/followspot/camera/cam0/out", "/followspot/track/tracks"}
-    assert topics == exact | {"/camera/cam0", "/track/tracks", "/log"}
+    cameras = {f"/cameras/{name}/{what}" for name in ROOM.cameras for what in ("transform", "calibration")}
+    assert topics >= exact | cameras
+    assert topics - set(exact) - cameras == {"/camera/cam0", "/track/tracks", "/log"}
     assert attachments == {"graph/toy.yaml": b"graph: toy\n"}
     assert metadata["followspot"] == {"graph": "toy"}
 
@@ -114,7 +137,44 @@ def test_what_viewers_are_shown_fits_its_foxglove_schema(tmp_path: Path, picture
         jsonschema.Draft202012Validator.check_schema(told)
         jsonschema.validate(json.loads(message.data), told)
     image = "foxglove.RawImage" if pictures == "raw" else "foxglove.CompressedImage"
-    assert names == {image, "foxglove.SceneUpdate", "foxglove.Log"}
+    room = {"foxglove.CameraCalibration", "foxglove.FrameTransform"}
+    assert names == {image, "foxglove.SceneUpdate", "foxglove.Log", *room}
+
+
+def told_of(camera: Camera) -> dict[str, dict[str, Any]]:
+    """What viewers are told of a camera, by schema."""
+    views = cameras_of(Room(cameras={camera.name: camera}), 1_500_000_000)
+    return {schema.name: json.loads(data) for _, schema, data in views}
+
+
+@pytest.mark.parametrize(
+    ("model", "terms", "name"),
+    [("pinhole", 5, "plumb_bob"), ("rational", 8, "rational_polynomial"), ("fisheye", 4, "kannala_brandt")],
+)
+def test_viewers_are_told_where_a_camera_stands_and_its_lens(model: Model, terms: int, name: str) -> None:
+    known = ROOM.cameras["cam0"]
+    rotation, _ = cv2.Rodrigues(np.array([0.3, -1.2, 2.0]))
+    place = np.array([0.5, -0.25, 2.0])
+    camera = replace(
+        known, model=model, distortion=np.full(terms, 0.01), rotation=rotation, translation=place
+    )
+    told = told_of(camera)
+    frame, lens = told["foxglove.FrameTransform"], told["foxglove.CameraCalibration"]
+    assert (
+        (frame["parent_frame_id"], frame["child_frame_id"]) == ("room", "cam0") == ("room", lens["frame_id"])
+    )
+    turn = np.array([frame["rotation"][axis] for axis in "wxyz"])
+    origin = np.array([frame["translation"][axis] for axis in "xyz"])
+    np.testing.assert_allclose(matrix(turn), rotation.T, atol=1e-12)
+    np.testing.assert_allclose(rotation @ origin + place, np.zeros(3), atol=1e-12)
+    assert (lens["distortion_model"], lens["D"]) == (name, [0.01] * terms)
+    assert (lens["width"], lens["height"]) == known.size
+    np.testing.assert_array_equal(np.reshape(lens["K"], (3, 3)), known.matrix)
+    np.testing.assert_array_equal(np.reshape(lens["P"], (3, 4))[:, :3], known.matrix)
+
+
+def test_viewers_are_told_the_place_alone_of_a_panorama() -> None:
+    assert set(told_of(replace(ROOM.cameras["cam0"], model="cylinder"))) == {"foxglove.FrameTransform"}
 
 
 def shown(message: Message) -> dict[str, Any]:

@@ -236,6 +236,7 @@ def test_cameras_and_truth_of_a_ready_room_play_the_same(name):
         assert camera.source.params == room.truth.params
 
 
+@pytest.mark.thorough
 def test_in_the_ready_panorama_people_leave_and_return():
     room = room_file.load(ROOMS / "simulated_panorama.yaml")
     assert room.truth is not None

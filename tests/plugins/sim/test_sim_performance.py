@@ -5,6 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from followspot import StageParams
+from followspot.stage import Context
+from followspot.tracking import Blobs
+from followspot_sim.performance import Performance
 from followspot_sim.rounds import ROUND
 from followspot_sim.world import Setting, World
 
@@ -96,3 +100,16 @@ def test_a_ball_alone_is_far_from_where_it_was_a_frame_ago():
     path = np.array([alone.scene(frame).balls for frame in range(20)])
     assert np.isnan(path[:, [0, 2]]).all()
     assert np.linalg.norm(np.diff(path[:, 1], axis=0), axis=1).min() > 0.5
+
+
+class Paced(Performance):
+    class Params(StageParams):
+        frames: int = 3
+        fps: float = 10.0
+        realtime: bool = True
+
+
+def test_frames_are_due_from_the_beginning_of_the_run_on():
+    paced = Paced(Context(run_begun=lambda: 1_000))
+    due = [paced.at(frame, Blobs.empty()).header.entered for frame in paced.frames()]
+    assert due == [1_000, 100_001_000, 200_001_000]

@@ -12,6 +12,7 @@ import pytest
 
 from followspot import InputError, Room, room_file
 from followspot.cli.main import main
+from followspot.graph.compile import compile_graph
 from followspot.room import StageUse
 from followspot_sim.picture import Picture
 from followspot_sim.recording import clock_offset_of, parameters_of
@@ -24,8 +25,21 @@ ROOM = room_file.load(ROOM_FILE)
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("recording")
     arguments = ["simulate", "--room", str(ROOM_FILE), "--out", str(folder), "--frames", "4", "--seed", "3"]
-    assert main(arguments) == 0
+    assert main([*arguments, "--live"]) == 0
     return folder
+
+
+def test_the_recording_is_a_room_of_live_cameras_too(recording: Path) -> None:
+    room = room_file.load(recording / "room.yaml")
+    assert {name: camera.source.params["path"] for name, camera in room.cameras.items() if camera.source} == {
+        name: f"{name}.mkv" for name in ROOM.cameras
+    }
+    assert room.truth is None
+    plan = compile_graph(ROOM_FILE.parents[1] / "glowballs.yaml", room=recording / "room.yaml")
+    assert plan.live
+    assert [s.params["loop"] for s in plan.stages if s.name.startswith("camera/")] == [True] * len(
+        room.cameras
+    )
 
 
 @pytest.mark.parametrize("name", ["cam0", "cam1"])
