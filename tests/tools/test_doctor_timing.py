@@ -46,6 +46,15 @@ def test_the_camera_that_is_off_is_named_with_the_remedy() -> None:
     assert "calibrate clocks" in told["c"].remedy
 
 
+def test_of_two_cameras_the_second_is_compared_with_the_first() -> None:
+    spread = spread_of({"left": pictures(30), "right": pictures(30, late=-7.25)})
+    assert spread is not None
+    told = {finding.subject: finding for finding in findings(spread)}
+    assert told["left"].text == "30 pictures/s; right is compared with it"
+    assert "7.25 ms earlier than left" in told["right"].text
+    assert (told["left"].state, told["right"].state) == ("ok", "warning")
+
+
 def test_jitter_is_that_of_the_camera_that_has_it() -> None:
     times = {"a": pictures(50), "b": pictures(50), "c": pictures(50, jitter=1.0, count=400)[:90]}
     spread = spread_of(times)
@@ -59,6 +68,22 @@ def test_a_faster_camera_is_compared_at_the_moments_of_the_slower() -> None:
     assert spread is not None
     assert spread.cameras["fast"].late == pytest.approx(1.0, abs=0.01)
     assert spread.cameras["fast"].rate == pytest.approx(120, abs=0.1)
+
+
+def test_the_rate_is_that_of_all_pictures_not_of_most_intervals() -> None:
+    """A camera that looks for triggers 25 times a second takes 20 pictures a second 40 or 80 ms apart."""
+    ticks = np.arange(200)
+    taken = START + ticks[ticks % 5 != 4] * 40_000_000
+    spread = spread_of({"a": taken, "b": taken})
+    assert spread is not None
+    assert spread.cameras["a"].rate == pytest.approx(20, rel=0.01)
+
+
+def test_pictures_just_before_the_first_common_one_count() -> None:
+    """One camera is a nanosecond earlier, so its first picture is before the other's."""
+    spread = spread_of({"a": pictures(20, count=10), "b": pictures(20, count=10) - 1})
+    assert spread is not None
+    assert spread.most < 0.001
 
 
 def test_cameras_that_never_gave_pictures_together_have_no_spread() -> None:

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
 from tests.tools.calibrate.rooms import made_room
 
 from followspot.geometry import project
 from followspot.messages import Array
 from followspot_calibrate.adjust import Anchors, Free, Rods, adjust
-from followspot_calibrate.adjust.problem import Problem, State, view_of
+from followspot_calibrate.adjust.problem import Problem, State, cauchy_weighted, view_of
 from followspot_calibrate.adjust.projection import image, linearise, moved, rotation_of
 from followspot_calibrate.adjust.rods import groups_of
 from followspot_calibrate.similarity import Similarity
@@ -84,6 +85,25 @@ def test_outliers_hardly_pull():
     assert np.abs(moved_back - centers(room)).max() < 0.005
     kept = np.where(room.outlier, np.nan, found.residual)
     assert np.nanmedian(kept) < 0.5
+
+
+@given(error=hnp.arrays(float, 2, elements=st.floats(-0.1, 0.1)))
+@settings(max_examples=40, deadline=None)
+def test_weights_give_the_derivatives_of_the_cauchy_loss(error):
+    factor, weighted = cauchy_weighted(error[None])
+    square = error @ error
+    gradient = error / (1 + square)
+    curvature = np.eye(2) / (1 + square) - 2 * np.outer(error, error) / (1 + square) ** 2
+    assert factor[0] @ weighted[0] == pytest.approx(gradient)
+    assert factor[0] @ factor[0] == pytest.approx(curvature, abs=6 * square**2 + 1e-12)
+
+
+def test_noise_takes_few_steps():
+    """With the weights of the loss alone, 31."""
+    room = made_room(cameras=4, rows=250)
+    start, points = shaken(room, Free(), size=0.3)
+    pixel = room.sightings.pixel + np.random.default_rng(1).normal(0, 0.5, room.sightings.pixel.shape)
+    assert adjust(start, points, pixel, Free()).steps < 25
 
 
 def test_rows_that_cannot_be_adjusted_stay():

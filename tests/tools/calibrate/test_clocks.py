@@ -89,7 +89,9 @@ def test_offsets_are_found_though_places_and_offsets_are_unknown_together(rng: n
     assert (result.sightings > 200).all()
 
 
-@pytest.mark.parametrize(("frames", "hidden"), [(120, 0.0), (300, 0.5)])
+@pytest.mark.parametrize(
+    ("frames", "hidden"), [(120, 0.0), pytest.param(300, 0.5, marks=pytest.mark.thorough)]
+)
 def test_the_stated_deviation_is_that_of_the_errors(frames: int, hidden: float) -> None:
     errors = []
     for seed in range(12):

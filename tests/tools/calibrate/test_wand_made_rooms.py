@@ -38,7 +38,10 @@ def test_known_intrinsics_give_the_room_within_noise(cameras, missing, outliers)
     assert (solved.settled.used & room.outlier).mean() < 0.005
 
 
-@pytest.mark.parametrize(("cameras", "missing", "outliers"), [(3, 0.1, 0.1), (6, 0.6, 0.2), (9, 0.3, 0.3)])
+@pytest.mark.parametrize(
+    ("cameras", "missing", "outliers"),
+    [(3, 0.1, 0.1), (6, 0.6, 0.2), pytest.param(9, 0.3, 0.3, marks=pytest.mark.thorough)],
+)
 def test_unknown_intrinsics_are_found_too(cameras, missing, outliers):
     room = made_room(cameras, 400, missing=missing, outliers=outliers, noise=NOISE)
     solved = solve(room.sightings, None)

@@ -9,7 +9,7 @@ from followspot import Camera, Context
 from followspot.errors import InputError
 from followspot.messages import Array
 from followspot_cameras.images import Images
-from followspot_cameras.video import Video
+from followspot_cameras.video.stage import Video
 
 MOST_FRAMES = 300
 """Frames read of a target's clip; more do not improve the template and fill the memory."""

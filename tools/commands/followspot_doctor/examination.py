@@ -41,6 +41,7 @@ def examine(subject: Subject) -> list[Finding]:
         ("ports", network.ports),
         ("zenoh", network.zenoh_session),
         ("opencv", libraries.opencv),
+        ("extras", libraries.extras),
         ("plugins", plugins.stages),
         ("hooks", plugins.hooks),
     ]

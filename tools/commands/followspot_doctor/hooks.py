@@ -21,7 +21,9 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--room", type=Path, metavar="ROOM.yaml", help="take a picture from each camera of this room"
     )
-    watch = "also watch its live cameras for 5 s: who takes pictures earlier or later than the others"
+    watch = (
+        "also watch its live cameras for 5 s, and name those that take pictures earlier or later than others"
+    )
     parser.add_argument("--cameras", action="store_true", help=watch)
     parser.add_argument("--graph", metavar="GRAPH", help="also find every mistake in this graph")
     parser.add_argument(

@@ -17,8 +17,8 @@ NORMAL = 1.4826
 
 @dataclass(frozen=True)
 class Timing:
-    """One camera. rate: pictures a second; late: median of how much later than the others it takes its
-    pictures, ms; jitter: of that, one sigma, ms.
+    """One camera. rate: pictures a second, on the whole; late: median of how much later than the others it
+    takes its pictures, ms; jitter: of that, one sigma, ms.
     """
 
     rate: float
@@ -44,18 +44,19 @@ def spread_of(times: Mapping[str, Array]) -> Spread | None:
     begin = max(int(t[0]) if len(t) else 0 for t in times.values())
     end = min(int(t[-1]) if len(t) else 0 for t in times.values())
     # Seconds since 1970 leave a float no nanoseconds, so times count from the beginning.
-    within = {name: (t[(t >= begin) & (t <= end)] - begin) / 1e6 for name, t in times.items()}
+    since = {name: (t - begin) / 1e6 for name, t in times.items()}
+    within = {name: t[(t >= 0) & (t <= (end - begin) / 1e6)] for name, t in since.items()}
     if len(within) < 2 or min(map(len, within.values())) < FEWEST:
         return None
     slowest = min(within.values(), key=len)
-    moments = np.column_stack([_nearest(t, slowest) for t in within.values()])
+    moments = np.column_stack([_nearest(t, slowest) for t in since.values()])  # also just before the begin
     middle = np.median(moments, axis=1) if len(times) > 2 else moments[:, 0]
     late = moments - middle[:, None]
     usual = np.median(late, axis=0)
     jitter = NORMAL * np.median(np.abs(late - usual), axis=0)
     apart = np.ptp(moments, axis=1)
     cameras = {
-        name: Timing(1000 / float(np.median(np.diff(t))), float(usual[k]), float(jitter[k]))
+        name: Timing(1000 * (len(t) - 1) / float(t[-1] - t[0]), float(usual[k]), float(jitter[k]))
         for k, (name, t) in enumerate(within.items())
     }
     return Spread(cameras, float(np.median(apart)), float(np.percentile(apart, 95)))

@@ -16,7 +16,7 @@ from followspot.errors import InputError, writing
 from followspot.messages import Array
 from followspot.room import StageUse
 from followspot.room_file import save
-from followspot_cameras.video_file import announced_frames, open_video
+from followspot_cameras.video.file import announced_frames, open_video
 from followspot_room.moving import moved
 
 PICTURES = 20

@@ -41,8 +41,8 @@ def configure_new(parser: argparse.ArgumentParser) -> None:
 def run_new(args: argparse.Namespace) -> int:
     """Make a room file for videos of your own, or a webcam, without a calibration.
 
-    The cameras are good for what is seen in the pictures: detections, image tracks, drawn videos. Nothing
-    is known of where they stand, so there are no places in space.
+    The cameras are good for what is seen in the pictures: detections, image tracks, drawn videos. Their poses
+    are not known, so there are no places in space.
 
     Examples:
       followspot room new --video balls.mp4 -o room.yaml

@@ -11,7 +11,7 @@ from followspot import Camera
 from followspot.errors import InputError
 from followspot_cameras.images import read_picture
 from followspot_cameras.picture_folder import natural_order
-from followspot_cameras.video_file import open_video
+from followspot_cameras.video.file import open_video
 
 BLOCK = 16
 """Codecs store whole blocks of so many px; what they add right and below is cut off when playing."""

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from followspot.graph.declaration import ROOM_SOURCE
 from followspot.ports import ports
 from followspot.stage import Stage
 from followspot_schema.parts import NAME, TEXT, Schema, form, named
 from followspot_schema.stages import models, parameters, stages_offered
 
-ROOM_SOURCE = "room.source"
-"""Stands for the source that the room declares for each camera; no plugin offers it."""
 _STAGE_NAME = f"^{NAME.strip('^$')}(/{NAME.strip('^$')})*$"
 _INTERFACE = (
     ("parameter", "STAGE.PARAMETER, which a graph around this one sets"),

@@ -8,7 +8,7 @@ from followspot.points import Points2D
 from followspot.ports import ports
 from followspot.room_form import BINS
 from followspot.stage import Stage
-from followspot.sync_form import LARGEST_KEY, TRIGGERS
+from followspot.sync_form import LARGEST_KEY, MATCHES, TRIGGERS
 from followspot.tracking import DepthImage, Frame
 from followspot_schema.parts import NAME, TEXT, Schema, form, matrix, named, numbers
 from followspot_schema.stages import models, stage_use, stages_offered
@@ -52,10 +52,18 @@ def _sync() -> Schema:
         {
             "trigger": {"enum": list(TRIGGERS), "description": "what triggers them"},
             "camera": {**TEXT, "description": "the camera that leads; needed for line and action"},
-            "rate": {**POSITIVE, "description": "triggers a second; needed for software and action"},
+            "rate": {
+                **POSITIVE,
+                "description": "triggers a second; a line needs none, but pictures are then matched by time",
+            },
             "device_key": {**key, "description": "of action commands"},
             "group_key": {**key, "description": "of action commands"},
             "group_mask": {**key, "description": "of action commands"},
+            "match": {
+                "enum": list(MATCHES),
+                "default": "number",
+                "description": "what tells which pictures are of one trigger",
+            },
         },
     )
 

@@ -1,4 +1,4 @@
-"""A wand that was waved along a line is refused: nothing is written that nobody could know."""
+"""A wand that was waved along a line is refused: such motion does not determine the cameras."""
 
 from __future__ import annotations
 

@@ -11,7 +11,11 @@ from followspot_calibrate.wand.solving import solve
 
 @pytest.mark.parametrize(
     ("lenses", "axis", "way"),
-    [("known", 0, "left-right"), ("known", 1, "up-down"), ("unknown", 0, "left-right")],
+    [
+        ("known", 0, "left-right"),
+        ("known", 1, "up-down"),
+        pytest.param("unknown", 0, "left-right", marks=pytest.mark.thorough),
+    ],
 )
 def test_the_mirrored_camera_and_the_way_are_named(lenses, axis, way):
     room = mirrored(waved_room(5, 300, missing=0.2, outliers=0.1), 2, axis)
@@ -21,6 +25,7 @@ def test_the_mirrored_camera_and_the_way_are_named(lenses, axis, way):
         solve(room.sightings, room.cameras if lenses == "known" else None)
 
 
+@pytest.mark.thorough
 def test_two_mirrored_cameras_are_both_named():
     room = mirrored(mirrored(waved_room(6, 300), 0, 0), 3, 0)
     with pytest.raises(FollowspotError) as raised:

@@ -20,7 +20,12 @@ ROWS = 400
 
 
 @pytest.mark.parametrize(
-    ("degrees", "at"), [(0.3, 200), pytest.param(5.0, 120, marks=pytest.mark.thorough), (30.0, 300)]
+    ("degrees", "at"),
+    [
+        (0.3, 200),
+        pytest.param(5.0, 120, marks=pytest.mark.thorough),
+        pytest.param(30.0, 300, marks=pytest.mark.thorough),
+    ],
 )
 def test_the_camera_and_the_frame_are_named(degrees, at):
     room, _ = with_move(waved_room(5, ROWS, missing=0.2), 1, degrees, at)

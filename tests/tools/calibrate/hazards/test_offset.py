@@ -27,7 +27,10 @@ WITHIN = 0.05
 PLACE_MM = 8.0
 
 
-@pytest.mark.parametrize("late", [0.4, -1.5, pytest.param(37.3, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize(
+    "late",
+    [0.4, pytest.param(-1.5, marks=pytest.mark.thorough), pytest.param(37.3, marks=pytest.mark.thorough)],
+)
 def test_a_late_camera_is_told_and_corrected(late):
     room = waved_room(5, 300, late={4: late}, missing=0.1)
     solved = solve(room.sightings, room.cameras, "known")

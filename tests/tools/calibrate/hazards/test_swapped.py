@@ -18,7 +18,11 @@ from followspot_calibrate.wand.solving import solve
 
 @pytest.mark.parametrize(
     ("intrinsics", "zoom"),
-    [pytest.param("known", 1.15, marks=pytest.mark.thorough), ("auto", 1.3), ("known", 2.5)],
+    [
+        pytest.param("known", 1.15, marks=pytest.mark.thorough),
+        pytest.param("auto", 1.3, marks=pytest.mark.thorough),
+        ("known", 2.5),
+    ],
 )
 def test_lenses_that_belong_to_each_other_name_the_two(intrinsics, zoom):
     room = waved_room(5, 200, missing=0.1, zooms={1: zoom})

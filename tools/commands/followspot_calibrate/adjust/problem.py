@@ -114,7 +114,7 @@ class Problem:
         return State(cameras, state.points + by_point)
 
     def normal(self, state: State) -> Normal:
-        """The normal equations; every error has its Cauchy weight 1 / (1 + e^2)."""
+        """The normal equations of the Cauchy losses; rods have the weight 1 / (1 + e^2) alone."""
         normal = Normal.zeros(len(self.views), self.parameters, len(state.points), len(self.rods))
         for number, (view, camera) in enumerate(zip(self.views, state.cameras, strict=True)):
             self._add_view(normal, number, view, camera, state.points)
@@ -147,11 +147,9 @@ class Problem:
     def _add_view(self, normal: Normal, number: int, view: View, camera: Camera, points: Array) -> None:
         at, by_camera, by_point = linearise(camera, points[view.rows], view.free)
         scale = self.scale[view.rows, None]
-        error = (view.pixel - at) / scale
-        root = 1 / np.sqrt(1 + np.square(error).sum(axis=1, keepdims=True))
-        error *= root
-        by_camera *= (root / scale)[..., None]
-        by_point *= (root / scale)[..., None]
+        weighted, error = cauchy_weighted((view.pixel - at) / scale)
+        weighted /= scale[..., None]
+        by_camera, by_point = _products(weighted, by_camera), _products(weighted, by_point)
         size = view.free.parameters
         flat = by_camera.reshape(2 * len(view.rows), size)
         normal.cameras[number, :size, :size] = flat.T @ flat
@@ -170,6 +168,24 @@ class Problem:
             np.add.at(normal.points, end, block)
             np.add.at(normal.toward_points, end, sign * toward)
         normal.rods[:] = -block
+
+
+def cauchy_weighted(error: Array) -> tuple[Array, Array]:
+    """Factors W (M, 2, 2) of derivatives J, and errors r (M, 2), such that (WJ)^T r is the gradient of the
+    Cauchy loss, and (WJ)^T WJ nearly its second derivative for small errors. error: (M, 2).
+
+    The weight 1 / (1 + e^2) alone overrates the curvature along an error, and steps would be too short. The
+    true one, (1 - e^2) / (1 + e^2) of it, is negative for outliers; (1 + e^4) / (1 + e^2)^2 is the same for
+    small errors and has no effect on large ones. Triggs et al., "Bundle adjustment: a modern synthesis"
+    (2000), section 4.3.
+    """
+    square = np.square(error).sum(axis=1)[:, None]
+    root = 1 / np.sqrt(1 + square)
+    along = np.sqrt(1 + np.square(square)) / (1 + square)
+    shorter = root * (1 - along) / np.maximum(square, np.finfo(float).tiny)
+    factor = -(shorter * error)[:, :, None] * error[:, None]
+    factor[:, (0, 1), (0, 1)] += root
+    return factor, error * root / along
 
 
 def _products(a: Array, b: Array) -> Array:

@@ -9,6 +9,7 @@ import numpy as np
 from followspot import Camera
 from followspot.geometry import cross_matrix
 from followspot.messages import Array
+from followspot.rotation import cross
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ def linearise(camera: Camera, points: Array, free: Free) -> tuple[Array, Array, 
     by_local[:, :, 2] = -(by_local[:, :, :2] @ xy[..., None])[..., 0]
     parts = []
     if free.poses:
-        parts += [np.cross(turned[:, None], by_local), by_local]
+        parts += [cross(turned[:, None], by_local), by_local]
     if free.focal:
         parts.append((distorted * focal)[..., None])
     if free.aspect:

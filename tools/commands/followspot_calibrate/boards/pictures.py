@@ -18,7 +18,7 @@ from followspot_cameras.images import read_picture
 from followspot_cameras.picture_folder import SUFFIXES, natural_order
 from followspot_cameras.recordings import SUFFIXES as VIDEOS
 from followspot_cameras.recordings import find_recordings
-from followspot_cameras.video_file import open_video
+from followspot_cameras.video.file import open_video
 
 Numbered = Iterator[tuple[int, Array]]
 """Numbers of pictures and the pictures, (H, W) u8."""

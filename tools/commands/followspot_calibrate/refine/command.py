@@ -15,29 +15,39 @@ from followspot_calibrate.output import print_result
 from followspot_calibrate.places import Places, find_places
 from followspot_calibrate.progress import clear_progress, show_progress
 from followspot_calibrate.refine.choosing import telling, together
+from followspot_calibrate.refine.comparing import Comparison, compared
 from followspot_calibrate.refine.page import page_of
 from followspot_calibrate.refine.solving import Refinement, refine
-from followspot_calibrate.refine.text import as_json, as_text
+from followspot_calibrate.refine.text import (
+    as_json,
+    as_text,
+    comparison_as_json,
+    left_out,
+    warnings_of,
+)
 from followspot_calibrate.report import write_report
 from followspot_calibrate.tracked import Tracked, track_recording
 
 
 def refine_room(args: argparse.Namespace) -> int:
-    """Track, adjust, write the room and the page, print. Raises FollowspotError."""
+    """Track, adjust, write the page, and the room if it is better; print. Raises FollowspotError."""
     room = load(args.room)
     require(room, args)
     tracked = read_run(args.run, room) if args.run else track_recording(args.graph, args.room, args.frames)
     shown = None
     if args.clips is not None:
         shown = find_places(args.clips, list(room.cameras.values()), show_progress)
-    found = refined(room, tracked, shown)
+    found, held = refined(room, tracked, shown)
     clear_progress()
     report = args.report or args.room.with_suffix(".refine.html")
+    written = held is None or held.better
     with writing():
-        if not args.dry_run:
+        if written and not args.dry_run:
             update(args.room, cameras={c.name: c for c in found.after.cameras}, planes=found.planes)
         write_report(report, page_of(room, found))
-    print_result(args, json.dumps(as_json(found)), as_text(found), report)
+    result = {"left_out_px": comparison_as_json(held), "written": written and not args.dry_run}
+    text = as_text(found) if held is None else f"{as_text(found)}\n{left_out(held)}"
+    print_result(args, json.dumps(as_json(found) | result), text, report, warnings_of(held))
     return 0
 
 
@@ -50,10 +60,15 @@ def require(room: Room, args: argparse.Namespace) -> None:
         raise InputError.of(f"{args.room} has no targets", "learn them first: followspot calibrate targets")
 
 
-def refined(room: Room, tracked: Tracked, shown: Places | None) -> Refinement:
-    """Cameras refined with targets, tracked or shown alone in clips. Raises FollowspotError."""
+def refined(room: Room, tracked: Tracked, shown: Places | None) -> tuple[Refinement, Comparison | None]:
+    """Cameras refined with targets, tracked or also shown alone in clips, if these agree with the tracks.
+
+    The comparison is None if there are too few tracks for one. Raises FollowspotError.
+    """
     seen = target_sightings(tracked, room)
     radius = np.array([target.radius for target in room.targets.values()])[seen.target]
     cameras = list(room.cameras.values())
     places = telling(cameras, seen.pixel, radius, room.planes)
-    return refine(cameras, together(places, shown), room.planes, show_progress)
+    held = compared(cameras, places, shown, room.planes, show_progress)
+    used = shown if held is None or held.use_clips else None
+    return refine(cameras, together(places, used), room.planes, show_progress), held

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from followspot.tables import table
 from followspot_calibrate.adjust.prior import rotation_vector
+from followspot_calibrate.refine.comparing import Comparison
 from followspot_calibrate.refine.solving import Refinement
 
 HEAD = ("camera", "moved mm", "turned deg", "focal %", "sightings", "px before", "px after")
@@ -44,6 +46,33 @@ def verdict(found: Refinement) -> str:
     return f"reprojection error {old:.2f} px before, {new:.2f} px after (median of {len(found.pixel)} places)"
 
 
+def left_out(held: Comparison) -> str:
+    """The errors of sightings that took no part."""
+    return f"places that took no part: {held.given:.2f} px before, {held.best:.2f} px after"
+
+
+def warnings_of(held: Comparison | None) -> list[str]:
+    """What the user should know of the choice between given and refined cameras, with and without clips."""
+    if held is None:
+        return [
+            "the recording has too few places to check the refined cameras with others: "
+            "record the targets at more places, or look at the new cameras before you use them"
+        ]
+    warnings = []
+    if held.clips is not None and not held.use_clips:
+        warnings.append(
+            "the clips were left out: places of the recording that took no part are seen with "
+            f"{held.clips:.2f} px of error with them, {held.alone:.2f} px without. Are they synchronised; "
+            "did no camera move between clips and recording?"
+        )
+    if not held.better:
+        warnings.append(
+            "the cameras stay as they are: they see places that took no part with "
+            f"{held.given:.2f} px of error, refined with {held.best:.2f} px"
+        )
+    return warnings
+
+
 def as_text(found: Refinement) -> str:
     """The table and the verdict."""
     return f"{table(HEAD, cells(found))}\n{verdict(found)}"
@@ -55,3 +84,8 @@ def as_json(found: Refinement) -> dict[str, Any]:
     cameras = {name: dict(zip(keys, values, strict=True)) for name, *values in rows(found)}
     planes = {name: plane.tolist() for name, plane in found.planes.items()}
     return {"cameras": cameras, "planes": planes, "places": len(found.pixel)}
+
+
+def comparison_as_json(held: Comparison | None) -> dict[str, Any] | None:
+    """The errors of places that took no part, px, and what follows from them."""
+    return None if held is None else asdict(held) | {"use_clips": held.use_clips, "better": held.better}

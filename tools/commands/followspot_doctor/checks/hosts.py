@@ -87,4 +87,5 @@ def _said(found: ClockStatus) -> str:
     if not found.exchanges:
         return "its agent does not report its clock"
     way = "ahead of" if found.offset_ms > 0 else "behind"
-    return f"its clock is {abs(found.offset_ms):.1f} ms {way} this one"
+    within = found.round_trip_ms / 2
+    return f"its clock is {abs(found.offset_ms):.1f} ms {way} this one, to within {within:.1f} ms"

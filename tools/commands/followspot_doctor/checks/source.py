@@ -34,8 +34,10 @@ class Tried(Generic[T]):
     said: str = ""
 
 
-def tried(device: Camera | Sensor, room: Room, take: Take[T], example: str) -> Tried[T]:
-    """What the source of a camera or sensor gives. example: a source, for one that has none."""
+def tried(
+    device: Camera | Sensor, room: Room, take: Take[T], example: str, timeout: float = TIMEOUT
+) -> Tried[T]:
+    """What the source of a camera or sensor gives. example: a source, for one that has none; timeout: s."""
     if device.host:
         return Tried(fine(device.name, f"is on {device.host}: run followspot doctor there"))
     use = device.source
@@ -54,7 +56,7 @@ def tried(device: Camera | Sensor, room: Room, take: Take[T], example: str) -> T
             warnings: list[str] = []
             member = Member("cameras" if isinstance(device, Camera) else "sensors", device.name)
             context = Context(device.name, room, member=member, out=Path(out), warn=warnings.append)
-            taken = _taken(stage(context, **params), take)
+            taken = _taken(stage(context, **params), take, timeout)
     except PluginError as error:
         return Tried(wrong(device.name, error.problem, str(error.remedy)))
     except FollowspotError as error:
@@ -66,7 +68,7 @@ def tried(device: Camera | Sensor, room: Room, take: Take[T], example: str) -> T
     return Tried(None, taken, said)
 
 
-def _taken(source: Stage, take: Take[T]) -> T | None:
+def _taken(source: Stage, take: Take[T], timeout: float) -> T | None:
     """What was taken, the error of the stage, or None after a while; the stage is closed either way."""
     result: list[Any] = []
 
@@ -81,7 +83,7 @@ def _taken(source: Stage, take: Take[T]) -> T | None:
 
     thread = threading.Thread(target=work, daemon=True)
     thread.start()
-    thread.join(TIMEOUT)
+    thread.join(timeout)
     if not thread.is_alive():
         source.close()
     found = result[0] if result else None

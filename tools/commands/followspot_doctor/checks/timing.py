@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,7 +22,9 @@ from followspot_doctor.spread import Spread, Timing, spread_of
 
 SUBJECT = "timing of cameras"
 SECONDS = 5.0
-"""How long cameras are watched, with the time that they need to connect."""
+"""How long cameras are watched, from when all of them send pictures."""
+CONNECTING = 10.0
+"""Time that they have to begin, s."""
 TOLERANCE = 4.0
 """Difference of capture times up to which stages match pictures if nothing else is said, ms."""
 _EXAMPLE = "source: {uses: cameras.genicam, with: {camera: ...}}"
@@ -36,32 +40,44 @@ def timing(path: str, seconds: float = SECONDS) -> Iterator[Finding]:
         room = load(path)
     except InputError:
         return  # the check of the cameras tells it
+    room = by_clocks(room)
     cameras = [camera for camera in room.cameras.values() if _is_live(camera)]
     if len(cameras) < 2:
         yield fine(SUBJECT, f"{len(cameras)} live cameras on this computer: nothing to compare")
         return
+    watch = Watch(len(cameras), seconds)
     with ThreadPoolExecutor(MOST) as pool:
-        found = list(pool.map(lambda camera: _watched(camera, room, seconds), cameras))
+        found = list(pool.map(lambda camera: _watched(camera, room, watch), cameras))
     times = {camera.name: t for camera, t in zip(cameras, found, strict=True) if len(t)}
     spread = spread_of(times) if len(times) > 1 else None
     if spread is None:
         counts = ", ".join(f"{camera.name} {len(t)}" for camera, t in zip(cameras, found, strict=True))
-        text = f"too few pictures of one time in {seconds:g} s: {counts}"
+        text = f"too few pictures of one time: {counts}"
         yield wrong(SUBJECT, text, "see that all cameras send pictures, and by one clock")
         return
     yield from findings(spread)
 
 
+def by_clocks(room: Room) -> Room:
+    """The room whose pictures keep the times that their cameras' clocks tell, however they are matched."""
+    return room if room.sync is None else replace(room, sync=replace(room.sync, match="time"))
+
+
 def findings(spread: Spread) -> Iterator[Finding]:
     """A finding a camera, and one for all."""
+    names = list(spread.cameras)
     for name, one in spread.cameras.items():
-        yield _judged(name, one, len(spread.cameras))
+        if len(names) > 2:
+            yield _judged(name, one, "the others")
+        elif name == names[0]:
+            yield fine(name, f"{one.rate:.4g} pictures/s; {names[1]} is compared with it")
+        else:
+            yield _judged(name, one, names[0])
     text = f"pictures of one moment lie {spread.usual:.3g} ms apart, 95 % of them within {spread.most:.3g} ms"
     yield fine(SUBJECT, text) if spread.most <= TOLERANCE else doubtful(SUBJECT, text, _REMEDY)
 
 
-def _judged(name: str, one: Timing, cameras: int) -> Finding:
-    others = "the others" if cameras > 2 else "the first camera"
+def _judged(name: str, one: Timing, others: str) -> Finding:
     side = "later" if one.late >= 0 else "earlier"
     lateness = f"{abs(one.late):.3g} ms {side} than {others}, jitter {one.jitter:.2g} ms"
     text = f"{one.rate:.4g} pictures/s, {lateness}"
@@ -77,19 +93,38 @@ def _is_live(camera: Camera) -> bool:
         return False
 
 
-def _watched(camera: Camera, room: Room, seconds: float) -> Array:
-    """Capture times, (N,) int64 ns, with the camera's offset; of arrival where it tells none."""
+class Watch:
+    """The time in which cameras are watched: `seconds` from when all of them have begun."""
+
+    def __init__(self, cameras: int, seconds: float) -> None:
+        self._missing, self._seconds, self._lock = cameras, seconds, threading.Lock()
+        self.longest = CONNECTING + seconds
+        """Time that the watch may take, s."""
+        self.until = time.monotonic() + self.longest
+        """When it ends, s by the steady clock."""
+
+    def begin(self) -> None:
+        """Note that one more camera sends pictures."""
+        with self._lock:
+            self._missing -= 1
+            if not self._missing:
+                self.until = min(self.until, time.monotonic() + self._seconds)
+
+
+def _watched(camera: Camera, room: Room, watch: Watch) -> Array:
+    """Capture times, (N,) int64 ns, with the camera's offset; times of arrival if it tells none."""
     offset = round(camera.clock_offset * 1e9)
-    until = time.monotonic() + seconds
 
     def take(messages: Iterator[Message]) -> Sequence[int]:
-        times = []
+        times: list[int] = []
         for message in messages:
             header = message.header
             times.append(time.time_ns() if header is UNSTAMPED else header.time)
-            if time.monotonic() > until:
+            if len(times) == 1:
+                watch.begin()
+            if time.monotonic() > watch.until:
                 break
         return times
 
-    found = tried(camera, room, take, _EXAMPLE).taken
+    found = tried(camera, room, take, _EXAMPLE, watch.longest + 1.0).taken
     return np.array(found or [], np.int64) + offset

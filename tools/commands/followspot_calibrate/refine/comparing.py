@@ -1,0 +1,94 @@
+"""Whether cameras become better by refining: judged by sightings that took no part in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from followspot import Camera
+from followspot.errors import FollowspotError
+from followspot.messages import Array
+from followspot_calibrate.adjust import Progress
+from followspot_calibrate.places import Places
+from followspot_calibrate.refine.choosing import together
+from followspot_calibrate.refine.solving import refine
+from followspot_calibrate.triangulation import triangulate
+
+FOLDS = 3
+"""Parts of the recording's places; each is left out once."""
+TOLERANCE = 1.1
+"""Clips that make the error this many times as large contradict the recording; by chance it is within 5 %."""
+Refine = Callable[[Places], Sequence[Camera]]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Median reprojection errors of the recording's sightings that were left out, px.
+
+    given: with the cameras of the room file; alone: refined without clips; clips: with them, None if there
+    are none.
+    """
+
+    given: float
+    alone: float
+    clips: float | None
+
+    @property
+    def use_clips(self) -> bool:
+        """Whether the clips agree with the recording."""
+        return self.clips is not None and self.clips <= TOLERANCE * self.alone
+
+    @property
+    def best(self) -> float:
+        """Of the refined cameras that are chosen."""
+        return self.clips if self.clips is not None and self.use_clips else self.alone
+
+    @property
+    def better(self) -> bool:
+        """Whether the refined cameras see the targets better than the given ones."""
+        return self.best < self.given
+
+
+def compared(
+    cameras: Sequence[Camera],
+    places: Places,
+    shown: Places | None,
+    planes: Mapping[str, Array],
+    progress: Progress | None = None,
+) -> Comparison | None:
+    """How well each choice sees the places of a recording that it does not know.
+
+    places: of the recording; shown: of clips. None if so few places are left that cameras cannot be refined.
+    """
+
+    def alone(known: Places) -> Sequence[Camera]:
+        return refine(cameras, known, planes, progress).after.cameras
+
+    def with_clips(known: Places) -> Sequence[Camera]:
+        return refine(cameras, together(known, shown), planes, progress).after.cameras
+
+    try:
+        return Comparison(
+            _left_out(places, lambda _: cameras),
+            _left_out(places, alone),
+            None if shown is None else _left_out(places, with_clips),
+        )
+    except FollowspotError:
+        return None
+
+
+def _left_out(places: Places, refined: Refine) -> float:
+    """Median error, px, of the places that were left out."""
+    part = np.arange(len(places.pixel)) % FOLDS
+    errors = []
+    for number in range(FOLDS):
+        known = part != number
+        cameras = refined(Places(places.pixel[known], places.sigma[known]))
+        residual = triangulate(cameras, places.pixel[~known]).residual
+        errors.append(np.hypot(residual[..., 0], residual[..., 1]).ravel())
+    told = np.concatenate(errors)
+    if not np.isfinite(told).any():
+        raise FollowspotError("no place is seen by two cameras")
+    return float(np.nanmedian(told))
