@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 from pathlib import Path
@@ -14,8 +13,14 @@ import yaml
 import bench_cost
 import bench_edges
 import bench_hop
+import bench_recorded_bytes
 import bench_replay
 from followspot.room_file import load, save
+
+EDGE_CASES = [
+    *[(bench_edges.BARE, "1 kB"), ("ring one copy", "1 kB")],
+    *[(bench_edges.BARE, "640x480"), ("ring in place", "640x480"), (bench_edges.SHARED, "640x480")],
+]
 
 
 def test_the_cost_table_runs_for_its_smallest_room(
@@ -61,8 +66,14 @@ def test_the_costs_of_hops_and_edges_are_measured(
     )
     bench_hop.main()
     assert set(json.loads(capsys.readouterr().out)) == {"hop_us", "call_us", "ratio"}
-    options = argparse.Namespace(messages=5, rate=200.0)
-    for edge in ("ring in place", "zenoh"):
-        p50, p99, flooded = bench_edges.measure(edge, "640x480", options)
-        assert 0 < p50 <= p99
-        assert flooded > 0
+    measured = {(edge, size): bench_edges.measure(edge, size, messages=5) for edge, size in EDGE_CASES}
+    for found in bench_edges.summary([measured]):
+        assert 0 < found.round.p50_us <= found.round.p99_us
+        assert min(found.round) > 0
+        assert found.edge != bench_edges.BARE or found.ratio == (1, 1, 1, 1)
+
+
+def test_every_way_to_store_pictures_gives_the_same_bits_and_rows_take_fewest_bytes_of_noise() -> None:
+    found = bench_recorded_bytes.measure(bench_recorded_bytes.noisy(4), rounds=1)
+    shares = {name: row["share"] for name, row in found.items()}
+    assert shares["rows, zstd"] < 0.6 < shares["zstd alone"] < shares["lz4"] + 0.01

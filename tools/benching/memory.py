@@ -167,7 +167,7 @@ def measure(
     worker.setup()
     worker.run()
     seconds = watch.seconds()
-    sets = max(source.yielded for source in worker.sources) - lead
+    sets = max(source.yielded for source in worker.sources.all) - lead
     stages = {name: ns / 1e6 / sets for name, ns in watch.busy.items()}
     return Cost(seconds * 1e3 / sets, stages, watch.tracked / sets)
 

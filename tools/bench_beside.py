@@ -1,0 +1,96 @@
+"""Latency from capture to track beside programs that use all cores, by what a placement asks of its host.
+
+    python tools/bench_beside.py
+    python tools/bench_beside.py --rounds 5 --frames 300 --json
+
+The simulated cameras film at 30 per second; two other processes count without end. Rounds are interleaved: a
+round has the run alone, beside them, and beside them with `nice` and with `realtime`. What this host refuses
+is said, and that run is one without it.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from statistics import median
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from scripting import followspot, options_of
+
+GRAPH = Path(__file__).parent.parent / "graphs" / "glowballs.yaml"
+PACED = ("--set", "camera.realtime=true", "--set", "camera.fps=30")
+ASKED = {
+    "alone": "",
+    "beside two others": "",
+    "beside two others, nice: -10": "nice: -10",
+    "beside two others, realtime: 10": "realtime: 10",
+}
+_STAGES = "camera, color, infrared, verify, triangulate, fuse, bridge, track, save"
+_BURN = "while True: pass"
+
+
+@contextmanager
+def burners(count: int) -> Iterator[None]:
+    """So many processes that use a core each, until the end of the block."""
+    found = [subprocess.Popen([sys.executable, "-c", _BURN]) for _ in range(count)]
+    try:
+        yield
+    finally:
+        for process in found:
+            process.kill()
+            process.wait()
+
+
+def measure(asked: str, others: int, frames: int, folder: Path) -> dict[str, Any]:
+    """Latency of the path from the cameras to the tracks, ms, and what the host refused."""
+    placement = folder / "placement.yaml"
+    worker = ", ".join(filter(None, (f"stages: [{_STAGES}]", asked)))
+    placement.write_text(f"workers: {{main: {{{worker}}}}}\nbudget: {{camera -> track: 1 s}}\n")
+    with burners(others):
+        length = ("--frames", str(frames), "--out", str(folder))
+        told = followspot("run", str(GRAPH), *PACED, "--placement", str(placement), *length)
+    (path,) = (path for path in told["paths"] if path["to"] == "track")
+    figures = {name: path[name] for name in ("p50_ms", "p95_ms", "worst_ms")}
+    return {**figures, "refused": [text for text in told["warnings"] if "not allowed" in text]}
+
+
+def main() -> int:
+    """Measure in turns, print medians."""
+    parser = options_of(__doc__)
+    parser.add_argument("--frames", type=int, default=150, help="of each run (default 150)")
+    parser.add_argument("--rounds", type=int, default=3, help="how often, in turns (default 3)")
+    args = parser.parse_args()
+    found: dict[str, list[dict[str, Any]]] = {name: [] for name in ASKED}
+    with TemporaryDirectory(prefix="followspot-beside-") as folder:
+        for _ in range(args.rounds):
+            for name, asked in ASKED.items():
+                found[name].append(measure(asked, 0 if name == "alone" else 2, args.frames, Path(folder)))
+    rows = {
+        name: {
+            **{key: median(run[key] for run in runs) for key in ("p50_ms", "p95_ms", "worst_ms")},
+            "refused": runs[0]["refused"],
+        }
+        for name, runs in found.items()
+    }
+    if args.json:
+        print(json.dumps(rows))
+        return 0
+    print(f"camera -> track, ms, medians of {args.rounds} rounds of {args.frames} frames")
+    for name, row in rows.items():
+        print(f"  {name:34} p50 {row['p50_ms']:7.1f}  p95 {row['p95_ms']:7.1f}  worst {row['worst_ms']:7.1f}")
+        for text in row["refused"]:
+            print(f"    {text.splitlines()[0]}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
