@@ -320,7 +320,8 @@ def test_every_command_of_the_document_is_understood_and_its_variants_can_be_pla
     line: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(ROOT)
-    args = build_parser().parse_args(shlex.split(line)[1:])
+    words = shlex.split(line)[1:]
+    args = build_parser(words).parse_args(words)
     assert callable(args.run_command)
     for path in re.findall(r"graphs/\S+\.(?:yaml|py)", line):
         assert Path(path).is_file()

@@ -19,7 +19,7 @@ from followspot.transport.host_registry import read_host_registry
 from followspot_calibrate.board.timestamps import read_timestamps
 from followspot_calibrate.points_file.reading import read_points
 from followspot_cameras.images import read_picture
-from followspot_cameras.video_file import open_video
+from followspot_cameras.video.file import open_video
 from followspot_persons.color.difference import read_relations
 from followspot_persons.hog.model import load as load_hog
 from followspot_persons.shape import read_shape

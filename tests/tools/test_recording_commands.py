@@ -139,6 +139,17 @@ def test_another_graph_is_replayed_on_the_recorded_cameras(show: Path, tmp_path:
     assert (tmp_path / "tracks.csv").read_bytes() != (show.parent / "out/tracks.csv").read_bytes()
 
 
+def test_another_graph_is_replayed_on_some_of_the_recorded_cameras(
+    show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert replay(show, tmp_path, "--graph", GLOWBALLS, "--cameras", "cam0,cam1") == 0
+    edges = json.loads(capsys.readouterr().out.splitlines()[-1])["edges"]
+    assert {edge["from"] for edge in edges if edge["from"].startswith("camera/")} == {
+        "camera/cam0.out",
+        "camera/cam1.out",
+    }
+
+
 def test_a_part_is_replayed(show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert replay(show, tmp_path, "--from", "0.02", "--to", "0.06") == 0
     assert json.loads(capsys.readouterr().out)["frames"] == 2
@@ -170,7 +181,11 @@ def test_verify_says_up_to_where_a_damaged_recording_is_good(
     show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     cut = tmp_path / "cut.mcap"
-    cut.write_bytes(show.read_bytes()[:-100_000])
+    with show.open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert summary is not None
+    last = max(chunk.chunk_start_offset for chunk in summary.chunk_indexes)
+    cut.write_bytes(show.read_bytes()[: last + 100])
     assert main(["verify", str(cut)]) == 0
     told = capsys.readouterr().out
     assert "read up to there" in told
@@ -252,7 +267,7 @@ def test_messages_of_a_stranger_are_recorded_replayed_and_verified(
     capsys.readouterr()
     assert main(["verify", str(show), *mine, "--json"]) == 0
     (row,) = json.loads(capsys.readouterr().out)["ports"]
-    assert row == {"port": "louder.out", "messages": 12, "difference": ""}
+    assert row == {"port": "louder.out", "messages": 12, "difference": "", "unrepeated": ""}
 
 
 @pytest.mark.parametrize(
@@ -265,6 +280,7 @@ def test_messages_of_a_stranger_are_recorded_replayed_and_verified(
         (["record", GLOWBALLS], "needs a file"),
         (["replay", "SHOW", "--ports", "fusee"], 'did you mean "fuse"?'),
         (["replay", "SHOW", "--set", "fuse.uses=balls.mean"], "add --graph GRAPH"),
+        (["replay", "SHOW", "--cameras", "cam0"], "--cameras serves another graph"),
         (["replay", "SHOW", "--from", "2", "--to", "1"], "0 <= from < to"),
         (["replay", "SHOW", "--speed", "nan"], "--speed cannot be nan"),
         (["export", "SHOW", "out", "--to", "csv", "--ports", "nothing"], 'no port "nothing"'),

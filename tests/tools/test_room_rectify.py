@@ -13,7 +13,7 @@ from followspot import Camera, Context, Room, room_file
 from followspot.cli.main import main
 from followspot.geometry import project
 from followspot.room import StageUse
-from followspot_cameras.rectified_video import RectifiedVideo, rectification
+from followspot_cameras.video.rectified import RectifiedVideo, rectification
 from followspot_room.rectifying import rectified
 
 SIZE = (320, 240)

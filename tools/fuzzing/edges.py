@@ -19,7 +19,7 @@ import zenoh
 from followspot import people, tracking
 from followspot.messages import InvalidMessage, Message, identical
 from followspot.transport.codec import pack
-from followspot.transport.ring.control import ARENAS
+from followspot.transport.ring.control import ARENAS, CONSUMED
 from followspot.transport.ring.memory import Memory
 from followspot.transport.ring.notification import ARENA, HELLO, INLINE, NOTIFICATION, SLOT, WATERMARK
 from followspot.transport.ring.reader import RingReader
@@ -299,14 +299,14 @@ class RingEdge:
     def take(self, act: Callable[[], None]) -> object:
         """Do it and see what becomes of it. Raises InvalidMessage if it is refused."""
         refused = self.reader.strangers + self.writer.strangers
-        sequence = self.reader._sequence
+        sequence = self.reader._decoder.sequence
         act()
         tokens = [token for _ in range(4) for token in self.reader.poll()]
         self.writer.credit()
         self.writer.drain()
         self._count += 1
         refused = self.reader.strangers + self.writer.strangers - refused
-        self._passes(self.reader._sequence != sequence or bool(self.writer.lost))
+        self._passes(self.reader._decoder.sequence != sequence or bool(self.writer.lost))
         broken = [token.reason for token in tokens if isinstance(token, Invalid)]
         if broken or refused:
             raise InvalidMessage(broken[-1] if broken else "counted")
@@ -319,9 +319,9 @@ class RingEdge:
         arena, wakes = rng.randrange(ARENAS), rng.choice((1, 4000))
 
         def store() -> None:
-            control = self.reader._control
+            control = self.reader._memory.control
             assert control is not None
-            control.consumed = self.writer._sequence if consumed is None else consumed
+            control.words[CONSUMED] = self.writer._sequence if consumed is None else consumed
             control.release_all(arena, [stamp] * self.writer._slots)
             with suppress(OSError):
                 self.reader._socket.send(b"\1" * wakes)
@@ -343,7 +343,7 @@ class RingEdge:
             self.reader.close()
             self._begin()
             return
-        control = self.reader._control
+        control = self.reader._memory.control
         if control is not None:
             self.reader._consumed = self.writer._sequence
             self.reader.consumed(0)

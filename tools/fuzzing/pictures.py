@@ -17,7 +17,7 @@ from followspot.errors import FollowspotError
 from followspot.room import Camera
 from followspot.stage import Context
 from followspot_cameras.images import Images
-from followspot_cameras.video import Video
+from followspot_cameras.video.stage import Video
 from fuzzing.mutation import broken_bytes
 from fuzzing.target import Target
 

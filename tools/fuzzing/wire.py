@@ -12,10 +12,17 @@ import numpy as np
 from followspot import people, tracking
 from followspot.messages import Array, Header, InvalidMessage, Message, seal, stamped
 from followspot.transport.codec import codec_of, pack
-from followspot.transport.ring.notification import INLINE, NOTIFICATION, SLOT, WATERMARK
+from followspot.transport.ring.heads import HeadPacker
+from followspot.transport.ring.notification import (
+    INLINE,
+    MESSAGE,
+    NOTIFICATION,
+    SLOT,
+    WATERMARK,
+)
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
-from followspot.transport.token import Invalid, Watermark
+from followspot.transport.token import UNKNOWN, Invalid, Watermark
 from followspot.transport.wire import ALIGN, PREFIX, VERSION, unpack_head
 from followspot.transport.zenoh.codec import pack_as, unpack_as
 from fuzzing.mutation import broken_bytes
@@ -103,19 +110,22 @@ class Ring:
         codec = codec_of(type(message))
         arrays = codec.arrays(message)
         body = pack(message)[len(codec.head(message, arrays)) :]
-        rest = body if kind == INLINE else codec.places.pack(*range(0, ALIGN * len(arrays), ALIGN))
-        return NOTIFICATION.pack(kind, 0, 1, len(body), 1) + codec.head(message, arrays) + rest
+        heads = HeadPacker(type(message))
+        head, _ = heads.pack(message, arrays)
+        rest = body if kind == INLINE else heads.places.pack(*range(0, ALIGN * len(arrays), ALIGN))
+        return MESSAGE.pack(kind, 0, 1, len(body), 1, *message.header[1:], UNKNOWN) + head + rest
 
     def make(self, rng: random.Random) -> bytes:
         """A broken datagram, of no more bytes than fit."""
         datagram = bytearray(broken_bytes(rng.choice(self._valid), rng, self._valid)[:60_000])
         if len(datagram) >= NOTIFICATION.size and rng.random() < 0.5:
-            numbers = [rng.choice((0, 1, 2, 3, 4, 5, 255)) for _ in range(2)]
+            numbers = [rng.choice((0, 1, 2, 3, 4, 5, 6, 255)) for _ in range(2)]
             NOTIFICATION.pack_into(datagram, 0, *numbers, rng.randrange(9), rng.choice((0, 64, 1 << 20)), 2)
         return bytes(datagram) or b"\0"
 
     def take(self, datagram: bytes) -> object:
         """Give it to the reader. Raises InvalidMessage if it says so."""
+        self._reader._decoder.sequence = 1  # what the datagrams say: each input meets the same reader
         self._sending.send(datagram)
         tokens = self._reader.poll()
         broken = next((token.reason for token in tokens if isinstance(token, Invalid)), None)

@@ -3,11 +3,14 @@ import { Faults } from "./faults.ts";
 import { Header } from "./header.ts";
 import { Legend } from "./legend.ts";
 import { make } from "./make.ts";
+import { Marker } from "./marker.ts";
 import { part } from "./part.ts";
 import { Pipeline } from "./pipeline.ts";
 import { Player } from "./player.ts";
 import { Recorder } from "./recorder.ts";
 import { Room } from "./room.ts";
+import { Runs } from "./runs.ts";
+import { Scrubber } from "./scrubber.ts";
 import type { Drawn, View } from "./seen.ts";
 import { Sensors } from "./sensors.ts";
 import { Tiles } from "./tiles.ts";
@@ -47,6 +50,32 @@ const player = new Player(
   },
   ask,
 );
+const marker = new Marker(
+  {
+    element: part("marker", HTMLElement),
+    mark: part("mark", HTMLButtonElement),
+    note: part("note", HTMLInputElement),
+    marked: part("marked", HTMLElement),
+  },
+  ask,
+);
+const scrubber = new Scrubber(
+  {
+    element: part("scrubber", HTMLElement),
+    play: part("play", HTMLButtonElement),
+    line: part("line", HTMLInputElement),
+    moment: part("moment", HTMLElement),
+  },
+  ask,
+);
+const runs = new Runs(
+  {
+    element: part("others", HTMLElement),
+    button: part("runs", HTMLButtonElement),
+    list: part("list", HTMLElement),
+  },
+  ask,
+);
 const timeline = new Timeline(part("time", HTMLElement), part("over", HTMLButtonElement));
 const legend = new Legend(part("legend", HTMLElement));
 const together = new Together();
@@ -79,6 +108,8 @@ function takeScene(scene: Scene): void {
   timeline.show(scene.stages);
   recorder.show(scene.ports);
   player.show(scene.replay);
+  runs.show(scene.others);
+  scrubber.show(scene.recorded);
   if (JSON.stringify(scene.room) !== shown) {
     // else only stages or parameters are others
     shown = JSON.stringify(scene.room);
@@ -116,6 +147,8 @@ function takeView(view: View): void {
   } else if (view.kind === "Poses") {
     fused ||= !view.camera;
     if (!(fused && view.camera)) room?.poses(view); // what cameras see apart is shown until it is fused
+  } else if (view.kind === "Skeletons") {
+    room?.bones(view);
   }
   tiles.changed(view);
 }
@@ -124,6 +157,10 @@ function takeAnswer(answer: Answer): void {
   const wish: Wish = JSON.parse(answer.to);
   if ("on" in wish) recorder.answer(answer);
   else if ("hold" in wish) player.answer(answer);
+  else if ("mark" in wish) marker.answer(answer);
+  else if ("open" in wish) runs.answer(answer);
+  else if ("seek" in wish) return;
+  else if ("save" in wish) pipeline.detail.tellSaved(answer);
   else {
     pipeline.detail.answer(answer);
     if (answer.ok) timeline.note(`${wish.stage}: ${answer.text}`);
@@ -135,6 +172,8 @@ function take(told: Told): void {
   else if (told.type === "run") takeRun(told);
   else if (told.type === "view") takeView(told);
   else if (told.type === "recording") recorder.update(told);
+  else if (told.type === "kept") marker.update(told);
+  else if (told.type === "position") scrubber.update(told);
   else if (told.type === "answer") takeAnswer(told);
   else {
     ended = told.how;

@@ -1,9 +1,8 @@
-// The cards of the graph: of a stage with all its instances, and of a sub-graph with all its stages.
-import { Drawing } from "./drawing.ts";
-import { doing, isFault, largest, lossOf, number, slowest, span, stageOf, worstOf } from "./figures.ts";
+// The card of a stage with all its instances.
+import { doing, isFault, largest, lossOf, number, stageOf, worstOf } from "./figures.ts";
 import { make } from "./make.ts";
 import type { Standing, Step } from "./ranks.ts";
-import type { EdgeStatus, Latency, Run, StageStatus } from "./told.ts";
+import type { EdgeStatus, Run, StageStatus } from "./told.ts";
 
 export type Figures = Pick<Run, "stages" | "edges" | "paths">;
 
@@ -86,75 +85,4 @@ export class Card {
   protected rate(stages: StageStatus[], _edges: EdgeStatus[]): number | null {
     return largest(stages.map((stage) => stage.rate));
   }
-}
-
-let made = 0;
-
-// One card as long as it is folded; unfolded the cards within, and its own as their heading.
-export class SubgraphCard extends Card {
-  readonly groups = new Set<string>(); // stages of the graph file
-  readonly drawing = new Drawing();
-  private readonly latency = make("span", "", { className: "latency" });
-
-  constructor(label: string, onclick: () => void) {
-    const id = `within-${made++}`;
-    super(label, id, false, onclick);
-    this.item.className = "subgraph";
-    this.drawing.element.id = id;
-    this.drawing.element.hidden = true;
-    this.state.after(this.latency);
-    this.item.append(this.drawing.element);
-  }
-
-  override expand(expanded: boolean): void {
-    super.expand(expanded);
-    this.drawing.element.hidden = !expanded;
-    this.item.classList.toggle("unfolded", expanded);
-  }
-
-  override get outline(): HTMLElement {
-    return this.wide ? this.item : this.button;
-  }
-
-  override get wide(): boolean {
-    return this.item.classList.contains("unfolded");
-  }
-
-  override update(run: Figures): void {
-    super.update(run);
-    const slow = slowest(latenciesOf(this.members, run));
-    this.latency.textContent = slow === null ? "" : `latency ${span(slow)}`;
-    this.latency.title = "age of what leaves the sub-graph, since it entered the graph: p50 / p95";
-  }
-
-  protected override many(): string {
-    return ` ${this.groups.size} stage${this.groups.size > 1 ? "s" : ""}`;
-  }
-
-  protected override rate(stages: StageStatus[], edges: EdgeStatus[]): number | null {
-    return rateOf(this.members, stages, edges);
-  }
-}
-
-// The rate of what leaves a sub-graph; where nothing does, of the stages that nothing within takes from.
-export function rateOf(
-  members: Set<string>,
-  stages: Pick<StageStatus, "stage" | "rate">[],
-  edges: Pick<EdgeStatus, "from" | "to" | "rate">[],
-): number | null {
-  const outgoing = leaving(members, edges);
-  if (outgoing.length) return largest(outgoing.map((edge) => edge.rate));
-  const sending = new Set(edges.map(({ from }) => stageOf(from)));
-  return largest(stages.filter(({ stage }) => !sending.has(stage)).map((stage) => stage.rate));
-}
-
-// Ages of what leaves a sub-graph; where nothing does, of what its last stages take.
-export function latenciesOf(members: Set<string>, { edges, paths }: Pick<Run, "edges" | "paths">): Latency[] {
-  const outgoing: Latency[] = leaving(members, edges);
-  const found = outgoing.length ? outgoing : paths.filter(({ sink }) => members.has(sink));
-  return found.filter(({ old }) => !old);
-}
-
-function leaving<E extends Pick<EdgeStatus, "from" | "to">>(members: Set<string>, edges: E[]): E[] {
-  return edges.filter(({ from, to }) => members.has(stageOf(from)) && !members.has(stageOf(to)));
 }

@@ -3,7 +3,7 @@ import { stageOf } from "./figures.ts";
 import { Form, Undo } from "./form.ts";
 import { make } from "./make.ts";
 import { edgeTable, stageTable } from "./tables.ts";
-import type { Answer, Ask, Change, FormData, Run, StageAbout } from "./told.ts";
+import type { Answer, Ask, Change, FormData, Run, SaveWish, StageAbout } from "./told.ts";
 
 export class Detail {
   forms: Record<string, FormData> = {};
@@ -16,12 +16,21 @@ export class Detail {
   private readonly undo: Undo;
   private readonly close: () => void;
   private said: Answer | null = null; // the newest answer
+  private readonly save = make("button", "save as overlay", { type: "button", className: "undo" });
+  private readonly saved = make("p", "", { className: "saved" });
 
-  constructor(element: HTMLElement, send: Ask<Change>, close: () => void) {
+  constructor(element: HTMLElement, send: Ask<Change | SaveWish>, close: () => void) {
     this.element = element;
     this.home = element.parentElement ?? document.body;
     this.undo = new Undo(send);
     this.close = close;
+    this.save.title =
+      "writes a new graph file that extends the run's, with all that was changed while it ran";
+    this.save.onclick = () => {
+      this.saved.textContent = "…";
+      send({ save: true });
+    };
+    this.saved.setAttribute("role", "status");
   }
 
   get id(): string {
@@ -46,6 +55,7 @@ export class Detail {
       button,
       make("h2", `${group} · ${about.uses}`),
       this.back,
+      ...(made ? [this.save, this.saved] : []),
       made?.element ?? make("p", params.join("   ") || "no parameters"),
       this.figures,
     );
@@ -62,6 +72,11 @@ export class Detail {
       make("h2", "edges"),
       edgeTable(edges),
     );
+  }
+
+  // What became of saving.
+  tellSaved({ text, ok }: Answer): void {
+    this.saved.textContent = ok ? text : `not saved: ${text}`;
   }
 
   answer(answer: Answer): void {

@@ -13,13 +13,21 @@ export class Header {
   private readonly fired = part("fired", HTMLElement);
   private readonly latency = part("latency", HTMLElement);
   private readonly lost = part("lost", HTMLElement);
+  private readonly figures = part("figures", HTMLElement);
+  private recorded = false; // whether a recording is shown instead of a run
 
-  show({ graph, room }: Scene): void {
+  show({ graph, room, recorded }: Scene): void {
+    this.recorded = recorded !== null;
     this.graph.textContent = graph;
     this.room.textContent = room.name;
   }
 
   update(run: Run, paused: boolean): void {
+    this.figures.hidden = this.recorded;
+    if (this.recorded) {
+      this.live("ended", "recording");
+      return;
+    }
     const begun = run.stages.some((stage) => stage.state !== "over");
     const life = paused ? "paused" : "running";
     this.live(begun ? life : "waiting", begun ? life : "starting");

@@ -1,7 +1,8 @@
 // Each target by name and colour, where it is and how well that is known.
 import { make } from "./make.ts";
 import type { TrackColumns } from "./seen.ts";
-import type { TargetData, Triple } from "./told.ts";
+import type { TargetData } from "./told.ts";
+import type { Triple } from "./triple.ts";
 
 const SILENT_MS = 2000; // longer without a word, the places that are shown are old
 

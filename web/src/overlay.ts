@@ -6,6 +6,7 @@ import type {
   ForecastView,
   ImageTracksView,
   PosesView,
+  SkeletonsView,
   TracksView,
 } from "./seen.ts";
 
@@ -26,6 +27,7 @@ export function overlay(sheet: Sheet, view: Drawn): void {
   else if (view.kind === "Tracks") tracks(sheet, view);
   else if (view.kind === "Boxes") boxes(sheet, view);
   else if (view.kind === "Poses") poses(sheet, view);
+  else if (view.kind === "Skeletons") skeletons(sheet, view);
   else imageTracks(sheet, view);
 }
 
@@ -69,8 +71,10 @@ function boxes(sheet: Sheet, { box }: BoxesView): void {
   for (const [x0, y0, x1, y1] of box) sheet.pen.strokeRect(x0, y0, x1 - x0, y1 - y0);
 }
 
+const personColor = (number: number) => `hsl(${PERSON_HUES[number % PERSON_HUES.length]} 90% 65%)`;
+
 function poses(sheet: Sheet, { person, images, arrows }: PosesView): void {
-  const color = (i: number) => `hsl(${PERSON_HUES[person[i] % PERSON_HUES.length]} 90% 65%)`;
+  const color = (i: number) => personColor(person[i]);
   images[sheet.camera]?.forEach((place, i) => {
     if (place) circle(sheet, place, color(i), { width: 1.6 });
   });
@@ -79,6 +83,16 @@ function poses(sheet: Sheet, { person, images, arrows }: PosesView): void {
     const [head, gaze, chest, front] = points;
     arrow(sheet, head, gaze, color(i), 1.6);
     arrow(sheet, chest, front, color(i), 2.6);
+  });
+}
+
+function skeletons(sheet: Sheet, { person, images }: SkeletonsView): void {
+  images[sheet.camera]?.forEach((ends, i) => {
+    if (!ends) return;
+    begin(sheet, personColor(person[i]), 1.6);
+    sheet.pen.moveTo(...ends[0]);
+    sheet.pen.lineTo(...ends[1]);
+    sheet.pen.stroke();
   });
 }
 

@@ -18,8 +18,8 @@ import {
   Vector2,
 } from "three";
 import { words } from "./light.ts";
-import type { Triple } from "./told.ts";
 import { fill, line } from "./trail.ts";
+import type { Triple } from "./triple.ts";
 
 const HUES = [205, 28, 140, 275, 52, 330];
 const FOLLOW = 10; // 1/s

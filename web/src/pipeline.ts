@@ -1,8 +1,9 @@
 // The running graph: cards for the stages of the graph file and for its sub-graphs, with lines between them.
-import { Card, SubgraphCard } from "./card.ts";
+import { Card } from "./card.ts";
 import { Detail } from "./detail.ts";
 import { Drawing } from "./drawing.ts";
-import type { Ask, Change, EdgePlan, Run, Scene, StageAbout } from "./told.ts";
+import { SubgraphCard } from "./subgraph_card.ts";
+import type { Ask, Change, EdgePlan, Run, SaveWish, Scene, StageAbout } from "./told.ts";
 
 export class Pipeline {
   private about = new Map<string, StageAbout>();
@@ -17,7 +18,7 @@ export class Pipeline {
   readonly detail: Detail;
 
   // element: holds the graph; detail: where an open card is shown, beside the cameras.
-  constructor(element: HTMLElement, detail: HTMLElement, send: Ask<Change>) {
+  constructor(element: HTMLElement, detail: HTMLElement, send: Ask<Change | SaveWish>) {
     element.prepend(this.whole.element);
     this.detail = new Detail(detail, send, () => this.showDetail(null));
     addEventListener("keydown", ({ key }) => key === "Escape" && this.showDetail(null));

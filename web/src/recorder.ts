@@ -1,4 +1,5 @@
 // The record button: which ports, and how the recording is.
+import { clock, size } from "./amounts.ts";
 import { make } from "./make.ts";
 import type { Answer, Ask, Recording, RecordWish } from "./told.ts";
 
@@ -78,13 +79,4 @@ export class Recorder {
     this.parts.choice.hidden = !whether;
     this.parts.record.setAttribute("aria-expanded", String(whether));
   }
-}
-
-function size(bytes: number): string {
-  if (bytes < 1e6) return `${(bytes / 1e3).toFixed(0)} kB`;
-  return bytes < 1e9 ? `${(bytes / 1e6).toFixed(1)} MB` : `${(bytes / 1e9).toFixed(2)} GB`;
-}
-
-function clock(seconds: number): string {
-  return `${Math.floor(seconds / 60)}:${String(Math.floor(seconds % 60)).padStart(2, "0")}`;
 }

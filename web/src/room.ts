@@ -1,10 +1,11 @@
 // The room in 3D: a dark stage, the cameras above it, and light where the targets are.
 import { Color, Fog, HemisphereLight, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+import { Bones } from "./bones.ts";
 import { glowTexture } from "./light.ts";
 import { Orbit } from "./orbit.ts";
 import { Person } from "./person.ts";
 import { frustum, grid, patch } from "./scenery.ts";
-import type { PosesView } from "./seen.ts";
+import type { PosesView, SkeletonsView } from "./seen.ts";
 import { Target } from "./target.ts";
 import type { Tracked } from "./together.ts";
 import type { RoomData } from "./told.ts";
@@ -22,6 +23,7 @@ export class Room {
   private readonly scene = new Scene();
   private targets: Target[] = [];
   private readonly people = new Map<string, Person>();
+  private readonly skeletons = new Map<string, Bones>(); // by port
   private box: [Vector3, Vector3] | null = null;
   private before = performance.now();
   private stirred = 0; // when something was last new; until it has settled the room is drawn
@@ -59,6 +61,7 @@ export class Room {
     this.targets = room.targets.map((target) => new Target(target, this.texture));
     for (const { group } of this.targets) this.scene.add(group);
     this.people.clear();
+    this.skeletons.clear();
     this.orbit.show(low, high);
   }
 
@@ -82,6 +85,17 @@ export class Room {
       const columns = { height: height[i], heading: heading[i], pan: pan[i], tilt: tilt[i] };
       this.person(`${camera} ${number}`, number).move({ xy: xy[i], ...columns, sigma: sigma[i], time });
     });
+  }
+
+  bones(view: SkeletonsView): void {
+    this.stir();
+    let known = this.skeletons.get(view.port);
+    if (!known) {
+      known = new Bones();
+      this.skeletons.set(view.port, known);
+      this.scene.add(known.lines);
+    }
+    known.move(view);
   }
 
   private person(name: string, number: number): Person {
@@ -115,6 +129,8 @@ export class Room {
         this.people.delete(name);
       }
     }
+    for (const { lines, heard } of this.skeletons.values())
+      lines.visible = performance.now() - heard < GONE_MS;
     this.renderer.render(this.scene, this.camera);
   }
 }

@@ -39,7 +39,7 @@ const LANE = 15; // between two lanes, and two labels of one
 const PORT = 9; // from the middle of a box to where lines of lanes begin and end
 const TURN = 9; // from a box to where such a line turns
 const BESIDE = 6; // from where a line that leads back turns to its label
-const CLEAR = 12; // from the boxes to the first lane
+const CLEAR = 18; // from the boxes to the first lane
 const BEHIND = "behind ";
 
 export function routed(boxes: Map<string, Box>, links: { from: string; to: string }[]): Routed {

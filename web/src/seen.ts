@@ -1,5 +1,5 @@
 // What was detected, tracked and read, as tools/commands/followspot_page/views.py makes it; m, px, rad and ms.
-import type { Triple } from "./told.ts";
+import type { Triple } from "./triple.ts";
 
 interface Viewed {
   type: "view";
@@ -54,6 +54,14 @@ export interface PosesView extends Viewed {
   arrows: Record<string, ([number, number][] | null)[]>;
 }
 
+export interface SkeletonsView extends Viewed {
+  kind: "Skeletons";
+  camera?: undefined;
+  person: number[]; // of each bone
+  bones: [Places[number], Places[number]][];
+  images: Record<string, ([[number, number], [number, number]] | null)[]>;
+}
+
 export interface BoxesView extends Viewed {
   kind: "Boxes";
   camera: string;
@@ -67,7 +75,14 @@ export interface ImageTracksView extends Viewed {
   pixel: [number, number][];
 }
 
-export type Drawn = BlobsView | TracksView | ForecastView | PosesView | BoxesView | ImageTracksView;
+export type Drawn =
+  | BlobsView
+  | TracksView
+  | ForecastView
+  | PosesView
+  | SkeletonsView
+  | BoxesView
+  | ImageTracksView;
 
 export interface InertialView extends Viewed {
   kind: "Inertial";

@@ -18,8 +18,9 @@ import {
 } from "three";
 import { Axes } from "./axes.ts";
 import { glow, words } from "./light.ts";
-import type { TargetData, Triple } from "./told.ts";
+import type { TargetData } from "./told.ts";
 import { fill, line } from "./trail.ts";
+import type { Triple } from "./triple.ts";
 
 const TRAIL = 75; // places, at 30 a second
 const SIGMAS = 2.8; // standard deviations from the ball to the shell around it: 95 % in three dimensions

@@ -1,7 +1,7 @@
 // What the server tells a browser, as tools/commands/followspot_page makes it; lengths in m, px or s as noted there.
 import type { View } from "./seen.ts";
+import type { Triple } from "./triple.ts";
 
-export type Triple = [number, number, number];
 export type Value = string | number | boolean | null | Value[] | { [key: string]: Value };
 
 export interface CameraData {
@@ -86,7 +86,35 @@ export interface Scene {
   edges: EdgePlan[];
   forms: Record<string, FormData>;
   ports: string[];
+  recorded: Span | null; // of a recording that is shown instead of a run
+  others: boolean; // whether the page tells of other runs
   replay: boolean;
+}
+
+// Of capture time, s.
+export interface Span {
+  begin: number;
+  end: number;
+}
+
+// Where a recording stands. at: s of capture time.
+export interface Position {
+  type: "position";
+  at: number;
+  playing: boolean;
+}
+
+// A run in reach. page: its address, "" without one; shown: whether this page shows it; age_s: null if nobody knows.
+export interface ListedRun {
+  run: string;
+  graph: string;
+  hosts: string[];
+  state: string;
+  owner: string;
+  frames: number | null;
+  age_s: number | null;
+  page: string;
+  shown: boolean;
 }
 
 export type State =
@@ -176,6 +204,27 @@ export interface Recording {
   error: string;
 }
 
+// A file of marks. notes: of those who made them, or why the run marked by itself; lost: messages that are missing.
+export interface Moment {
+  file: string;
+  notes: string[];
+  state: "open" | "complete" | "failed";
+  seconds: number;
+  bytes: number;
+  lost: number;
+  problem: string;
+}
+
+// What the flight recorder holds. held: s of the port of which it holds the least; moments: the newest file, if any.
+export interface Kept {
+  type: "kept";
+  seconds: number;
+  held: number;
+  bytes: number;
+  lost: number;
+  moments: Moment[];
+}
+
 // to: what was asked for, JSON; text: what became of it, or why nothing did.
 export interface Answer {
   type: "answer";
@@ -189,7 +238,7 @@ export interface End {
   how: string;
 }
 
-export type Told = Scene | Run | View | Recording | Answer | End;
+export type Told = Scene | Run | View | Recording | Kept | Position | Answer | End;
 
 export interface Change {
   stage: string;
@@ -204,5 +253,19 @@ export interface Hold {
   hold: "pause" | "resume" | "step";
   count: number;
 }
-export type Wish = Change | RecordWish | Hold;
+export interface MarkWish {
+  mark: string;
+}
+export interface SaveWish {
+  save: true;
+}
+// seek: s of capture time, null for where it stands.
+export interface SeekWish {
+  seek: number | null;
+  play: boolean;
+}
+export interface OpenWish {
+  open: string;
+}
+export type Wish = Change | RecordWish | Hold | MarkWish | SaveWish | OpenWish | SeekWish;
 export type Ask<W extends Wish> = (wish: W) => void;

@@ -7,7 +7,7 @@ import {
   LineBasicMaterial,
   type LineBasicMaterialParameters,
 } from "three";
-import type { Triple } from "./told.ts";
+import type { Triple } from "./triple.ts";
 
 export function line(count: number, look: LineBasicMaterialParameters): Line<BufferGeometry> {
   const geometry = new BufferGeometry().setAttribute("position", new Float32BufferAttribute(3 * count, 3));

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Together } from "../src/together.ts";
-import type { Triple } from "../src/told.ts";
+import type { Triple } from "../src/triple.ts";
 
 type Row = [target: number, state: string, x: number];
 

@@ -17,7 +17,7 @@ from starlette.requests import Request
 from tests.tools.page.bundled import ROOT, UNREACHED, bundle
 
 from followspot.errors import InputError
-from followspot_page import asked, server
+from followspot_page import asked, serving
 from followspot_page.bundle import check_bundle
 from followspot_page.hooks import configure
 
@@ -44,8 +44,8 @@ def test_a_checkout_without_the_bundle_says_how_to_get_it_on_the_command_line(
 
 
 def test_and_to_a_browser(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(server, "is_bundled", lambda: False)
-    answer = asyncio.run(server.home(Request({"type": "http"})))
+    monkeypatch.setattr(serving, "is_bundled", lambda: False)
+    answer = asyncio.run(serving.home(Request({"type": "http"})))
     assert answer.status_code == 503
     assert answer.body == b"the page is not bundled in this checkout yet: make bundle does it\n"
 

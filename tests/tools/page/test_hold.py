@@ -31,7 +31,7 @@ class Replay:
 
 def test_each_button_asks_the_run_for_what_it_says() -> None:
     page, run = Page.__new__(Page), Replay()
-    page.ask = run  # type: ignore[assignment]
+    page.ask, page.scrub = run, None  # type: ignore[assignment]
     wishes = ('{"hold": "pause"}', '{"hold": "step", "count": 3}', '{"hold": "resume"}')
     assert [asyncio.run(page.do(wish)) for wish in wishes] == ["", "at 1.500000 s", ""]
     assert run.asked == ["pause", 3, "resume"]

@@ -22,6 +22,7 @@ from websockets.sync.client import ClientConnection
 from followspot.control.host import WorkerStatus
 from followspot.control.stage_status import EdgeAge, PathStatus, StageStatus
 from followspot.errors import FollowspotError
+from followspot.firing import firings_of
 from followspot.graph.plan import Plan
 from followspot.operator.run_status import RunStatus
 from followspot.tracking import Frame, Tracks
@@ -248,7 +249,12 @@ def test_chosen_ports_are_recorded_from_the_page_and_what_is_missing_is_counted(
         assert set(scene["ports"]) == {"camera", *scene["forms"]}
         browser.send(json.dumps({"on": True, "ports": "track.tracks,color/cam0"}))
         assert next(things(browser, "answer"))["ok"]
-        assert set(page.recorded) == {"track.tracks", "color/cam0.out"}
+        assert set(page.recorded) == {
+            "track.tracks",
+            "color/cam0.out",
+            firings_of("track"),
+            firings_of("color/cam0"),
+        }
         tap = RecordingTap(**page.recorded["track.tracks"])
         tap.setup()
         for ms in (10, 20, 30):
@@ -261,11 +267,13 @@ def test_chosen_ports_are_recorded_from_the_page_and_what_is_missing_is_counted(
         browser.send(json.dumps({"on": False}))
         told = recordings(browser, "over")
         assert next(things(browser, "answer"))["ok"]
+    tap.close()
     assert (told["messages"], told["lost"], told["error"]) == (4, 2, "")
     path = Path(told["file"])
     assert (path.parent, told["bytes"]) == (page.out, path.stat().st_size)
     with Recording(path) as recording:
         assert plan_of_recording(recording).stages == page.plan.stages
+        assert recording.metadata["moment"] == "true"
         found = [unpack(bytes(message.data), Tracks) for message in recording.messages("track.tracks")]
     assert [message.header.time for message in found if isinstance(message, Tracks)] == [
         ms * 1_000_000 for ms in (10, 20, 30, 60)

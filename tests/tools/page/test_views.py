@@ -15,7 +15,7 @@ from tests.tools.page.served import tracks
 from followspot.graph.compile import compile_graph
 from followspot.inertial import Inertial
 from followspot.messages import Array, Header, Message, column, stamped
-from followspot.people import Poses
+from followspot.people import Poses, Skeletons
 from followspot.room import Camera, Room
 from followspot_page.scene import bounds
 from followspot_page.views import view
@@ -68,6 +68,28 @@ def test_the_floor_around_a_panorama_is_shown_on_all_sides() -> None:
     low, high = bounds(Room(cameras={"cam": camera}))
     assert (low[:2] < -1).all()
     assert (high[:2] > 1).all()
+
+
+def test_bones_join_the_joints_of_one_person_in_the_room_and_in_each_picture() -> None:
+    names = ("left_hip", "left_knee", "left_ankle", "nose")
+    leg = np.array([[3.0, 0.5, 1.0], [3.0, 0.5, 0.6], [-3.0, 0.5, 0.2], [3.0, 0.0, 1.7]])
+    skeletons = Skeletons(
+        labels=names,
+        person=np.array([4, 4, 4, 5], np.int32),
+        label=np.arange(4, dtype=np.int32),
+        xyz=leg,
+        covariance=np.zeros((4, 3, 3)),
+        views=np.full(4, 2, np.int32),
+    )
+    told = view(stamped(skeletons, Header("people", 0, 0)), Room(cameras={"cam": looking_along_x()}))
+    assert told["person"] == [4, 4]
+    assert told["bones"] == [leg[:2].tolist(), leg[1:3].tolist()]
+    thigh, shin = told["images"]["cam"]
+    assert thigh[0][0] == pytest.approx(thigh[1][0])
+    assert thigh[0][0] < 160  # to the left, as +y is, and downwards
+    assert thigh[1][1] - thigh[0][1] == pytest.approx(200 * 0.4 / 3.0, abs=0.1)
+    assert shin is None  # one end is behind the camera
+    json.dumps(told)
 
 
 def test_where_no_number_is_known_the_page_is_told_nothing() -> None:

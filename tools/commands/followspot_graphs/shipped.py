@@ -16,7 +16,11 @@ DEMO = "glowballs"
 
 @dataclass(frozen=True)
 class ShippedGraph:
-    """name: of its file, without .yaml; title: what it is for; room: name of its room, or None."""
+    """A graph that comes with followspot.
+
+    name: of its file, without .yaml; title: a sentence on its purpose; room: name of the room that it runs in
+    if no other is given, or None.
+    """
 
     name: str
     title: str

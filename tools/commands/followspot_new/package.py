@@ -11,7 +11,7 @@ from pathlib import Path
 from string import Template
 
 from followspot.errors import InputError
-from followspot.graph.expand import ROOM_SOURCE
+from followspot.graph.declaration import ROOM_SOURCE
 from followspot.plugins.registry import catalogue
 
 TEMPLATES = Path(__file__).parent / "templates"

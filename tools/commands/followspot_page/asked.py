@@ -5,8 +5,12 @@ from __future__ import annotations
 import argparse
 import importlib.util
 import os
+from dataclasses import replace
+from pathlib import Path
 
+from followspot.cli.agent_options import network_of
 from followspot.errors import InputError
+from followspot.library.handle import connected_run
 from followspot_page.address import HOST, PORT, is_loopback, read_address
 from followspot_page.bundle import check_bundle
 from followspot_page.showing import PageOrder
@@ -35,3 +39,16 @@ def order_of(args: argparse.Namespace, pid: int | None = None) -> PageOrder:
         raise InputError.of(text, "say --dashboard-open if everyone there may see the cameras")
     firm = args.dashboard_at is not None
     return PageOrder(os.getpid() if pid is None else pid, host, port, firm, args.dashboard_rate)
+
+
+def order_of_run(args: argparse.Namespace) -> PageOrder:
+    """The page of a recording, or of a run that goes on, here or under agents. Raises FollowspotError."""
+    if args.run is not None and args.run.endswith(".mcap"):
+        files = tuple(str(Path(file).absolute()) for file in args.plugin_files)
+        return replace(order_of(args, 0), recording=str(Path(args.run).absolute()), plugin_files=files)
+    network = network_of(args)
+    with connected_run(args.run, network) as run:
+        order = order_of(args, run.pid or 0)
+        if run.pid is not None:
+            return order
+        return replace(order, run=run.run, network=network, plugin_files=tuple(args.plugin_files))

@@ -64,7 +64,36 @@ class Hold:
     count: Annotated[int, pydantic.Field(ge=1, le=1000)] = 1
 
 
-Wish = Change | Record | Hold
+@dataclass(frozen=True)
+class MarkWish:
+    """A moment to save. mark: a note, "" for none."""
+
+    mark: Annotated[str, pydantic.Field(max_length=200)]
+
+
+@dataclass(frozen=True)
+class Save:
+    """Save what was changed as an overlay."""
+
+    save: Literal[True]
+
+
+@dataclass(frozen=True)
+class OpenPage:
+    """Begin the page of another run. open: the run's name."""
+
+    open: Annotated[str, pydantic.Field(max_length=64)]
+
+
+@dataclass(frozen=True)
+class Seek:
+    """Another moment of a recording. seek: s of capture time, None for the present one; play: from there."""
+
+    seek: Annotated[float, pydantic.Field(allow_inf_nan=False)] | None
+    play: bool
+
+
+Wish = Change | Record | Hold | MarkWish | Save | OpenPage | Seek
 _WISH: pydantic.TypeAdapter[Wish] = pydantic.TypeAdapter(Wish, config=pydantic.ConfigDict(strict=True))
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
-from followspot.library.handle import NoAnswer, RunHandle, RunStatus, Tapping, runs_here
+from followspot.library.handle import Kept, NoAnswer, RunHandle, RunStatus, Tapping, runs_here
 from followspot_page.remote_previews import RemotePreviews
 from followspot_page.taps import ShownPort, shown_ports, tappings
 
@@ -82,13 +82,24 @@ class Sight:
 
 
 async def follow(
-    run: RunHandle, sight: Sight, take: Callable[[RunStatus | None], Any], show: Callable[[Plan], Any]
+    run: RunHandle,
+    sight: Sight,
+    take: Callable[[RunStatus | None], Any],
+    show: Callable[[Plan], Any],
+    keep: Callable[[Kept | None], Any],
 ) -> None:
-    """Poll the run until it has ended; `take` receives None if the run does not answer."""
+    """Poll the run until it has ended; `take` receives None if the run does not answer.
+
+    keep: receives what its flight recorder holds.
+    """
     with contextlib.suppress(FollowspotError):
         for turn in count(1):
             try:
-                take(await asyncio.to_thread(run.status, _ANSWER))
+                status = await asyncio.to_thread(run.status, _ANSWER)
+                take(status)
+                if run.pid is None and all(worker.phase == "over" for worker in status.workers):
+                    return  # a run under agents, whose end no operator tells
+                keep(await _kept(run))
                 if turn % _PLAN_EVERY == 0:
                     plan = await plan_of(run)
                     show(plan)
@@ -96,3 +107,10 @@ async def follow(
             except NoAnswer:
                 take(None)
             await asyncio.sleep(_PERIOD)
+
+
+async def _kept(run: RunHandle) -> Kept | None:
+    """What the run's flight recorder holds; None if the run has none."""
+    with contextlib.suppress(FollowspotError):
+        return await asyncio.to_thread(run.kept)
+    return None

@@ -8,6 +8,8 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from followspot.cli.agent_options import add_network_options
+from followspot.cli.graph_options import add_plugin_option
 from followspot.plugins.hooks import Command, PlanOptions, hookimpl
 from followspot_page.address import HOST, PORT
 from followspot_watch.run_option import RUN
@@ -61,25 +63,29 @@ def watched(args: argparse.Namespace) -> Iterator[None]:
 
 
 def _configure_dashboard(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("run", nargs="?", metavar="RUN", help=RUN)
+    parser.add_argument("run", nargs="?", metavar="RUN", help=f"{RUN}; or FILE.mcap, a recording")
     _add_address(parser)
+    add_plugin_option(parser, "load a Python file with stages that agents have loaded; repeatable")
+    add_network_options(parser)
 
 
 def _dashboard(args: argparse.Namespace) -> int:
     """Show a run in a browser until it ends, as run --dashboard does.
 
     The page shows the room in 3D, the pictures of all cameras with detections, and the graph with the state,
-    rates and ledger of each stage. Ctrl-C ends the page, and the run goes on.
+    rates and ledger of each stage. Ctrl-C ends the page, and the run goes on. A run that was left to its
+    agents (--detach) has a page, too. A recording is shown in the same way, and its page goes to any moment.
 
     Examples:
       followspot dashboard
+      followspot dashboard show.mcap
       followspot dashboard glowballs --dashboard-at 127.0.0.1:9000
+      followspot dashboard glowballs --connect tls/pc-left:7450 --certificates certs
     """
-    from followspot.library.handle import run_here
-    from followspot_page.asked import order_of
+    from followspot_page.asked import order_of_run
     from followspot_page.showing import shown
 
-    with shown(order_of(args, run_here(args.run).pid)) as page:
+    with shown(order_of_run(args)) as page:
         print(f"the page is at {page.url}", file=sys.stderr, flush=True)
         try:
             return page.wait()

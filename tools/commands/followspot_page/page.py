@@ -6,6 +6,7 @@ import asyncio
 import json
 from collections import Counter
 from contextlib import suppress
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -14,18 +15,32 @@ from starlette.websockets import WebSocket
 from followspot.errors import FollowspotError
 from followspot.graph.names import subgraphs
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
-from followspot.library.handle import RunHandle, RunStatus
+from followspot.library.handle import Kept, RunHandle, RunStatus
 from followspot_dashboard.gate import Gate
 from followspot_page import metrics
 from followspot_page.address import is_loopback
 from followspot_page.browser import Browser
-from followspot_page.changing import Hold, Record, forms, sentence, wish_of, words_of
+from followspot_page.changing import (
+    Hold,
+    MarkWish,
+    OpenPage,
+    Record,
+    Save,
+    Seek,
+    forms,
+    sentence,
+    wish_of,
+    words_of,
+)
 from followspot_page.crowd import Crowd
 from followspot_page.feed import Feed, Previews
 from followspot_page.follow import plan_of
 from followspot_page.recording import RecordButton, recordable
 from followspot_page.remote_previews import RemotePreviews
+from followspot_page.run_list import RunList
+from followspot_page.saving import saved_overlay
 from followspot_page.scene import scene
+from followspot_page.scrub import Scrub
 from followspot_page.sensors import sensors
 from followspot_page.showing import FAREWELL
 from followspot_page.taps import sent_kinds, shown_ports
@@ -55,6 +70,10 @@ class Page:
         self.previews = Previews(self.feed, plan.room, self.targets.take)
         self.button = RecordButton(folder, self._tell_recording)
         self.crowd = Crowd()
+        self.scrub: Scrub | None = None
+        """The recording that is shown instead of a run."""
+        self.runs: RunList | None = None
+        """The runs in reach; None if this page tells nothing of others."""
         self._browsers: Counter[str] = Counter()
         """Number of browsers by address."""
         self._deserted = asyncio.Event()
@@ -82,6 +101,8 @@ class Page:
             "edges": [_edge(edge) for edge in self.plan.edges],
             "forms": forms(self.plan) if self.ask else {},
             "ports": recordable(self.plan) if self.ask else [],
+            "recorded": None if self.scrub is None else self.scrub.about,
+            "others": self.runs is not None,
             "replay": self.ask is not None and not self.plan.live,
         }
 
@@ -106,17 +127,42 @@ class Page:
         self.ask = run
         self.show(self.plan)
 
+    def show_recording(self, scrub: Scrub) -> None:
+        """Show a recording, which browsers may play and go through."""
+        self.scrub = scrub
+        self.shut = "this page shows a recording"
+        self.run.ended = True
+        self.show(self.plan)
+
+    def tell_position(self, text: str) -> None:
+        """Tell browsers where the recording stands, and that this page lives."""
+        self.feed.put("position", text)
+        self.take_status(None)
+
     async def do(self, text: str) -> str:
         """Carry out a browser's request; a line about it. Raises FollowspotError if that fails."""
-        if self.ask is None:
+        asked = wish_of(text) if self.ask is not None or self.scrub is not None else None
+        if self.scrub is not None and isinstance(asked, Seek):
+            return self.scrub.seek(asked)
+        if self.ask is None or asked is None:
             raise FollowspotError(self.shut)
-        asked = wish_of(text)
+        if isinstance(asked, Seek):
+            raise FollowspotError("a run goes on by itself; pause and step hold a replay")
         if isinstance(asked, Record):
             if asked.on:
                 return await self.button.start(self.ask, self.plan, asked.ports)
             return await self.button.stop()
         if isinstance(asked, Hold):
             return await self._hold(self.ask, asked)
+        if isinstance(asked, MarkWish):
+            moment = await asyncio.to_thread(self.ask.mark, note=asked.mark)
+            return f"saving the last seconds, and the next, in {Path(moment.file).name}"
+        if isinstance(asked, OpenPage):
+            if self.runs is None:
+                raise FollowspotError("this page tells nothing of other runs")
+            return await asyncio.to_thread(self.runs.open, asked.open)
+        if isinstance(asked, Save):
+            return await asyncio.to_thread(saved_overlay, self.ask)
         return await self._change(self.ask, words_of(asked, self.plan))
 
     async def _change(self, run: RunHandle, words: list[str]) -> str:
@@ -145,6 +191,12 @@ class Page:
         if status is not None:
             self.run.take(status)
         self.feed.put("run", json.dumps(self.run.data()))
+
+    def take_kept(self, kept: Kept | None) -> None:
+        """Take what the flight recorder of the run holds; None if the run has none."""
+        if kept is not None and self.ask is not None:
+            last = [asdict(moment) for moment in kept.moments[-1:]]
+            self.feed.put("kept", json.dumps({"type": "kept", **asdict(kept), "moments": last}))
 
     async def end(self, how: str) -> None:
         """Tell browsers that the run has ended, and how; return when all have read it, or after FAREWELL."""

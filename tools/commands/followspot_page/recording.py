@@ -19,6 +19,7 @@ from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan
 from followspot.library.handle import RunHandle, Tapping
 from followspot.taps.receivers import tap_key
+from followspot_record.firings import firing_types
 from followspot_record.order import Order
 
 TAP = "recording.tap"
@@ -53,7 +54,8 @@ class RecordButton:
             raise FollowspotError('recordings need mcap: pip install "followspot[recording]"')
         if self._process is not None:
             raise FollowspotError("it is recorded already")
-        names = chosen_ports(words or None, output_ports(plan), "record", plan.offered)
+        ports = chosen_ports(words or None, output_ports(plan), "record", plan.offered)
+        names = (*ports, *firing_types(plan, ports))
         around = await asyncio.to_thread(run.surroundings)
         if around.out is None:
             raise FollowspotError("recordings are written on the operator's host; start them there")
@@ -67,7 +69,7 @@ class RecordButton:
         await asyncio.to_thread(run.tap, taps)
         self._untap = partial(run.untap, taps)
         self._tell(begun)
-        return f"recording {len(names)} ports to {begun['file']}"
+        return f"recording {len(ports)} ports to {begun['file']}"
 
     async def stop(self) -> str:
         """Stop the recording; a line about it. Raises FollowspotError if there is none."""

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 
+from followspot import Network
 from followspot.errors import FollowspotError
 
 
@@ -16,7 +17,9 @@ from followspot.errors import FollowspotError
 class PageOrder:
     """The page to start: the operator's process of its run, and the address.
 
-    port: 0 for any; firm: no other port may replace a taken one; rate: pictures per second.
+    port: 0 for any; firm: no other port may replace a taken one; rate: pictures per second; run: its name, if
+    it is under agents and has no operator here, which network leads to; plugin_files: with stages that agents
+    have loaded; recording: the file to show instead of a run, "" for none.
     """
 
     pid: int
@@ -24,6 +27,10 @@ class PageOrder:
     port: int = 0
     firm: bool = True
     rate: float = 10.0
+    run: str = ""
+    network: Network | None = None
+    plugin_files: tuple[str, ...] = ()
+    recording: str = ""
 
 
 OVER = "."
@@ -45,6 +52,11 @@ class ShownPage:
         return self._process.wait()
 
 
+def address(host: str, port: int) -> str:
+    """The page's address in a browser."""
+    return f"http://{f'[{host}]' if ':' in host else host}:{port}/"
+
+
 @contextmanager
 def shown(order: PageOrder) -> Iterator[ShownPage]:
     """The page while the block runs. Raises FollowspotError if it cannot be served."""
@@ -56,8 +68,7 @@ def shown(order: PageOrder) -> Iterator[ShownPage]:
         start_new_session=True,  # Ctrl-C ends the run, and the run ends its page
     )
     try:
-        host = f"[{order.host}]" if ":" in order.host else order.host
-        yield ShownPage(process, f"http://{host}:{_port(process, order)}/")
+        yield ShownPage(process, address(order.host, _port(process, order)))
         if process.stdin is not None and process.poll() is None:
             process.stdin.write(OVER)  # the page reports a run that died if this line does not arrive
     finally:

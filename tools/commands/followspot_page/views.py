@@ -10,16 +10,16 @@ import numpy as np
 from followspot.geometry import project
 from followspot.inertial import Inertial, PosedTracks
 from followspot.messages import Array, Message
-from followspot.people import Boxes, Poses
+from followspot.people import Boxes, Poses, Skeletons, bones_of
 from followspot.room import Camera, Room
 from followspot.tracking import STATES, Blobs, DepthImage, Forecast, Frame, ImageTracks, Tracks
 from followspot_page.readings import inertial_view, table_view
 
 SHOWN: tuple[type[Message], ...] = (
-    Frame, DepthImage, Blobs, Tracks, Forecast, Poses, Boxes, ImageTracks,
+    Frame, DepthImage, Blobs, Tracks, Forecast, Poses, Skeletons, Boxes, ImageTracks,
 )  # fmt: skip
 """Message types that the page can show whoever sends them; others are shown as readings of a sensor."""
-SMOOTH: tuple[type[Message], ...] = (Tracks, Poses, Inertial)
+SMOOTH: tuple[type[Message], ...] = (Tracks, Poses, Skeletons, Inertial)
 """Types that are shown more often than pictures."""
 _HEAD, _CHEST, _ARROW = 0.115, 0.26, 0.4
 """Radius of a head, m; how far below its top the chest is, as a share of the height; length of arrows, m."""
@@ -86,7 +86,7 @@ def _poses(m: Poses, room: Room) -> dict[str, Any]:
         "tilt": _rounded(m.tilt, 3),
         "sigma": _rounded(m.sigma[:, :2], 3),
         "images": _images(room, points[:, 0], np.full(len(points), _HEAD)),
-        "arrows": {name: _arrows(camera, points) for name, camera in room.cameras.items()},
+        "arrows": {name: _segments(camera, points) for name, camera in room.cameras.items()},
     }
 
 
@@ -100,14 +100,23 @@ def _body(m: Poses) -> Array:
     return np.stack([head, head + _ARROW * face, chest, chest + _ARROW * front], axis=1)
 
 
-def _arrows(camera: Camera, points: Array) -> list[list[list[float]] | None]:
-    """Images of the arrows of head and chest, (M, 4, 3) m: four points, px; None if not visible."""
-    pixel = project(camera, points.reshape(-1, 3)).reshape(-1, 4, 2)
+def _segments(camera: Camera, points: Array) -> list[list[list[float]] | None]:
+    """Images of the ends of lines, one after the other, (M, 2 K, 3) m: px; None if not all are visible."""
+    pixel = project(camera, points.reshape(-1, 3)).reshape(*points.shape[:2], 2)
     width, height = camera.size
     near = (np.abs(pixel - [width / 2, height / 2]) < [width, height]).all((1, 2))
     whole = (np.abs(pixel[:, 1::2, 0] - pixel[:, ::2, 0]) < width / 2).all(1)  # none across a panorama's seam
     drawn = np.isfinite(pixel).all((1, 2)) & near & whole
     return [row if ok else None for row, ok in zip(_rounded(pixel, 1), drawn, strict=True)]
+
+
+def _skeletons(m: Skeletons, room: Room) -> dict[str, Any]:
+    ends, person = bones_of(m)
+    return {
+        "person": person.tolist(),
+        "bones": _rounded(ends, 3),
+        "images": {name: _segments(camera, ends) for name, camera in room.cameras.items()},
+    }
 
 
 def _boxes(m: Boxes, room: Room) -> dict[str, Any]:
@@ -148,6 +157,7 @@ _VIEWS: dict[type[Message], Any] = {
     Tracks: _tracks,
     Forecast: _forecast,
     Poses: _poses,
+    Skeletons: _skeletons,
     Boxes: _boxes,
     ImageTracks: _image_tracks,
     Inertial: inertial_view,

@@ -15,11 +15,55 @@ from followspot_recording.records import Channel, Recorded
 
 @dataclass(frozen=True)
 class Compared:
-    """The result for a port. messages: how many are equal; difference: the first one, "" for none."""
+    """The result for a port. messages: how many are equal; difference: the first one, "" for none;
+    unrepeated: why none of its messages can be repeated, "" if some were.
+    """
 
     port: str
     messages: int
     difference: str = ""
+    unrepeated: str = ""
+
+
+class RunningComparison:
+    """Compares what is sent again with what was recorded of a port, message by message as it is sent.
+
+    recorded: the messages in the order of their capture times; same: how many are equal; difference: the
+    first one, "" for none.
+    """
+
+    def __init__(self, channel: Channel, recorded: Iterable[Recorded]) -> None:
+        self.same = 0
+        self.difference = ""
+        self._channel = channel
+        self._recorded = iter(recorded)
+        self._next = next(self._recorded, None)
+        self._low = 0 if self._next is None else self._next.time
+
+    def begin(self, low: int) -> None:
+        """Compare from this capture time on, ns; what was recorded before is left out."""
+        self._low = max(self._low, low)
+        while self._next is not None and self._next.time < low:
+            self._next = next(self._recorded, None)
+
+    def take(self, sent: Recorded) -> None:
+        """Compare a message; those before and after what was recorded are left out."""
+        if self._next is None or sent.time < self._low or self.difference:
+            return
+        if self._next.time < sent.time:
+            self.difference = f"message {self._next.seq} is missing"
+        elif self._next.time > sent.time:
+            self.difference = f"message {sent.seq} is new"
+        elif self._next.data != sent.data:
+            self.difference = f"message {sent.seq}: {_difference(self._channel, self._next, sent)}"
+        else:
+            self.same += 1
+            self._next = next(self._recorded, None)
+
+    def end(self, high: int) -> None:
+        """Nothing more is sent up to this capture time, ns."""
+        if self._next is not None and self._next.time <= high and not self.difference:
+            self.difference = f"message {self._next.seq} is missing"
 
 
 def compare(

@@ -27,7 +27,7 @@ def recorded_plan(recording: Recording, plugin_files: Sequence[str]) -> Plan:
     files = tuple(str(Path(file).absolute()) for file in plugin_files)
     use_plugin_files(files)
     plan = replace(plan_of_recording(recording), plugin_files=files)
-    mistakes = [mistake for stage in plan.stages for mistake in _mistakes(stage)]
+    mistakes = [mistake for stage in plan.stages for mistake in stage_mistakes(stage)]
     if mistakes:
         raise InputError(mistakes)
     return here(plan)
@@ -48,7 +48,7 @@ def offered_ports(recording: Recording) -> dict[str, tuple[str, ...]]:
     return {name: ports for name, ports in found.items() if ports}
 
 
-def _mistakes(stage: PlannedStage) -> list[Mistake]:
+def stage_mistakes(stage: PlannedStage) -> list[Mistake]:
     """Mistakes in a stage's parameters: unknown ones, and outputs outside the output folder."""
     try:
         kind = load_stage(stage.uses)

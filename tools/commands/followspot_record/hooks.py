@@ -1,17 +1,31 @@
-"""The commands record, replay, verify and export, and the option --record of run."""
+"""The commands record, replay, verify, export and mark, and the options --record and --keep of run."""
 
 from __future__ import annotations
 
 import argparse
 import importlib.util
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from followspot.cli.graph_options import add_change_options, add_graph_options, add_plugin_option
+from followspot.cli.graph_options import (
+    add_cameras_option,
+    add_change_options,
+    add_graph_options,
+    add_plugin_option,
+)
 from followspot.cli.run import add_run_options
 from followspot.errors import InputError
-from followspot.plugins.hooks import Command, PlanOptions, RecordingReader, hookimpl, load_plan_options
+from followspot.plugins.hooks import (
+    Command,
+    Keeper,
+    PlanOptions,
+    RecordingReader,
+    hookimpl,
+    load_plan_options,
+)
+from followspot_record.flight.options import checked, configure_keeping, configure_mark, kept
 
 if TYPE_CHECKING:
     from followspot.graph.plan import Plan
@@ -19,12 +33,13 @@ if TYPE_CHECKING:
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
-    """The commands record, replay, verify and export."""
+    """The commands of this package."""
     return [
         Command("record", configure_record, record),
         Command("replay", configure_replay, replay),
         Command("verify", configure_verify, verify),
         Command("export", configure_export, export),
+        Command("mark", configure_mark, mark),
     ]
 
 
@@ -42,8 +57,26 @@ def _open(path: Path) -> Any:
 
 @hookimpl
 def followspot_plan_options() -> Sequence[PlanOptions]:
-    """--record and its options."""
-    return [PlanOptions(configure_recording, recorded)]
+    """--record, --keep and their options."""
+    return [PlanOptions(configure_recording, recorded), PlanOptions(configure_keeping, checked, kept)]
+
+
+@hookimpl
+def followspot_keepers() -> Sequence[Keeper]:
+    """The flight recorder."""
+    return [Keeper(_check_keep, _keep)]
+
+
+def _check_keep(plan: Any, keep: Any) -> None:
+    from followspot_record.flight.asked import check
+
+    check(plan, keep)
+
+
+def _keep(plan: Any, keep: Any, run: str) -> AbstractContextManager[Any]:
+    from followspot_record.flight.asked import kept_run
+
+    return kept_run(keep, run)
 
 
 def configure_recording(parser: argparse.ArgumentParser) -> None:
@@ -62,8 +95,8 @@ def configure_recording(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--record-compression",
         choices=("lz4", "zstd", "none"),
-        default="lz4",
-        help="lz4 is fast, zstd is small (default lz4)",
+        default="zstd",
+        help="zstd is small, lz4 takes twice the bytes (default zstd)",
     )
 
 
@@ -78,6 +111,7 @@ def configure_replay(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("recording", metavar="FILE.mcap", help="the recording")
     parser.add_argument("--graph", metavar="GRAPH", help="another graph file instead of the recorded graph")
     parser.add_argument("--room", metavar="FILE", help="room file for --graph")
+    add_cameras_option(parser, "cameras of the room that take part in --graph (default: all)")
     parser.add_argument(
         "--ports", metavar="STAGE[.PORT],...", help="recorded ports to play, besides the sources"
     )
@@ -198,3 +232,17 @@ def export(args: argparse.Namespace) -> int:
     from followspot_record.export import export_command
 
     return export_command(args)
+
+
+def mark(args: argparse.Namespace) -> int:
+    """Save the last seconds of a run that was started with --keep, and the next few, as a recording.
+
+    Marks whose times overlap share a file. The run goes on; a full disk ends the file, not the run.
+
+    Examples:
+      followspot mark
+      followspot mark glowballs --after 10s --note "blue jumped"
+    """
+    from followspot_record.flight.mark_command import mark_command
+
+    return mark_command(args)

@@ -16,9 +16,10 @@ def _plan(given: Any) -> Plan:
 
 
 class Order(pydantic.BaseModel, frozen=True):
-    """plan: of the run; ports: STAGE.PORT each; path: of the file; listen: socket that taps here send to.
+    """plan: of the run; ports: STAGE.PORT each, and firings; path: of the file.
 
-    remote: keys of Zenoh that taps on other hosts send to, by port; network: leads there.
+    listen: socket that taps here send to; remote: keys of Zenoh that taps on other hosts send to, by port;
+    network: leads there.
     """
 
     plan: Annotated[Plan, pydantic.PlainValidator(_plan), pydantic.PlainSerializer(plan_to_data)]

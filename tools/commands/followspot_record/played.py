@@ -75,11 +75,11 @@ def played(plan: Plan, chosen: Mapping[str, str], clip: Clip) -> Plan:
 
 
 def here(plan: Plan) -> Plan:
-    """The plan on this host alone: what ran on others runs in the same workers here."""
+    """The plan on this host alone: what ran on others runs in the same workers here, without budgets."""
     near = replace(plan, workers=tuple(replace(worker, host="") for worker in plan.workers))
     ends = ((edge, near.placed(edge.from_stage), near.placed(edge.to_stage)) for edge in plan.edges)
     edges = tuple(replace(edge, kind=nearest_kind(start, end), codec="raw") for edge, start, end in ends)
-    return replace(near, edges=edges)
+    return replace(near, edges=edges, budgets=())
 
 
 def alone(plan: Plan) -> Plan:

@@ -16,11 +16,13 @@ from followspot.cli.graph_options import plan_of
 from followspot.cli.run import execute
 from followspot.errors import FollowspotError, InputError
 from followspot.files import read_text
+from followspot.firing import is_firings
 from followspot.graph.load import composed_graph
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker, nearest_kind
 from followspot.graph.ship import plan_to_data
 from followspot.plugins.registry import catalogue, load_stage
+from followspot_record.firings import facts_of_firings, firing_types
 
 SINK = "recording.sink"
 PLAN = "plan.json"
@@ -80,7 +82,11 @@ def recorded_as_asked(plan: Plan, args: argparse.Namespace) -> Plan:
         "compression": args.record_compression,
         "essential": not plan.live,  # the show goes on
     }
-    return with_recording(plan, names, target_of(plan, names, path, params, _files(args)))
+    target = target_of(plan, names, path, params, graph_files(args))
+    if not plan.live:  # a replay is verified by running it again
+        return with_recording(plan, names, target)
+    target = replace(target, metadata={**target.metadata, **facts_of_firings(plan)})
+    return with_recording(plan, (*names, *firing_types(plan, names)), target)
 
 
 def _unsuitable(path: Path) -> str:
@@ -91,7 +97,10 @@ def _unsuitable(path: Path) -> str:
 
 
 def with_recording(plan: Plan, names: Sequence[str], target: Target) -> Plan:
-    """The plan with a recording sink for each of these ports, in a worker of its own."""
+    """The plan with a recording sink for each of these ports, in a worker of its own.
+
+    names: STAGE.PORT each, or firings as `firings_of` names them.
+    """
     worker = _free(WORKER, {worker.name for worker in plan.workers})
     taken = {stage.name for stage in plan.stages}
     depths = {stage.name: _depth(plan, stage) for stage in plan.stages}
@@ -104,7 +113,8 @@ def with_recording(plan: Plan, names: Sequence[str], target: Target) -> Plan:
         params = target.sink_params(name, first=not stages)
         stages.append(PlannedStage(sink, sink, SINK, params, None, worker, live=False))
         kind = nearest_kind(plan.placed(stage), PlannedWorker(worker))
-        edges.append(PlannedEdge(stage, port, sink, "message", kind, depth=depths[stage]))
+        depth = _DEPTHS[plan.live] if is_firings(name) else depths[stage]
+        edges.append(PlannedEdge(stage, port, sink, "message", kind, depth=depth))
     return replace(
         plan,
         stages=(*plan.stages, *stages),
@@ -147,7 +157,7 @@ def _metadata(plan: Plan, names: Sequence[str]) -> dict[str, str]:
     }
 
 
-def _files(args: argparse.Namespace) -> dict[str, str]:
+def graph_files(args: argparse.Namespace) -> dict[str, str]:
     """The graph file, the files that it uses, and the room file, by name; unreadable ones are left out."""
     graph = getattr(args, "graph", None)
     if graph is None:

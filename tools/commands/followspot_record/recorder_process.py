@@ -12,17 +12,20 @@ import threading
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from followspot import Context, Message
 from followspot.errors import FollowspotError
+from followspot.firing import Firing, is_firings
+from followspot.graph.output_ports import output_ports
 from followspot.messages import InvalidMessage
-from followspot.plugins.registry import load_stage, use_plugin_files
-from followspot.ports import ports
+from followspot.plugins.registry import use_plugin_files
 from followspot.taps.framing import Record
 from followspot.taps.receivers import Gaps, Hear, LocalReceiver, RemoteReceiver
 from followspot.wire import unpack
+from followspot_record.firings import facts_of_middle
 from followspot_record.order import Order
 from followspot_record.record import target_of
 from followspot_recording.sink import RecordingSink
@@ -88,7 +91,7 @@ class RecorderProcess:
             self.lost += missing
             if isinstance(message, Message):
                 self._sinks[port].process(message)
-                self.messages += 1
+                self.messages += not is_firings(port)
 
 
 def _remote(order: Order, hear: Hear) -> RemoteReceiver | None:
@@ -101,17 +104,16 @@ def _remote(order: Order, hear: Hear) -> RemoteReceiver | None:
 def _kinds(order: Order) -> Mapping[str, type[Message]]:
     """The message type of each port."""
     use_plugin_files(order.plan.plugin_files)
-    found = {}
-    for stage in order.plan.stages:
-        for port in ports(load_stage(stage.uses)).outputs:
-            found[f"{stage.name}.{port.name}"] = port.type
-    return {name: found[name] for name in order.ports}
+    found = output_ports(order.plan)
+    return {name: Firing if is_firings(name) else found[name] for name in order.ports}
 
 
 def _sinks(order: Order) -> dict[str, RecordingSink]:
     """A recording sink for each port, all into one file. Raises FollowspotError."""
     context = Context(room=order.plan.room, out=order.path.parent)
-    target = target_of(order.plan, order.ports, Path(order.path.name))
+    names = [name for name in order.ports if not is_firings(name)]
+    target = target_of(order.plan, names, Path(order.path.name))
+    target = replace(target, metadata={**target.metadata, **facts_of_middle(order.plan)})
     sinks = {}
     for number, port in enumerate(order.ports):
         sinks[port] = RecordingSink(context, **target.sink_params(port, first=number == 0))

@@ -13,7 +13,7 @@ from followspot.cli.run import execute
 from followspot.document import Node
 from followspot.errors import InputError, Mistake, did_you_mean
 from followspot.graph.compile import compile_graph
-from followspot.graph.expand import ROOM_SOURCE
+from followspot.graph.declaration import ROOM_SOURCE
 from followspot.graph.load import Loaded
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan
@@ -79,6 +79,8 @@ def _mistakes(args: argparse.Namespace) -> Iterator[Mistake]:
         yield Mistake(None, "--set changes a graph file, and none is named", "add --graph GRAPH")
     if args.room and not args.graph:
         yield Mistake(None, "--room serves another graph, and none is named", "add --graph GRAPH")
+    if args.cameras and not args.graph:
+        yield Mistake(None, "--cameras serves another graph, and none is named", "add --graph GRAPH")
     if not 0.0 <= args.speed <= 1000.0:
         yield Mistake(None, f"--speed cannot be {args.speed:g}", "0 to 1000; 0 is as fast as it can")
     if not (0.0 <= args.start < math.inf and (args.stop is None or args.start < args.stop < math.inf)):
@@ -90,6 +92,7 @@ def _other_graph(args: argparse.Namespace, recording: Recording) -> Plan:
     return compile_graph(
         args.graph,
         room=args.room,
+        cameras=args.cameras,
         overrides=args.overrides,
         plugin_files=args.plugin_files,
         change=partial(_without_room_sources, recording=recording),

@@ -8,6 +8,7 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from contextlib import closing
+from dataclasses import asdict
 from pathlib import Path
 
 from followspot.cli.progress import ProgressBar
@@ -18,6 +19,8 @@ from followspot.library.execute import RunOptions, run_plan
 from followspot.tables import table
 from followspot_record.comparison import Compared, compare
 from followspot_record.embedded import recorded_plan
+from followspot_record.firings import MOMENT
+from followspot_record.flight.repeated import repeated
 from followspot_record.played import Clip, alone, played, replays
 from followspot_record.record import Target, with_recording
 from followspot_record.replay import check_sampled_cycles, source_ports
@@ -28,28 +31,35 @@ _LIVE = "it was recorded live: a message that came too late then comes in time n
 
 def verify_command(args: argparse.Namespace) -> int:
     """Run again, compare, print. Returns the exit code."""
-    with Recording(args.recording) as old:
+    with Recording(args.recording) as old, tempfile.TemporaryDirectory(prefix="followspot-verify-") as folder:
         old.examine()
         plan = recorded_plan(old, args.plugin_files)
-        sources = source_ports(plan)
-        missing = [port for port in sources if port not in old.ports]
-        if missing:
-            remedy = "record it with all ports"
-            raise InputError.of(f"the source {', '.join(missing)} was not recorded", remedy)
-        plan = played(plan, replays(old, plan, sources), Clip(old.path))
-        check_sampled_cycles(plan, "the graph and record it again: what timing decided cannot be verified")
-        names = [port for port in output_ports(plan) if port in old.ports and port not in sources]
-        with tempfile.TemporaryDirectory(prefix="followspot-verify-") as folder:
-            new_path = Path(folder) / "again.mcap"
-            target = Target(new_path, {"picture_format": "none"}, {}, {})
-            _run(alone(with_recording(plan, names, target)), Path(folder), quiet=args.quiet)
-            with Recording(new_path) as new:
-                rows = _compare(old, new, names, sources)
-        problem, live = old.problem, old.metadata.get("live") == "true"
-    same = all(not row.difference for row in rows)
-    notes = [problem] * bool(problem) + [_LIVE] * (live and not same)
+        if old.firings or old.metadata.get(MOMENT) == "true":
+            rows, notes = repeated(old, plan, Path(folder))
+        else:
+            rows = _run_again(old, plan, Path(folder), quiet=args.quiet)
+            live = old.metadata.get("live") == "true" and any(row.difference for row in rows)
+            notes = [_LIVE] * live
+        notes = [old.problem] * bool(old.problem) + notes
+    same = not any(row.difference for row in rows) and any(row.messages for row in rows)
     print(_json(same, rows, notes) if args.json else _text(same, rows, notes))
     return 0 if same else 1
+
+
+def _run_again(old: Recording, plan: Plan, folder: Path, *, quiet: bool) -> list[Compared]:
+    """Run the graph on the recorded sources, and compare every other port. Raises FollowspotError."""
+    sources = source_ports(plan)
+    missing = [port for port in sources if port not in old.ports]
+    if missing:
+        raise InputError.of(f"the source {', '.join(missing)} was not recorded", "record it with all ports")
+    plan = played(plan, replays(old, plan, sources), Clip(old.path))
+    check_sampled_cycles(plan, "the graph and record it again: what timing decided cannot be verified")
+    names = [port for port in output_ports(plan) if port in old.ports and port not in sources]
+    again = folder / "again.mcap"
+    target = Target(again, {"picture_format": "none"}, {}, {})
+    _run(alone(with_recording(plan, names, target)), folder, quiet=quiet)
+    with Recording(again) as new:
+        return _compare(old, new, names, sources)
 
 
 def _run(plan: Plan, out: Path, *, quiet: bool) -> None:
@@ -64,31 +74,39 @@ def _run(plan: Plan, out: Path, *, quiet: bool) -> None:
 
 def _compare(old: Recording, new: Recording, names: Sequence[str], sources: Sequence[str]) -> list[Compared]:
     """Compare every port; if the recording ends early, up to the last time that all its sources reach."""
-    stop = None
+    stops: dict[str, int] = {}
     if old.problem:
-        stop = min(max((m.time for m in old.messages(port)), default=-1) for port in sources)
+        stops = dict.fromkeys(names, min(_end(old, port) for port in sources))
     return [
         compare(
             port,
             old.ports[port],
-            old.messages(port, stop=stop),
-            new.messages(port, stop=stop),
+            old.messages(port, stop=stops.get(port)),
+            new.messages(port, stop=stops.get(port)),
             whole=not old.problem,
         )
         for port in names
     ]
 
 
+def _end(recording: Recording, port: str) -> int:
+    """The latest capture time of a port, ns; -1 without messages."""
+    return max((message.time for message in recording.messages(port)), default=-1)
+
+
 def _text(same: bool, rows: Sequence[Compared], notes: Sequence[str]) -> str:
-    cells = [(row.port, str(row.messages), row.difference or "the same") for row in rows]
+    cells = [(row.port, str(row.messages), _said(row)) for row in rows]
     lines = [table(("port", "messages", ""), cells), *notes]
     count = sum(row.messages for row in rows)
-    lines.append(
-        f"{len(rows)} ports, {count} messages: " + ("the same, byte for byte" if same else "different")
-    )
+    repeated = sum(not row.unrepeated for row in rows)
+    result = "the same, byte for byte" if same else "different" if count else "nothing is repeated"
+    lines.append(f"{repeated} ports, {count} messages: {result}")
     return "\n".join(lines)
 
 
+def _said(row: Compared) -> str:
+    return f"not repeated: {row.unrepeated}" if row.unrepeated else row.difference or "the same"
+
+
 def _json(same: bool, rows: Sequence[Compared], notes: Sequence[str]) -> str:
-    found = [{"port": row.port, "messages": row.messages, "difference": row.difference} for row in rows]
-    return json.dumps({"same": same, "ports": found, "notes": list(notes)})
+    return json.dumps({"same": same, "ports": [asdict(row) for row in rows], "notes": list(notes)})

@@ -1,4 +1,4 @@
-"""The commands that watch runs from a terminal and pause them: top, hz, echo, logs, pause, resume, step."""
+"""The commands that watch and hold runs from a terminal."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from followspot.cli.agent_options import add_network_options
 from followspot.cli.graph_options import add_plugin_option
 from followspot.plugins.hooks import Command, hookimpl
+from followspot_watch.run_commands import RUN_COMMANDS
 from followspot_watch.run_option import RUN
 
 
@@ -22,6 +23,7 @@ def followspot_commands() -> Sequence[Command]:
         Command("pause", _configure_hold, _pause),
         Command("resume", _configure_hold, _resume),
         Command("step", _configure_step, _step),
+        *RUN_COMMANDS,
     ]
 
 

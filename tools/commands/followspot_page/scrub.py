@@ -1,0 +1,128 @@
+"""A recording on the page: what its ports said last at a capture time that browsers choose."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from followspot import Message
+from followspot.wire import pack, unpack
+from followspot_dashboard.picture import PICTURES, picture_of
+from followspot_page.changing import Seek
+from followspot_page.taps import ShownPort, longest_side
+from followspot_recording.recording import Recording
+from followspot_recording.records import Recorded
+
+_REACHES = (0.15, 1.5)
+"""Seconds before a moment in which a port's last message is looked for; older ones are not shown."""
+_RENEWED = 1.0
+"""Seconds after which browsers are told again what stands still: else it would be called old."""
+
+
+@dataclass(frozen=True)
+class Position:
+    """Where a recording stands. time: capture time, ns; playing: whether it goes on from there."""
+
+    time: int
+    playing: bool = False
+
+
+class Scrub:
+    """Shows the messages of a recording around a moment, and plays from there at its own rate.
+
+    ports: that can be shown; take: receives each port with its packed preview; tell: receives what browsers
+    are told of the position, JSON; rate: moments a second while it plays.
+    """
+
+    def __init__(
+        self,
+        recording: Recording,
+        ports: Sequence[ShownPort],
+        take: Callable[[str, bytes], Any],
+        tell: Callable[[str], Any],
+        rate: float,
+    ) -> None:
+        self.begin, self.end = recording.begin, recording.end
+        self._recording = recording
+        self._ports = [port for port in ports if port.name in recording.ports]
+        self._take = take
+        self._tell = tell
+        self._period = 1.0 / rate
+        self._position = Position(self.begin)
+        self._sought = asyncio.Event()
+        self._shown: dict[str, tuple[int, bytes]] = {}
+        """Capture time and preview of the newest message of each port."""
+
+    @property
+    def about(self) -> dict[str, float]:
+        """Begin and end of the recording, s of capture time."""
+        return {"begin": self.begin / 1e9, "end": self.end / 1e9}
+
+    def seek(self, asked: Seek) -> str:
+        """Go to a moment, None for where it stands, and play from there or stand still."""
+        start = self._position.time
+        if asked.seek is not None:
+            start = min(max(self.begin, round(asked.seek * 1e9)), self.end)
+        elif asked.play and start >= self.end:
+            start = self.begin
+        self._position = Position(start, asked.play)
+        self._sought.set()
+        return ""
+
+    async def serve(self) -> None:
+        """Show the position as it moves, for ever."""
+        while True:
+            position, started = self._position, time.monotonic()
+            for port, packed in await asyncio.to_thread(lambda at: list(self._seen(at)), position.time):
+                self._take(port, packed)
+            said = {"type": "position", "at": position.time / 1e9, "playing": position.playing}
+            self._tell(json.dumps(said))
+            await self._wait(self._period if position.playing else _RENEWED)
+            if position is self._position and position.playing:
+                later = min(position.time + round((time.monotonic() - started) * 1e9), self.end)
+                self._position = Position(later, later < self.end)
+
+    async def _wait(self, seconds: float) -> None:
+        """Until another moment is asked for, or so long."""
+        self._sought.clear()
+        try:
+            async with asyncio.timeout(seconds):
+                await self._sought.wait()
+        except TimeoutError:
+            pass
+
+    def _seen(self, moment: int) -> Iterator[tuple[str, bytes]]:
+        """The preview of each port that has said something lately, at a capture time, ns."""
+        for port in self._ports:
+            found = self._newest(port.name, moment)
+            if found is None:
+                continue
+            known = self._shown.get(port.name)
+            if known is None or known[0] != found.time:
+                message = unpack(bytes(found.data), port.type)
+                preview = _preview(message, port) if isinstance(message, Message) else None
+                if preview is None:
+                    continue
+                known = self._shown[port.name] = found.time, pack(preview)
+            yield port.name, known[1]
+
+    def _newest(self, port: str, moment: int) -> Recorded | None:
+        """The newest message of a port at a capture time, ns; None if it is too old."""
+        for reach in _REACHES:
+            found = None
+            for found in self._recording.messages(port, moment - round(reach * 1e9), moment):  # noqa: B007
+                pass
+            if found is not None:
+                return found
+        return None
+
+
+def _preview(message: Message, port: ShownPort) -> Message | None:
+    """The message as browsers get it; None if nothing of it can be shown."""
+    if isinstance(message, PICTURES):
+        return picture_of(message, longest_side(port.size), port.farthest)
+    return message

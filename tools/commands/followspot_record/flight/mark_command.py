@@ -1,0 +1,23 @@
+"""`followspot mark`: save the last seconds of a run."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import asdict
+
+from followspot.cli.agent_options import network_of
+from followspot.library.handle import connected_run
+from followspot.library.keep import seconds_of
+
+
+def mark_command(args: argparse.Namespace) -> int:
+    """Mark, wait for the file and name it. Returns the exit code."""
+    after = 0.0 if args.after.strip() in ("0", "0s") else seconds_of(args.after, "--after")
+    with connected_run(args.run, network_of(args)) as run:
+        moment = run.mark(after=after, note=args.note, wait=True)
+    if args.json:
+        print(json.dumps(asdict(moment)))
+    else:
+        print(f"{moment.file}: {moment.seconds:.1f} s, {moment.messages} messages, {moment.lost} missing")
+    return 0
