@@ -16,6 +16,8 @@ from followspot.messages import Array
 Shape = tuple[int, ...]
 HOST = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
 """Pattern of host names: one chunk of a Zenoh key."""
+MAX_QUOTED = 80
+"""Characters of a text that a mistake quotes."""
 
 
 class Form:
@@ -198,7 +200,9 @@ def kind_of(node: Node) -> str:
         return "nothing"
     if isinstance(node.value, bool):
         return str(node.value).lower()
-    return f'"{node.value}"' if isinstance(node.value, str) else f"{node.value}"
+    if not isinstance(node.value, str):
+        return f"{node.value}"
+    return f'"{node.value}"' if len(node.value) <= MAX_QUOTED else f'"{node.value[:MAX_QUOTED]}..."'
 
 
 def is_name(text: str) -> bool:

@@ -209,6 +209,16 @@ def test_all_mistakes_of_a_room_are_reported_at_once(room_file: Path) -> None:
     assert [m.place.line for m in caught.value.mistakes if m.place] == [4, 9, 22]
 
 
+def test_a_file_that_is_no_room_is_quoted_in_part(tmp_path: Path) -> None:
+    path = tmp_path / "passwords"
+    path.write_text("".join(f"user{i}:x:{i}:/home/user{i}\n" for i in range(50)))
+    with pytest.raises(
+        InputError, match=r'a mapping of keys to values, not "user0.*\.\.\."'
+    ) as raised:
+        load(path)
+    assert "user9" not in str(raised.value)
+
+
 def test_a_room_of_too_many_cameras_is_refused(room_file: Path) -> None:
     names = ", ".join(f"c{n}: *c" for n in range(1001))
     room_file.write_text(f"targets: {{a: &c {{radius: 1}}}}\ncameras: {{{names}}}\n", encoding="utf-8")
