@@ -212,9 +212,7 @@ def test_all_mistakes_of_a_room_are_reported_at_once(room_file: Path) -> None:
 def test_a_file_that_is_no_room_is_quoted_in_part(tmp_path: Path) -> None:
     path = tmp_path / "passwords"
     path.write_text("".join(f"user{i}:x:{i}:/home/user{i}\n" for i in range(50)))
-    with pytest.raises(
-        InputError, match=r'a mapping of keys to values, not "user0.*\.\.\."'
-    ) as raised:
+    with pytest.raises(InputError, match=r'a mapping of keys to values, not "user0.*\.\.\."') as raised:
         load(path)
     assert "user9" not in str(raised.value)
 

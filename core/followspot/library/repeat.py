@@ -108,6 +108,8 @@ class Repetition:
         try:
             kind = load_stage(checkpoint.uses)
             self._inputs = ports(kind).inputs
+            if len(self._inputs) != len(checkpoint.inputs):
+                raise Unrepeatable(f"its checkpoint is of a stage with {len(checkpoint.inputs)} inputs")
             self._runner = self._built(stage, kind, partial(kind, context, **checkpoint.params), sent)
             self._restore()
         except Exception as error:  # of a plugin
@@ -172,6 +174,8 @@ class Repetition:
             for spec, (noted, found) in zip(self._inputs, pairs, strict=True)
         ]
         fired = [message for noted, found in pairs if noted.role == "member" for message in found]
+        if not fired:
+            raise Unrepeatable("a firing took no message that lets the stage fire")
         return RecordedFiring(firing.header.time, arguments, fired)
 
     def _argument(self, spec: InputSpec, noted: NotedInput, found: Sequence[Message]) -> object:

@@ -10,7 +10,7 @@ import base64
 import json
 from collections.abc import Callable, Iterator, Sequence
 from threading import Lock
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol, Self
 
 import numpy as np
 import pydantic
@@ -62,6 +62,12 @@ class Checkpoint(pydantic.BaseModel, frozen=True, ser_json_inf_nan="constants"):
     held: tuple[tuple[int, str], ...] = ()
     after: dict[str, int] = {}
     owed: tuple[tuple[str, int, int], ...] = ()
+
+    @pydantic.model_validator(mode="after")
+    def _check_edges(self) -> Self:
+        if not all(0 <= row < len(self.inputs) for _, row in self.edges):
+            raise ValueError("an edge leads to no input")
+        return self
 
 
 class Journaled(Protocol):

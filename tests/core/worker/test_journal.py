@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 from tests.core.worker.solo import Solo
 
@@ -22,7 +24,7 @@ from followspot.library.repeat import (
     held_in,
     missing_in,
 )
-from followspot.messages import identical
+from followspot.messages import identical, seal, stamped
 
 RATES = Path(__file__).parents[2] / "stages" / "rates.py"
 MEMORIES = """
@@ -188,6 +190,36 @@ def test_a_message_that_is_missing_is_named(run: Run) -> None:
 def test_a_state_that_cannot_be_saved_is_named(run: Run, tmp_path: Path) -> None:
     with pytest.raises(Unrepeatable, match="TypeError: a set"):
         run.repeated("secret", 0, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "problem"),
+    [
+        ("edges", [["total.out", 99]], "an edge leads to no input"),
+        ("edges", [["total.out", -1]], "an edge leads to no input"),
+        ("inputs", [], "an edge leads to no input"),
+        ("inputs", [{"role": "sampled", "joined": False}] * 6, "6 inputs"),
+        ("inputs", [{"role": "sampled", "joined": False}] * 5, "no message that lets the stage fire"),
+        ("uses", "kinds.dice", "5 inputs"),
+        ("held", [[5000, ""]], "damaged"),
+        ("state", {"\0array": "AAAA", "dtype": "O", "shape": [1]}, "an array of object"),
+        ("random", {"bit_generator": "PCG64"}, "cannot be restored"),
+    ],
+)
+def test_a_damaged_checkpoint_is_named(
+    run: Run, tmp_path: Path, field: str, value: object, problem: str
+) -> None:
+    row = checkpoints(run.firings["mix"])[1]
+    whole = run.firings["mix"][row]
+    data = {**json.loads(whole.checkpoint.tobytes()), field: value}
+    text = np.frombuffer(json.dumps(data).encode(), "u1")
+    torn = seal(Firing(checkpoint=text, edge=whole.edge, captured=whole.captured))
+    run.firings["mix"][row] = stamped(torn, whole.header)
+    try:
+        with pytest.raises(Unrepeatable, match=problem):
+            run.repeated("mix", row, tmp_path)
+    finally:
+        run.firings["mix"][row] = whole
 
 
 def test_a_stage_that_is_not_tapped_notes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
