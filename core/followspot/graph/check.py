@@ -13,7 +13,7 @@ from followspot.graph.expand import Expanded
 from followspot.graph.file_check import check_files
 from followspot.graph.instances import CheckedStage, Instance
 from followspot.graph.parameters import output_paths, validated
-from followspot.graph.picture_form import check_picture
+from followspot.graph.picture_form import gives_picture
 from followspot.graph.reproducibility import risks
 from followspot.graph.sampling import sampled_cycles
 from followspot.graph.subgraph_ports import subgraph_ports
@@ -51,10 +51,12 @@ class Checked:
 def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
     """Note every mistake; the result is complete only if none was noted."""
     classes = _classes(expanded, mistakes)
-    for instance in expanded.instances.values():
-        if instance.name in classes:
-            check_inputs(instance, classes[instance.name], expanded.left_out, mistakes)
-            check_picture(instance, classes[instance.name], expanded.room, mistakes)
+    fitting = {}
+    for name, stage in classes.items():
+        instance = expanded.instances[name]
+        check_inputs(instance, stage, expanded.left_out, mistakes)
+        if gives_picture(instance, stage, expanded.room, mistakes):
+            fitting[name] = stage
     _check_unserved(expanded, classes, mistakes)
     stages = [
         CheckedStage(instance, stage, params)
@@ -62,7 +64,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
         for instance in [expanded.instances[name]]
         if (params := _params(instance, stage, mistakes)) is not None
     ]
-    edges = connect(expanded.wires, classes, mistakes)
+    edges = connect(expanded.wires, fitting, mistakes)
     check_cycles(edges, mistakes)
     check_lagged_cycles(edges, classes, mistakes)
     sampled = sampled_cycles(edge.link for edge in edges)
