@@ -186,9 +186,17 @@ def _check_outputs(stages: Sequence[CheckedStage], mistakes: list[Mistake]) -> N
             continue
         node = next((n for n in others[0].params.values() if n.value == path), None)
         place = node.place if node is not None else others[0].declared.place
+        place = _beside(place, first.declared.place)
         more = f" and {len(others) - 1} more" if len(others) > 1 else ""
         text = f'stages "{first.name}" and "{others[0].name}"{more} write the same file {path}'
         mistakes.append(Mistake(place, text, "give each its own path"))
+
+
+def _beside(place: Place, other: Place) -> Place:
+    """The place, together with what is at the other one and not here: the line, or the use of its file."""
+    here = {(one.file, one.line) for one in (place, *place.outer_places)}
+    apart = (one for one in (other, *other.outer_places) if (one.file, one.line) not in here)
+    return next((place.beside(one) for one in apart), place)
 
 
 def _checked_room(expanded: Expanded, mistakes: list[Mistake]) -> Room:

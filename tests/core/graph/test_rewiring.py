@@ -124,7 +124,7 @@ def test_the_worker_in_which_all_differs(tmp_path: Path, far: tuple[str, ...], w
 @pytest.mark.parametrize(
     ("file", "said"),
     [
-        (TRACKER.replace("tracks: track.tracks", "tracks: pair"), 'gives no port that "save.tracks" could'),
+        (TRACKER.replace("tracks: track.tracks", "tracks: pair"), "gives hall/pair.out (Blobs), and"),
         (SHORT.replace("tracks: whole.tracks, ", ""), 'has no output "tracks" in the file'),
         (SMOOTHED + "  log: {uses: toy.save, in: {tracks: track}}\n", 'which "save" is writing'),
         (SMOOTHED + "  odd: {uses: toy.camera, each: cameras}\n", "would begin its stream anew"),
