@@ -7,6 +7,7 @@ import signal
 from pathlib import Path
 
 import pytest
+from tests.commands import Started
 from tests.integration.hosts import near_agent
 from tests.integration.running import STAGES, balanced, finish, start, write_graph
 from tests.integration.test_swap import APART as OTHER_WORKER
@@ -189,6 +190,16 @@ def test_a_new_stage_knows_how_far_its_inputs_are(tmp_path: Path) -> None:
     assert finished.values() == list(range(300))
 
 
+def is_changed(process: Started, word: str) -> bool:
+    """Whether a change was made; False as long as the operator does not know that the run has begun."""
+    try:
+        run_here(str(process.pid)).change([word])
+    except FollowspotError as error:
+        assert "has not begun yet" in str(error)  # noqa: PT017
+        return False
+    return True
+
+
 MEETING = """\
 inputs: {left: meet.left, right: meet.right}
 outputs: {number: meet}
@@ -309,7 +320,7 @@ def test_two_workers_of_an_agent_go_on_with_another_inside_and_back(tmp_path: Pa
         assert wait_until(lambda: list(tmp_path.glob("runs/*/ticks.csv")))
         (written,) = tmp_path.glob("runs/*/ticks.csv")
         for word in (there, back):
-            run_here(str(process.pid)).change([word])
+            assert wait_until(lambda word=word: is_changed(process, word))  # type: ignore[misc]
         finished = finish(process, tmp_path / "out")
     finally:
         process.kill()
