@@ -4,9 +4,12 @@ import gc
 import sys
 from pathlib import Path
 
+import hypothesis
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
+hypothesis.settings.register_profile("any machine", deadline=None)
+hypothesis.settings.load_profile("any machine")
 gc.set_threshold(20_000, 20, 20)  # tests make little garbage: to look for it took 8 % of a run
 
 

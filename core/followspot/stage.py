@@ -20,7 +20,7 @@ from __future__ import annotations
 import hashlib
 import logging
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 from functools import cached_property
@@ -186,6 +186,9 @@ class Stage:
     """True if an instance serves exactly one sensor (`self.sensor`)."""
     per_target: ClassVar[bool] = False
     """True if an instance serves exactly one target (`self.target`)."""
+    by_kind: ClassVar[Mapping[str, str]] = {}
+    """For a source of cameras: the stage that takes its place for a camera of that kind, as
+    `{"depth": "sim.depth_camera"}`, because it gives messages of another type."""
     tap: ClassVar[bool] = False
     """True for a sink that other programs may put at a port of a running graph. It sends to observers of the
     run only."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 from followspot import Source
@@ -15,10 +16,12 @@ class SimCamera(Performance):
     """Render the simulated room as this camera sees it, frame by frame.
 
     Every instance computes the same performance, so the pictures are consistent in any placement. With
-    `realtime` frames come no earlier than their time; none is skipped.
+    `realtime` frames come no earlier than their time; none is skipped. A camera of `kind: depth` gets
+    `sim.depth_camera`, which renders the depth of the same scene and takes these parameters, too.
     """
 
     per_camera: ClassVar[bool] = True
+    by_kind: ClassVar[Mapping[str, str]] = {"depth": "sim.depth_camera"}
 
     class Params(CameraParams):
         """The performance, and the clock of this camera."""

@@ -7,6 +7,7 @@ import signal
 from pathlib import Path
 
 import pytest
+from tests.commands import Started
 from tests.integration.hosts import near_agent
 from tests.integration.running import STAGES, balanced, finish, start, write_graph
 from tests.integration.test_swap import APART as OTHER_WORKER
@@ -189,6 +190,16 @@ def test_a_new_stage_knows_how_far_its_inputs_are(tmp_path: Path) -> None:
     assert finished.values() == list(range(300))
 
 
+def is_changed(process: Started, word: str) -> bool:
+    """Whether a change was made; False as long as the operator does not know that the run has begun."""
+    try:
+        run_here(str(process.pid)).change([word])
+    except FollowspotError as error:
+        assert "has not begun yet" in str(error)  # noqa: PT017
+        return False
+    return True
+
+
 MEETING = """\
 inputs: {left: meet.left, right: meet.right}
 outputs: {number: meet}
@@ -245,6 +256,32 @@ def test_a_stage_that_cannot_be_built_leaves_the_graph_as_it_was(tmp_path: Path,
     assert all(not e["from"].startswith("hall/odd.") for e in finished.summary["edges"])
 
 
+def test_a_stage_that_cannot_be_built_lets_no_worker_start_anew(tmp_path: Path) -> None:
+    """Edges over the network: the workers would begin anew with the file."""
+    there, _ = files(tmp_path)
+    broken = QUICK.replace("ticks.add, with: {term: 1000}", "ticks.tally, with: {broken: true}")
+    (tmp_path / "quick.yaml").write_text(broken)
+    (tmp_path / "apart.yaml").write_text(OTHER_WORKER.replace("STAGE", "hall/b"))
+    options = ("--placement", str(tmp_path / "apart.yaml"), "--edges", "zenoh")
+    run = Going.of(start(write_graph(tmp_path, LIVE), tmp_path / "out", *options), tmp_path / "out")
+    try:
+        run.grows()
+        before = run.workers()
+        with pytest.raises(FollowspotError) as refused:
+            run_here(run.name).change([there])
+        assert str(refused.value).startswith("stage hall/odd (ticks.tally) cannot be built: RuntimeError")
+        run.grows()
+        assert run.workers() == before
+        (tmp_path / "quick.yaml").write_text(QUICK)
+        run_here(run.name).change([there])
+        assert is_reached(run, quick=True)
+        finished = run.stopped()
+    finally:
+        run.process.kill()
+    assert finished.code == 0, finished.errors
+    assert balanced(finished.summary)
+
+
 @pytest.mark.thorough
 def test_a_sub_graph_on_another_host_begins_anew_with_another_inside(tmp_path: Path) -> None:
     """The edges from the desk to the new stages are other edges, so both workers start anew."""
@@ -283,7 +320,7 @@ def test_two_workers_of_an_agent_go_on_with_another_inside_and_back(tmp_path: Pa
         assert wait_until(lambda: list(tmp_path.glob("runs/*/ticks.csv")))
         (written,) = tmp_path.glob("runs/*/ticks.csv")
         for word in (there, back):
-            run_here(str(process.pid)).change([word])
+            assert wait_until(lambda word=word: is_changed(process, word))  # type: ignore[misc]
         finished = finish(process, tmp_path / "out")
     finally:
         process.kill()

@@ -13,7 +13,7 @@ from followspot.graph.plan import PlannedStage
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.ranges import Count, Nanoseconds
 
-Step = Literal["build", "hold", "rest", "take_over", "go_on", "discard"]
+Step = Literal["try", "build", "hold", "rest", "take_over", "go_on", "discard"]
 ChangePhase = Literal["building", "built", "held", "resting", "done", "failed"]
 
 
@@ -23,6 +23,7 @@ class ChangeOrder(RunRequest):
 
     plan: the plan after a change in which stages and edges come or go, all of them in `workers`; else None.
 
+    In "try" the workers set up the stages that come and close them again: they will start anew.
     Several workers come to rest together: in "hold" their sources stop at once; in "rest" these
     go on to `until`, ns, the stages `leaving` give what they still have, and each worker answers once it has
     nothing more to do; all take over, and all go on. A live run has no "hold". turn: counts the steps.

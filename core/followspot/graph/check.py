@@ -13,7 +13,7 @@ from followspot.graph.expand import Expanded
 from followspot.graph.file_check import check_files
 from followspot.graph.instances import CheckedStage, Instance
 from followspot.graph.parameters import output_paths, validated
-from followspot.graph.picture_form import check_picture
+from followspot.graph.picture_form import gives_picture
 from followspot.graph.reproducibility import risks
 from followspot.graph.sampling import sampled_cycles
 from followspot.graph.subgraph_ports import subgraph_ports
@@ -51,10 +51,12 @@ class Checked:
 def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
     """Note every mistake; the result is complete only if none was noted."""
     classes = _classes(expanded, mistakes)
-    for instance in expanded.instances.values():
-        if instance.name in classes:
-            check_inputs(instance, classes[instance.name], expanded.left_out, mistakes)
-            check_picture(instance, classes[instance.name], expanded.room, mistakes)
+    fitting = {}
+    for name, stage in classes.items():
+        instance = expanded.instances[name]
+        check_inputs(instance, stage, expanded.left_out, mistakes)
+        if gives_picture(instance, stage, expanded.room, mistakes):
+            fitting[name] = stage
     _check_unserved(expanded, classes, mistakes)
     stages = [
         CheckedStage(instance, stage, params)
@@ -62,7 +64,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
         for instance in [expanded.instances[name]]
         if (params := _params(instance, stage, mistakes)) is not None
     ]
-    edges = connect(expanded.wires, classes, mistakes)
+    edges = connect(expanded.wires, fitting, mistakes)
     check_cycles(edges, mistakes)
     check_lagged_cycles(edges, classes, mistakes)
     sampled = sampled_cycles(edge.link for edge in edges)
@@ -184,9 +186,17 @@ def _check_outputs(stages: Sequence[CheckedStage], mistakes: list[Mistake]) -> N
             continue
         node = next((n for n in others[0].params.values() if n.value == path), None)
         place = node.place if node is not None else others[0].declared.place
+        place = _beside(place, first.declared.place)
         more = f" and {len(others) - 1} more" if len(others) > 1 else ""
         text = f'stages "{first.name}" and "{others[0].name}"{more} write the same file {path}'
         mistakes.append(Mistake(place, text, "give each its own path"))
+
+
+def _beside(place: Place, other: Place) -> Place:
+    """The place, together with what is at the other one and not here: the line, or the use of its file."""
+    here = {(one.file, one.line) for one in (place, *place.outer_places)}
+    apart = (one for one in (other, *other.outer_places) if (one.file, one.line) not in here)
+    return next((place.beside(one) for one in apart), place)
 
 
 def _checked_room(expanded: Expanded, mistakes: list[Mistake]) -> Room:

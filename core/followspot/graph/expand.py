@@ -11,6 +11,7 @@ from followspot.graph.absent import absent, lack
 from followspot.graph.declaration import ROOM_SOURCE, StageDeclaration
 from followspot.graph.instances import ANY, Groups, Instance, Wire
 from followspot.graph.load import Loaded
+from followspot.graph.picture_form import source_for
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.graph.wiring import Wiring
 from followspot.room import Member, Room
@@ -138,8 +139,10 @@ def _instance(
 ) -> Instance:
     name = stage.name if member is None else f"{stage.name}/{member.name}"
     known = None if member == ANY else member
+    room = loaded.room or Room()
     if stage.uses != ROOM_SOURCE:
-        return Instance(name, stage, known, stage.uses, stage.uses_place, stage.params)
+        uses = source_for(stage.uses, known, room)
+        return Instance(name, stage, known, uses, stage.uses_place, stage.params)
     if member is None or (known is not None and known.set not in ("cameras", "sensors")):
         text = f'stage "{stage.name}" uses {ROOM_SOURCE} but serves no camera and no sensor'
         mistakes.append(Mistake(stage.place, text, "add each: cameras, or each: sensors"))
@@ -148,7 +151,8 @@ def _instance(
     if source is None:
         return Instance(name, stage, known, "", stage.uses_place, {})
     use, params = source
-    return Instance(name, stage, known, str(use.value), use.place, {**params, **stage.params})
+    uses = source_for(str(use.value), known, room)
+    return Instance(name, stage, known, uses, use.place, {**params, **stage.params})
 
 
 def _declared_source(

@@ -37,7 +37,7 @@ def leaving(
     elif len(alike := [new for new in candidates if new.rpartition(".")[2] == edge.from_port]) == 1:
         candidates = dict.fromkeys(alike)
     if len(candidates) != 1:
-        raise InputError([_refusal(use, names, found, edge, list(candidates), place)])
+        raise InputError([_refusal(use, names, found, edge, list(candidates or behind), stages, place)])
     stage, _, output = next(iter(candidates)).rpartition(".")
     workers = {worker.name: worker for worker in plan.workers}
     kind = nearest_kind(workers[stages[stage].worker], workers[stages[edge.to_stage].worker])
@@ -72,9 +72,11 @@ def _refusal(
     names: list[str],
     found: Composed,
     edge: PlannedEdge,
-    candidates: list[str],
+    given: list[str],
+    stages: Mapping[str, PlannedStage],
     place: Place,
 ) -> Mistake:
+    """given: the ports that the reader could take, or all behind the output if it can take none."""
     if not names:
         text = f'"{edge.to_stage}" reads {edge.from_stage}.{edge.from_port}, which the file lacks'
         remedy = "let it read an output of the interface; a recording has ports that --record-ports names"
@@ -82,6 +84,16 @@ def _refusal(
     output = names[0].partition(".")[2]
     if not any(name in found.outputs for name in names):
         return Mistake(place, f'sub-graph "{use.name}" has no output "{output}" in the file', "offer it")
-    what = f"several ports ({', '.join(candidates)})" if candidates else "no port"
-    text = f'output "{output}" of the file gives {what} that "{edge.to_stage}.{edge.to_port}" could read'
+    gives = ", ".join(f"{port} ({_type(port, stages)})" for port in given)
+    reader = f"{edge.to_stage}.{edge.to_port}"
+    read = ports(load_stage(stages[edge.to_stage].uses)).input(edge.to_port)
+    wanted = read.type.__name__ if read is not None else "nothing"
+    text = f'output "{output}" of the file gives {gives}, and "{reader}" takes one {wanted}'
     return Mistake(place, text, f"before, it read {edge.from_stage}.{edge.from_port}")
+
+
+def _type(port: str, stages: Mapping[str, PlannedStage]) -> str:
+    """Name of the message type of a port."""
+    name, _, output = port.rpartition(".")
+    found = _output(stages[name], output)
+    return "nothing" if found is None else found.type.__name__

@@ -168,7 +168,8 @@ def _check(plan: Plan, new: Plan, place: Place) -> None:
         if stage.name not in fed and not stage.live and (was is None or was.uses != stage.uses):
             text = f'source "{stage.name}" would begin its stream anew'
             mistakes.append(Mistake(place, text, "only live sources can come while a graph runs"))
-        for path in _paths(stage) if was is None else ():
+        stays = was is not None and (was.uses, was.params) == (stage.uses, stage.params)
+        for path in () if stays else _paths(stage):
             if path in written:
                 text = f'stage "{stage.name}" would write {path}, which "{written[path]}" is writing'
                 mistakes.append(Mistake(place, text, "name another file"))

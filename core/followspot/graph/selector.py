@@ -84,6 +84,17 @@ class Selector:
         text = f'{self.set} of the room "{room.name}" have no property and no tag "{strange}"'
         return Mistake(self.place, text, did_you_mean(strange, known, "properties and tags"))
 
+    def choices(self, room: Room) -> str:
+        """What the conditions of a selector that selects nothing could say instead."""
+        owners = room.members(self.set).values() if self.set in SETS else room.carriers
+        known = {c.key: dict.fromkeys(v for o in owners for v in _values(o, c.key)) for c in self.conditions}
+        unfit = [c.key for c in self.conditions if not known[c.key].keys() & set(c.values)]
+        if not unfit:
+            return "each condition fits something, and nothing fits all of them"
+        return "; ".join(
+            f"{key} is one of: {', '.join(known[key]) or 'nothing'}" for key in dict.fromkeys(unfit)
+        )
+
 
 def read_selector(node: Node, mistakes: list[Mistake], key: str = "each") -> Selector:
     """Read the value of `key`; of one that cannot be read a mistake is noted, see `Selector.readable`."""

@@ -13,6 +13,7 @@ from followspot.host.worker_pool import WorkerPool
 _TIMEOUT = 60.0
 """Seconds after which a change that was built but neither taken over nor discarded blocks no other."""
 _AFTER: Mapping[Step, ChangePhase] = {
+    "try": "done",
     "build": "built",
     "hold": "held",
     "rest": "resting",
@@ -101,7 +102,7 @@ class HostChange:
         if self.order is None or (answer.id, answer.turn) != (self.order.id, self.order.turn):
             return False
         self._answers[worker] = answer
-        return answer.phase == "done"
+        return answer.phase == "done" and self.order.step == "take_over"
 
     def died(self, worker: str) -> bool:
         """Note that a worker has ended or died; return True if it must restart with its replacements.

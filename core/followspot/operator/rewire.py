@@ -2,7 +2,7 @@
 
 If all that differs is in one worker, that worker builds what is new, comes to rest, and goes on with the new
 plan: nothing is lost. So do all workers of one host together. In a live run over several hosts, the workers
-that differ restart with the new plan, as in a move.
+that differ restart with the new plan, as in a move, once the stages that come were set up on trial.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from followspot.control.host import Host
 from followspot.control.move import MoveOrder
 from followspot.control.swap import ChangeOrder, ChangePhase
 from followspot.errors import FollowspotError
-from followspot.graph.difference import differing_workers, only_worker
+from followspot.graph.difference import differing_stages, differing_workers, only_worker, workers_of
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
 from followspot.operator.joint_rewire import can_rewire_together, check_replay, rewire_together
@@ -50,6 +50,7 @@ def rewire(run: Coordinator, new: Plan, name: str, *, fresh: bool) -> None:
         rewire_together(host, old, new, fresh=fresh)
         _tell_others(run, host, plan_to_data(new))
         return
+    _try_out(run, new)
     move_hosts(old, new, run.hosts, differing_workers(old, new) | _noticing(old, new), fresh=fresh)
 
 
@@ -98,6 +99,17 @@ def _in_place(run: Coordinator, new: Plan, worker: str, *, fresh: bool) -> None:
             host.ask(MoveOrder(plan=plan_to_data(run.plan)))
         raise
     _tell_others(run, host, data)
+
+
+def _try_out(run: Coordinator, new: Plan) -> None:
+    """Let the workers set up the stages that come, beside those that work. Raises FollowspotError."""
+    workers = workers_of(new, differing_stages(run.plan, new))
+    data = plan_to_data(new)
+    for host in run.hosts:
+        own = tuple(sorted(name for name in workers if new.host_of(name) == host.name))
+        if own:
+            order = ChangeOrder(id=uuid4().hex, step="try", stages=(), workers=own, plan=data)
+            _step(host, order, "done")
 
 
 def _tell_others(run: Coordinator, host: Host, plan: dict[str, Any]) -> None:

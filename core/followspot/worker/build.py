@@ -163,24 +163,10 @@ class Builder:
 
     def runner(self, rank: int, stage: PlannedStage) -> StageRunner:
         outputs = self._outputs(stage)
-        warn = partial(self.options.warn, stage.name)
+        context = self.context(stage, tuple(outputs.values()))
         for output in outputs.values():
-            output.refused = warn
+            output.refused = context.warn
             output.waits_for_readers = self.options.rejoin and not self.wiring.live
-        context = Context(
-            name=stage.name,
-            room=self.plan.room,
-            member=stage.member,
-            out=self.options.out,
-            seed=self.plan.seed,
-            receives=self.wiring.received_types(stage.name),
-            warn=warn,
-            loan=partial(_loan, tuple(outputs.values())),
-            pause=self.pace.wait_aside if stage.live else self.pace.wait,
-            resumed=self.options.resumed,
-            lost=partial(_lost_at_source, tuple(outputs.values())),
-            run_begun=self.options.clock.run_begun,
-        )
         build = partial(self.wiring.classes[stage.name], context, **stage.params)
         if self.wiring.ports[stage.name].source:
             kind = LiveSourceRunner if stage.live else SourceRunner
@@ -216,6 +202,23 @@ class Builder:
             runner.concurrency = stage.concurrency
         runner.uses = stage.uses
         return runner
+
+    def context(self, stage: PlannedStage, outputs: Sequence[OutputPort] = ()) -> Context:
+        """What a stage sees of its run."""
+        return Context(
+            name=stage.name,
+            room=self.plan.room,
+            member=stage.member,
+            out=self.options.out,
+            seed=self.plan.seed,
+            receives=self.wiring.received_types(stage.name),
+            warn=partial(self.options.warn, stage.name),
+            loan=partial(_loan, outputs),
+            pause=self.pace.wait_aside if stage.live else self.pace.wait,
+            resumed=self.options.resumed,
+            lost=partial(_lost_at_source, outputs),
+            run_begun=self.options.clock.run_begun,
+        )
 
     def _outputs(self, stage: PlannedStage) -> dict[str, OutputPort]:
         outputs = {}

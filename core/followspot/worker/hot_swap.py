@@ -23,6 +23,8 @@ Answer = Callable[[ChangeStatus], None]
 """Called with what became of a step, from any thread."""
 Rewire = Callable[[dict[str, Any]], Rewiring]
 """Builds what a plan, in JSON types, adds to the worker. Raises FollowspotError."""
+TryOut = Callable[[dict[str, Any]], None]
+"""Sets up the same, and closes it again. Raises FollowspotError."""
 
 
 class HotSwap:
@@ -32,13 +34,19 @@ class HotSwap:
     """
 
     def __init__(
-        self, worker: Worker, answer: Answer, rewire: Rewire, caught_up: Callable[[], bool] = lambda: True
+        self,
+        worker: Worker,
+        answer: Answer,
+        rewire: Rewire,
+        try_out: TryOut,
+        caught_up: Callable[[], bool] = lambda: True,
     ) -> None:
         """caught_up: see `JointChange`."""
         self.worker = worker
         self._joint = JointChange(worker, caught_up, answer, self._give_up)
         self.answer = answer
         self._rewire = rewire
+        self._try_out = try_out
         self._id = ""
         self._built: Sequence[Replacement] = ()
         self._rewiring: Rewiring | None = None
@@ -47,10 +55,11 @@ class HotSwap:
         """Do one step; call between two firings, in the worker's thread."""
         if order.step in ("hold", "rest", "go_on") or self._joint.holds:
             self._obey_together(order)
-        elif order.step == "build":
+        elif order.step in ("try", "build"):
             self._give_up()
             self._id = order.id
-            threading.Thread(target=self._build, args=(order,), name="replacements", daemon=True).start()
+            step = self._build if order.step == "build" else self._try_aside
+            threading.Thread(target=step, args=(order,), name="replacements", daemon=True).start()
         elif order.id == self._id and order.step == "take_over":
             self._take_over(order)
         elif order.id == self._id:
@@ -70,6 +79,14 @@ class HotSwap:
     def close(self) -> None:
         """Discard what was built: the worker has ended."""
         self._give_up()
+
+    def _try_aside(self, order: ChangeOrder) -> None:
+        try:
+            self._try_out(order.plan or {})
+        except FollowspotError as error:
+            self.answer(ChangeStatus(order.id, "failed", str(error), order.turn))
+        else:
+            self.answer(ChangeStatus(order.id, "done", turn=order.turn))
 
     def _build(self, order: ChangeOrder) -> None:
         built: Sequence[Replacement] = ()

@@ -10,6 +10,7 @@ import signal
 import socket
 import sys
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -33,7 +34,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.ship import plan_from_data
 from followspot.log.collector import LogCollector, collecting
 from followspot.plugins.registry import use_plugin_files
-from followspot.worker.build import build_worker
+from followspot.worker.build import Builder, NoLinks, build_worker
 from followspot.worker.clock import Clock
 from followspot.worker.edge_links import EdgeLinks, rows_of, uses_zenoh
 from followspot.worker.host_reporter import HostReporter
@@ -46,6 +47,7 @@ from followspot.worker.rewiring import Rewiring
 from followspot.worker.scheduler import Worker
 from followspot.worker.stage_runner import StageRunner
 from followspot.worker.taps import WorkerTaps
+from followspot.worker.trial import try_out
 from followspot.worker.wiring import RunOptions, Wiring
 
 if TYPE_CHECKING:
@@ -178,7 +180,8 @@ class WorkerMain:
             from followspot.worker.published_ports import published
 
             self.published = published(self.links, self.worker, self.worker.runners)
-        self.change = HotSwap(self.worker, self.reporter.send_change, self._rewiring, self.links.caught_up)
+        answer = self.reporter.send_change
+        self.change = HotSwap(self.worker, answer, self._rewiring, self._try_out, self.links.caught_up)
         handlers = self._handlers(self.worker, self.links)
         orders = Orders(
             self.channel, self.worker, handlers, in_process=self._in_process, restart=self.restart
@@ -212,6 +215,13 @@ class WorkerMain:
         name, links = self.log.worker, self.links.for_plan(plan_from_data(data))
         rewired = partial(self._rewired, links)
         return Rewiring(self.worker, Wiring(links.plan), name, self.ledger, self.options, links, rewired)
+
+    def _try_out(self, data: dict[str, Any]) -> None:
+        """Set up what a new plan adds to the worker, and close it again. Raises FollowspotError."""
+        assert self.worker is not None
+        wiring, options = Wiring(plan_from_data(data)), replace(self.options, resumed=True)
+        builder = Builder(wiring, self.log.worker, self.ledger, options, NoLinks())
+        try_out(builder, {runner.name: runner for runner in self.worker.runners})
 
     def _rewired(self, links: EdgeLinks, new: Sequence[StageRunner]) -> None:
         """Have the plan of these links from now on. new: stages that it adds here."""

@@ -154,7 +154,7 @@ class Rewiring:
         changed = [
             stage
             for stage in builder.mine
-            if stage.name in self._stays and not _is_same(self._stays[stage.name], stage)
+            if stage.name in self._stays and not is_same(self._stays[stage.name], stage)
         ]
         self.replacements = prepared(self.worker, changed)
 
@@ -239,7 +239,7 @@ def _can_stay(runner: StageRunner, stage: PlannedStage) -> bool:
     return alike and same and runner.stage.context.member == stage.member
 
 
-def _is_same(runner: StageRunner, stage: PlannedStage) -> bool:
+def is_same(runner: StageRunner, stage: PlannedStage) -> bool:
     """Whether the stage that works is the planned one already."""
     now = runner.stage
     return type(now) is load_stage(stage.uses) and now.params == type(now).Params(**stage.params)

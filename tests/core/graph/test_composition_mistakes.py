@@ -54,6 +54,8 @@ def wrong(text: str, remedy: str, *changes: Change, over: str = "", option: str 
 ANY = "{uses: toy.any, in: {blobs: hall/inner/pair}}"
 LATE = "{uses: toy.detect, each: 'cameras[name=cam1]', in: {frame: ¦eyes}}"
 ZONED = "{uses: toy.pair, each: zones, in: {blobs: ¦hall/inner/detect}}"
+KEEP = "{uses: toy.save, in: {tracks: track}"
+MORE = "{graph: middle.yaml, in: {frames: eyes}}"
 ONLY = "{uses: toy.detect, in: {frame: {from: eyes, only: ¦'cameras[kind]'}}}"
 KNOWING = ("main", "  save:", "  truth: {uses: toy.knowing, with: {path: truth.csv}}\n  save:")
 MISTAKES = {
@@ -384,20 +386,20 @@ MISTAKES = {
     ),
     "cameras that the room lacks": wrong(
         'sub-graph "hall" serves cameras[name=cam7], and the room "stage" has none',
-        "name a set or a tag that the room has, or write optional: true",
+        "name is one of: cam0, cam1; or write optional: true",
         ("main", "in: {frames: eyes}, ", ""),
         ("main", "{graph: middle.yaml", "{cameras: ¦'cameras[name=cam7]', graph: middle.yaml"),
     ),
     "cameras that are none of those around": wrong(
         'sub-graph "hall/inner" serves cameras[name=cam1, kind=color], and the room "stage" has none',
-        "name a set or a tag that the room has, or write optional: true",
+        "each condition fits something, and nothing fits all of them; or write optional: true",
         ("main", "{graph: middle.yaml", "{cameras: 'cameras[kind=color]', graph: middle.yaml"),
         ("middle", "{graph: tracker.yaml}", "{graph: tracker.yaml, cameras: ¦'cameras[name=cam1]'}"),
         ("main", "  hall:", "  ‡hall:"),
     ),
     "a member of a fan-out without cameras": wrong(
         'sub-graph "hall/hall" serves cameras[kind=infrared, zone=hall], and the room "stage" has none',
-        "name a set or a tag that the room has, or write optional: true",
+        "each condition fits something, and nothing fits all of them; or write optional: true",
         ("main", "{graph: mid", "{each: zones, cameras: ¦'cameras[kind=infrared]', graph: mid"),
         ("room", "kind: color\n", "kind: color\n    tags: {zone: hall}\n"),
     ),
@@ -444,6 +446,19 @@ MISTAKES = {
         ("room", "kind: color\n", "kind: color\n    tags: {zone: ¦{a: b}}\n"),
         option="hall/attic/inner/detect.level=0.5",
     ),
+    "two uses of a file that writes": wrong(
+        'stages "more/inner/keep" and "hall/inner/keep" write the same file k.csv',
+        "give each its own path",
+        ("tracker", "  pair:", f"  keep: {KEEP}, with: {{path: ¦k.csv}}}}\n  pair:"),
+        ("middle", "  inner:", "  ‡inner:"),
+        ("main", "  hall:", f"  ‡more: {MORE}\n  ‡hall:"),
+    ),
+    "a value of a tag that no camera carries": wrong(
+        'sub-graph "hall" serves cameras[zone=hal], and the room "stage" has none',
+        "zone is one of: hall; or write optional: true",
+        ("main", "{graph: middle.yaml", "{cameras: ¦'cameras[zone=hal]', graph: middle.yaml"),
+        ("room", "kind: color\n", "kind: color\n    tags: {zone: hall}\n"),
+    ),
     "sinks of many cameras with one file": wrong(
         'stages "more/cam0" and "more/cam1" and 1 more write the same file tracks.csv',
         "give each its own path",
@@ -463,7 +478,7 @@ MISTAKES = {
     ),
     "a fan-out over nothing": wrong(
         'sub-graph "hall" fans out over cameras[name=cam7], and the room "stage" has none',
-        "name a set or a tag that the room has",
+        "name is one of: cam0, cam1; or write optional: true",
         ("main", "{graph: middle.yaml", "{each: ¦'cameras[name=cam7]', graph: middle.yaml"),
     ),
     "instances that are not there": wrong(

@@ -124,7 +124,7 @@ def test_the_worker_in_which_all_differs(tmp_path: Path, far: tuple[str, ...], w
 @pytest.mark.parametrize(
     ("file", "said"),
     [
-        (TRACKER.replace("tracks: track.tracks", "tracks: pair"), 'gives no port that "save.tracks" could'),
+        (TRACKER.replace("tracks: track.tracks", "tracks: pair"), "gives hall/pair.out (Blobs), and"),
         (SHORT.replace("tracks: whole.tracks, ", ""), 'has no output "tracks" in the file'),
         (SMOOTHED + "  log: {uses: toy.save, in: {tracks: track}}\n", 'which "save" is writing'),
         (SMOOTHED + "  odd: {uses: toy.camera, each: cameras}\n", "would begin its stream anew"),
@@ -135,6 +135,19 @@ def test_a_file_that_does_not_fit_the_running_graph_says_why(tmp_path: Path, fil
     with pytest.raises(InputError) as caught:
         change_of(plan, [f"hall={tmp_path / 'other.yaml'}"])
     assert said in str(caught.value)
+
+
+def test_another_sink_of_the_same_name_needs_another_file(tmp_path: Path) -> None:
+    """Both would be open for a moment."""
+    keep = "  keep: {uses: USES, in: {tracks: track}, with: {path: PATH}}\n"
+    before = TRACKER + keep.replace("USES", "toy.save").replace("PATH", "k.csv")
+    other = SMOOTHED + keep.replace("USES", "sinks.csv")
+    files = {"same": other.replace("PATH", "k.csv"), "own": other.replace("PATH", "2-k.csv")}
+    plan = travelled(planned(tmp_path, SHARED, tracker=before, **files))
+    with pytest.raises(InputError) as caught:
+        change_of(plan, [f"hall={tmp_path / 'same.yaml'}"])
+    assert 'stage "hall/keep" would write k.csv, which "hall/keep" is writing' in str(caught.value)
+    assert stage(after(plan, f"hall={tmp_path / 'own.yaml'}"), "hall/keep").uses == "sinks.csv"
 
 
 def test_a_ledger_without_a_row_for_a_new_edge_refuses(tmp_path: Path) -> None:

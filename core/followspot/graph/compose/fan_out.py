@@ -97,5 +97,5 @@ def _lacking(name: str, wanted: Selector, verb: str, around: Surroundings) -> Mi
         text = f'sub-graph "{name}" {verb} {wanted.text}, but the graph names no room'
         return Mistake(wanted.place, text, "add room: FILE.yaml")
     text = f'sub-graph "{name}" {verb} {wanted.text}, and the room "{around.room.name}" has none'
-    remedy = "name a set or a tag that the room has, or write optional: true"
+    remedy = f"{wanted.choices(around.room)}; or write optional: true"
     return wanted.unknown(around.room) or Mistake(wanted.place, text, remedy)

@@ -1,0 +1,211 @@
+"""A sub-graph is swapped again and again in several workers: journals of the stages agree with the ledger.
+
+In a replay nothing is lost on the way from one file to the next. In a live run workers die meanwhile.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import threading
+import time
+import uuid
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tests.integration.running import Finished, finish, start, write_graph
+from tests.promises.books import Books, books_of, impossible
+from tests.promises.journaled import STAGES, Journaled
+
+from followspot.errors import FollowspotError
+from followspot.operator.connect import run_here
+
+COUNT = 1500
+GRAPH = """
+cam:  {{uses: journal.{source}, with: {{size: {size}, count: {count}}}}}
+slow: {{uses: journal.step, in: {{note: cam}}}}
+hall: {{graph: one.yaml, in: {{note: slow}}}}
+save: {{uses: journal.save, in: {{note: hall}}}}
+side: {{uses: journal.meet, in: {{notes: [cam, hall]}}, tolerance: 0.002}}
+rest: {{uses: journal.save, with: {{path: side.csv}}, in: {{note: side}}}}
+"""
+FILES = {
+    "one": """
+inputs: {note: a.note}
+outputs: {note: a}
+stages:
+  a: {uses: journal.step}
+""",
+    "two": """
+inputs: {note: a.note}
+outputs: {note: b}
+stages:
+  a: {uses: journal.step}
+  b: {uses: journal.step, in: {note: a}}
+""",
+    "feedback": """
+inputs: {note: b.note}
+outputs: {note: c}
+stages:
+  b: {uses: journal.step}
+  c: {uses: journal.sampling, in: {note: b, known: {from: c, delay: 1}}}
+""",
+    "halves": """
+inputs: {note: s.note}
+outputs: {note: m}
+stages:
+  s: {uses: journal.split}
+  a: {uses: journal.step, in: {note: s.even}}
+  d: {uses: journal.step, in: {note: s.odd}}
+  m: {uses: journal.meet, in: {notes: [a, d]}, tolerance: 0.002}
+""",
+    "sick": """
+inputs: {note: x.note}
+outputs: {note: x}
+stages:
+  x: {uses: journal.sick}
+""",
+}
+ENTRIES = {("slow.out", f"hall/{first}.note") for first in "abs"}
+"""Into each file: every note of `slow` goes one of these ways."""
+STAY = {("cam.out", "slow.note"), ("cam.out", "side.notes"), ("side.out", "rest.note")}
+"""Edges that no file changes."""
+STAGES_APART = ["cam", "slow", "hall/a", "side", "rest", "save"]
+LOSSES = ("lost", "dropped", "late", "invalid", "unmatched")
+
+
+class Run(Journaled):
+    """A run of two to four workers."""
+
+    def __init__(self, folder: Path, chance: random.Random, *, live: bool, edges: str) -> None:
+        self.chance, self.live, self.files = chance, live, folder
+        stages = chance.sample(STAGES_APART, len(STAGES_APART))
+        count = chance.choice([2, 3, 4])
+        groups = {f"w{n}": stages[n::count] for n in range(count)}
+        firsts = {name: group[0] for name, group in groups.items()}
+        super().__init__(f"swaps-{uuid.uuid4().hex[:8]}", folder / "books", folder / "out", firsts)
+        self.folder.mkdir()
+        for name, text in FILES.items():
+            (folder / f"{name}.yaml").write_text(text)
+        source, endless = ("camera", 10**9) if live else ("film", COUNT)
+        text = GRAPH.format(source=source, size=chance.choice([0, 6000]), count=endless)
+        placement = folder / "placement.yaml"
+        lines = (f"  {name}: {{stages: [{', '.join(group)}]}}\n" for name, group in groups.items())
+        placement.write_text(f"placement: apart\nworkers:\n{''.join(lines)}")
+        os.environ["BOOKS"] = str(self.folder)
+        words = ("--plugin", str(STAGES), "--placement", str(placement), "--edges", edges)
+        self.process = start(write_graph(folder, text, self.name), self.out, *words)
+        self.refused: list[str] = []
+
+    def swap(self) -> None:
+        """Put any file in the place of any; a sick one is refused."""
+        file = self.chance.choice(list(FILES))
+        try:
+            run_here(str(self.process.pid)).change([f"hall={self.files / file}.yaml"])
+        except FollowspotError as error:
+            self.refused.append(f"{file}: {error}")
+
+    def swaps(self, count: int) -> None:
+        """One after the other, or several at once, or while the replay is paused, or a worker dies."""
+        handle = run_here(str(self.process.pid))
+        for _ in range(count):
+            kind = self.chance.choice(["alone", "together", "disturbed"])
+            if kind == "together":
+                together([self.swap] * 3)
+            elif kind == "disturbed" and self.live:
+                together([self.swap, self.disturb])
+            elif kind == "disturbed":
+                handle.pause()
+                self.swap()
+                handle.step(self.chance.choice([1, 3]))
+                self.swap()
+                handle.resume()
+            else:
+                self.swap()
+            if self.live:
+                self.goes_on("save", "rest")
+
+    def disturb(self) -> None:
+        time.sleep(self.chance.choice([0.0, 0.03, 0.3]))
+        self.chance.choice([self.kill, self.suspend])(self.chance.choice(list(self.workers)))
+
+
+def together(works: list[Callable[[], None]]) -> None:
+    threads = [threading.Thread(target=work) for work in works]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+
+
+def by_ends(edges: list[dict[str, Any]]) -> Mapping[tuple[str, str], Counter[str]]:
+    """The counts of the edges between two ports: one that came back is another edge."""
+    found: dict[tuple[str, str], Counter[str]] = {}
+    for edge in edges:
+        counts = {key: value for key, value in edge.items() if isinstance(value, int)}
+        found.setdefault((edge["from"], edge["to"]), Counter()).update(counts)
+    return found
+
+
+def differing(edges: list[dict[str, Any]], books: Books) -> Iterator[str]:
+    """What the ledger and the journals do not agree on."""
+    yield from impossible(edges)
+    sums = by_ends(edges)
+    for ends, counts in sums.items():
+        start, end = ends
+        sender, _, out = start.rpartition(".")
+        reader, _, into = end.rpartition(".")
+        made = books.of(sender, f"out.{out}")
+        got = [line for line in books.of(reader, f"in.{into}") if line.by == sender]
+        name = f"{start} -> {end}"
+        if counts["in_flight"]:
+            yield f"{name}: {counts['in_flight']} in flight"
+        if not 0 <= counts["delivered"] - len(got) <= books.in_hand(reader):
+            yield f"{name}: {counts['delivered']} delivered, {reader} got {len(got)}"
+        unsaid = len(made) - counts["produced"]
+        if unsaid < 0 or (ends in STAY and unsaid > books.in_hand(sender)):
+            yield f"{name}: {counts['produced']} produced, {sender} made {len(made)}"
+        if into != "known" and len({line.value for line in got}) < len(got):
+            yield f"{name}: some came twice"
+    made = len(books.of("slow", "out.out"))
+    entered = sum(counts["produced"] for ends, counts in sums.items() if ends in ENTRIES)
+    if not 0 <= made - entered <= books.in_hand("slow"):
+        yield f"slow made {made}, and {entered} went into a file"
+
+
+def judge(run: Run, finished: Finished) -> None:
+    assert finished.code == 0, finished.errors
+    edges = finished.summary["edges"]
+    books = books_of(run.folder, finished.summary["warnings"], run.killed)
+    assert not list(differing(edges, books))
+    assert all(text.startswith(("sick", "another")) for text in run.refused) or run.killed
+    if run.live:
+        return
+    lost = {
+        ends: [c[k] for k in LOSSES] for ends, c in by_ends(edges).items() if not ends[1].endswith("known")
+    }
+    assert not {ends: counts for ends, counts in lost.items() if any(counts)}
+    film = [line.value for line in books.of("cam", "out.out")]
+    assert len(film) == COUNT
+    for sink in ("save", "rest"):
+        assert [line.value for line in books.of(sink, "in.note")] == film, f"{sink} got each once, in order"
+
+
+MORE = [(live, edges, seed) for live in (False, True) for edges in ("ring", "zenoh") for seed in range(4)]
+
+
+@pytest.mark.parametrize(
+    ("live", "edges", "seed"),
+    [(False, "ring", 10), *(pytest.param(*case, marks=pytest.mark.thorough) for case in MORE)],
+)
+def test_every_message_goes_through_one_file_or_is_counted(
+    tmp_path: Path, live: bool, edges: str, seed: int
+) -> None:
+    with Run(tmp_path, random.Random(seed), live=live, edges=edges) as run:
+        with run.asked("slow", "slow"):
+            run.goes_on("save")
+            run.swaps(4)
+        judge(run, run.end() if live else finish(run.process, run.out))
