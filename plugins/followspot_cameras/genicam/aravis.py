@@ -144,7 +144,10 @@ class AravisCamera:
         }
         if kind not in bounds:
             return None, None
-        low, high = _asked(lambda: bounds[kind](name))
+        try:
+            low, high = _asked(lambda: bounds[kind](name))
+        except ValueError:  # they stand in nodes that the node map lacks
+            return None, None
         return float(low), float(high)
 
     def read(self, name: str) -> str:
