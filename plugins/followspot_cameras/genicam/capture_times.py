@@ -21,6 +21,8 @@ SHARED = 1_000_000_000
 clock is the same. A clock that was never set is not so near by chance."""
 INTERVAL = 1_000_000_000
 """Between readings of the clock, ns."""
+TAI = 37_000_000_000
+"""The time of PTP less UTC, ns, since 2017: cameras tell the former, and the system's clock the latter."""
 FOREIGN = 3
 """First pictures that all contradict the clock which the camera tells: another clock stamps them."""
 FIRST, THEN = 8, 3
@@ -78,8 +80,10 @@ class CaptureTimes:
             steady = self.clock.steady_time(camera_time)
             if self._agrees(self._started - ALLOWANCE <= steady <= arrival + ALLOWANCE):
                 return "camera", steady
-        elif -ALLOWANCE <= arrival - (camera_time - epoch) <= SHARED:
-            return "shared", camera_time - epoch
+        else:
+            for steady in (camera_time - epoch, camera_time - epoch - TAI):
+                if -ALLOWANCE <= arrival - steady <= SHARED:
+                    return "shared", steady
         return ("arrival", arrival) if delayed is None else ("delay", delayed)
 
     def _agrees(self, possible: bool) -> bool:

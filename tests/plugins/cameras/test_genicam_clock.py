@@ -72,11 +72,13 @@ def test_a_picture_that_was_begun_before_the_start_is_an_exception() -> None:
     assert all(abs(one - 20 * MS) < MS for one in before[2:])
 
 
-def test_stamps_of_this_computers_clock_are_taken_as_they_are() -> None:
+@pytest.mark.parametrize("ahead", [0, 37 * S])
+def test_stamps_of_this_computers_clock_or_of_ptp_are_taken_as_they_are(ahead: int) -> None:
+    """PTP counts no leap seconds."""
     times = CaptureTimes(lambda: None)
     times.update(time.monotonic_ns())
-    stamp = time.time_ns() - 300 * MS
-    assert times.capture_time(stamp, time.monotonic_ns()) == stamp
+    taken = time.time_ns() - 300 * MS
+    assert times.capture_time(taken + ahead, time.monotonic_ns()) == taken
     assert times.by == "shared"
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -21,6 +21,7 @@ from followspot import Context, InputError
 from followspot.tracking import Frame
 
 testing = pytest.importorskip("viva_genicam.testing", reason="viva-genicam is not installed")
+from followspot_cameras.genicam import backends  # noqa: E402
 from followspot_cameras.genicam.stage import Genicam  # noqa: E402
 
 SIZE = (160, 120)
@@ -107,6 +108,18 @@ def test_features_are_set_in_the_camera(fake_camera: Callable[..., Any]) -> None
         exposure = camera.peek(camera.REGISTERS["ExposureTime"], 8)
     assert np.frombuffer(exposure, ">f8")[0] == 750.0
     assert found[0].pixels.shape == (120, 160, 1)
+
+
+@pytest.mark.parametrize("backend", ["viva-genicam", "aravis"])
+def test_chunks_behind_a_picture_are_no_pixels(fake_camera: Callable[..., Any], backend: str) -> None:
+    if not backends.backends(cast(backends.BackendName, backend)):
+        pytest.skip(f"{backend} is not installed")
+    chunks = {"ChunkModeActive": True, "ChunkSelector": "FrameID", "ChunkEnable": True}
+    where = {"camera": "127.0.0.1", "backend": backend, "interface": "127.0.0.1"}
+    with fake_camera():
+        found = frames(Genicam(context("infrared", SIZE), features=chunks, **where), 2)
+    assert found[0].pixels.shape == (120, 160, 1)
+    assert found[0].header.time < found[1].header.time
 
 
 def test_features_that_the_camera_has_not_are_refused_with_a_guess(fake_camera: Callable[..., Any]) -> None:
