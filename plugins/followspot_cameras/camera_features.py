@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
+from math import isfinite
 
-from followspot.errors import Guess, Mistake
+from followspot.errors import Guess, InputError, Mistake
 
 Value = bool | int | float | str
 
@@ -27,28 +28,37 @@ class Feature:
     unit: str = ""
 
 
-def mistakes(
+def set_features(
     wanted: Mapping[str, Value],
     names: Collection[str],
     feature: Callable[[str], Feature | None],
+    write: Callable[[str, Value], None],
     origin: str,
     noun: str = "feature",
-) -> list[Mistake]:
-    """What is wrong with the features that a user wants, each with a remedy.
+) -> None:
+    """Set the features that a user wants, one after the other.
 
-    wanted: name -> value; names: of all features of the camera; feature: finds one by its name; origin: the
-    camera, and noun: what its kind calls a feature, for the texts.
+    Each is held against what the camera tells of it then, because one feature may decide about the limits of
+    the next, or lock it. wanted: name -> value; names: of all features of the camera; feature: finds one by
+    its name; write: sets one, and raises ValueError if the camera refuses; origin: the camera, and noun: what
+    its kind calls a feature, for the texts. Raises InputError with all mistakes.
     """
     found: list[Mistake] = []
     for name, value in wanted.items():
         known = feature(name) if name in names else None
         if known is None:
-            found.append(
-                Mistake(None, f'{origin} has no {noun} "{name}"', Guess(name, f"its {noun}s", names))
-            )
+            text = f'{origin} has no {noun} "{name}"'
+            found.append(Mistake(None, text, Guess(name, f"its {noun}s", names)))
+        elif wrong := list(_wrong(known, value, origin)):
+            found += wrong
         else:
-            found += _wrong(known, value, origin)
-    return found
+            try:
+                write(name, value)
+            except ValueError as error:
+                text = f'{origin} does not take "{value}" as {name}: {error}'
+                found.append(Mistake(None, text, f"give another value, or set other {noun}s before it"))
+    if found:
+        raise InputError(found)
 
 
 def as_text(value: Value) -> str:
@@ -60,7 +70,10 @@ def _wrong(known: Feature, value: Value, origin: str) -> Iterator[Mistake]:
     """What is wrong with the value of a feature that the camera has."""
     name = known.name
     if not known.writable:
-        yield Mistake(None, f"{name} of {origin} cannot be set", "leave it out: the camera only tells it")
+        text = f"{name} of {origin} cannot be set"
+        yield Mistake(
+            None, text, "leave it out, or set before it what locks it, such as GainAuto: Off for Gain"
+        )
     elif known.kind == "Command":
         yield Mistake(None, f"{name} of {origin} is a command, and has no value", "leave it out")
     elif known.kind == "Enumeration" and str(value) not in known.entries:
@@ -73,7 +86,7 @@ def _wrong(known: Feature, value: Value, origin: str) -> Iterator[Mistake]:
 
 
 def _wrong_number(known: Feature, value: Value, origin: str) -> Iterator[Mistake]:
-    numeric = isinstance(value, int | float) and not isinstance(value, bool)
+    numeric = isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
     if not numeric or (known.kind == "Integer" and value != int(value)):
         whole = "a whole number" if known.kind == "Integer" else "a number"
         yield Mistake(None, f'{known.name} of {origin} cannot be "{value}"', f"write {whole}")

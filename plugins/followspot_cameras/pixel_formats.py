@@ -53,25 +53,60 @@ def pixel_format(name: str) -> PixelFormat:
     return PixelFormat(1, int(found[2]), found[3] or "", BAYER.get(found[1]))
 
 
-def eight_bits(data: Array, size: tuple[int, int], name: str) -> Array:
+def line_bytes(name: str, width: int) -> int:
+    """Bytes of a line of pixels without padding. Raises UnknownFormat."""
+    known = pixel_format(name)
+    bits = {"Packed": 12, "p": known.bits, "": 16 if known.bits > 8 else 8}[known.packing]
+    return -(-width * known.channels * bits // 8)
+
+
+def converted(data: Array, size: tuple[int, int], name: str, out: Array, line: int = 0) -> Array:
+    """The picture in `out`, (H, W, 3) BGR or (H, W, 1) grey, uint8.
+
+    data: (B,) uint8, the payload; size: width and height, px; name: of the format; line: bytes from one line
+    to the next, 0 if lines follow each other without padding. Raises UnknownFormat, ValueError if the payload
+    is too short.
+    """
+    width, height = size
+    used = line_bytes(name, width)
+    if line > used and height:
+        _require(data, line * (height - 1) + used)
+        shape, strides = (height, used), (line, 1)
+        data = np.lib.stride_tricks.as_strided(data, shape, strides, writeable=False).reshape(-1)
+    if out.shape[2] == 3:
+        return as_bgr(eight_bits(data, size, name), name, out)
+    gray = pixel_format(name).channels == 1 and pixel_format(name).to_bgr is None
+    if gray:
+        eight_bits(data, size, name, out[..., 0])
+        return out
+    return as_gray(eight_bits(data, size, name), name, out)
+
+
+def eight_bits(data: Array, size: tuple[int, int], name: str, out: Array | None = None) -> Array:
     """The raw picture with 8 bits a value, (H, W) or (H, W, C), uint8.
 
-    data: (B,) uint8, the payload; size: width and height, px; name: of the format. 8-bit payloads are not
-    copied. Raises UnknownFormat, ValueError if the payload is too short.
+    data: (B,) uint8, the payload; size: width and height, px; name: of the format; out: where to put it, else
+    8-bit payloads are not copied. Raises UnknownFormat, ValueError if the payload is too short.
     """
     width, height = size
     known = pixel_format(name)
+    shape = (height, width) if known.channels == 1 else (height, width, known.channels)
+    count = width * height * known.channels
     if known.bits == 8:
-        count = width * height * known.channels
         _require(data, count)
-        shape = (height, width) if known.channels == 1 else (height, width, known.channels)
-        return data[:count].reshape(shape)
-    count = width * height
+        raw = data[:count].reshape(shape)
+        if out is None:
+            return raw
+        np.copyto(out, raw)
+        return out
+    out = np.empty(shape, "u1") if out is None else out
     if known.packing:
-        return _unpacked(data, count, known).reshape(height, width)
+        _unpack(data, count, known, out)
+        return out
     _require(data, 2 * count)
-    values = data[: 2 * count].view("<u2")
-    return (values >> (known.bits - 8)).astype("u1").reshape(height, width)
+    values = data[: 2 * count].view("<u2").reshape(shape)
+    np.right_shift(values, known.bits - 8, out=out, casting="unsafe")
+    return out
 
 
 def as_bgr(raw: Array, name: str, out: Array | None = None) -> Array:
@@ -101,24 +136,25 @@ def _require(data: Array, count: int) -> None:
         raise ValueError(f"the picture has {len(data)} of {count} bytes")
 
 
-def _unpacked(data: Array, count: int, known: PixelFormat) -> Array:
-    """The highest 8 bits of packed values, (count,); values follow each other without padding of lines."""
+def _unpack(data: Array, count: int, known: PixelFormat, out: Array) -> None:
+    """Put the highest 8 bits of packed values into `out`; values follow each other without padding."""
     members, size = (4, 5) if (known.bits, known.packing) == (10, "p") else (2, 3)
     groups = -(-count // members)
-    needed = -(-count * size // members)
-    _require(data, needed)
+    _require(data, -(-count * size // members))
     padded = data[: groups * size]
     if len(padded) < groups * size:
         padded = np.concatenate([padded, np.zeros(groups * size - len(padded), "u1")])
     byte = padded.reshape(groups, size)
-    out = np.empty((groups, members), "u1")
+    whole = count == groups * members and out.flags.c_contiguous
+    values = out.reshape(groups, members) if whole else np.empty((groups, members), "u1")
     if members == 4:  # Mono10p: 40 bits hold four values, the first in the lowest bits
         for n in range(4):
             low = 2 * (n + 1)
-            out[:, n] = (byte[:, n] >> low if low < 8 else 0) | (byte[:, n + 1] << (8 - low))
+            values[:, n] = (byte[:, n] >> low if low < 8 else 0) | (byte[:, n + 1] << (8 - low))
     elif known.packing == "p":  # Mono12p
-        out[:, 0] = byte[:, 0] >> 4 | byte[:, 1] << 4
-        out[:, 1] = byte[:, 2]
+        values[:, 0] = byte[:, 0] >> 4 | byte[:, 1] << 4
+        values[:, 1] = byte[:, 2]
     else:  # Mono10Packed, Mono12Packed: the lowest bits of both values stand in the middle byte
-        out[:, 0], out[:, 1] = byte[:, 0], byte[:, 2]
-    return out.reshape(-1)[:count]
+        values[:, 0], values[:, 1] = byte[:, 0], byte[:, 2]
+    if not whole:
+        out[...] = values.reshape(-1)[:count].reshape(out.shape)

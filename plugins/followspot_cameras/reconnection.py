@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from functools import cached_property
@@ -53,19 +54,21 @@ def sessions(session: Callable[[], Iterator[T]], stopped: Event, say: Callable[[
     """What one session after the other gives, with exponential back-off between them, until `stopped` is set.
 
     A session whose device is gone raises ConnectionError. say: tells the user once that it is gone, and once
-    when it is back.
+    when it is back, how long it was away, and how often it has been.
     """
-    wait, gone = FIRST_WAIT, False
+    wait, since, times = FIRST_WAIT, 0.0, 0
     while not stopped.is_set():
         try:
             for item in session():
-                if gone:
-                    say("is back")
-                wait, gone = FIRST_WAIT, False
+                if since:
+                    times += 1
+                    often = f"; it was away {times} times" if times > 1 else ""
+                    say(f"is back after {time.monotonic() - since:.1f} s{often}")
+                wait, since = FIRST_WAIT, 0.0
                 yield item
         except ConnectionError as error:
-            if not gone and not stopped.is_set():
+            if not since and not stopped.is_set():
                 say(f"{error}; connecting again until it answers")
-            gone = True
+            since = since or time.monotonic()
         stopped.wait(wait)
         wait = min(2 * wait, LONGEST_WAIT)

@@ -15,6 +15,7 @@ import numpy as np
 gi.require_version("Aravis", "0.8")
 from gi.repository import Aravis, GLib  # noqa: E402  # the version is chosen before
 
+from followspot.messages import Array  # noqa: E402
 from followspot_cameras.camera_features import Feature  # noqa: E402
 from followspot_cameras.frame_numbers import SHORT  # noqa: E402
 from followspot_cameras.genicam.camera import CameraGone, CameraInfo, Picture  # noqa: E402
@@ -101,6 +102,8 @@ class AravisCamera:
         self._genicam = self._device.get_genicam()
         self._stream: Any = None
         self._buffer: Any = None
+        self._memory: dict[Any, Array] = {}
+        """Buffer -> its memory, (B,) uint8, which Aravis fills."""
         if packet_size and camera.is_gv_device():
             _asked(lambda: camera.gv_set_packet_size(packet_size))
         self.largest_identifier = SHORT if camera.is_gv_device() else 0
@@ -144,7 +147,10 @@ class AravisCamera:
         }
         if kind not in bounds:
             return None, None
-        low, high = _asked(lambda: bounds[kind](name))
+        try:
+            low, high = _asked(lambda: bounds[kind](name))
+        except ValueError:  # they stand in nodes that the node map lacks
+            return None, None
         return float(low), float(high)
 
     def read(self, name: str) -> str:
@@ -172,7 +178,10 @@ class AravisCamera:
         self._stream = _asked(lambda: self._camera.create_stream(None, None))
         payload = _asked(self._camera.get_payload)
         for _ in range(BUFFERS):
-            self._stream.push_buffer(Aravis.Buffer.new_allocate(payload))
+            memory = np.empty(payload, "u1")
+            buffer = Aravis.Buffer.new(payload, memory.ctypes.data)
+            self._memory[buffer] = memory
+            self._stream.push_buffer(buffer)
         _asked(self._camera.start_acquisition)
 
     def next(self, timeout: float) -> Picture | None:
@@ -187,12 +196,13 @@ class AravisCamera:
         if buffer.get_status() != Aravis.BufferStatus.SUCCESS:
             return Picture(np.empty(0, "u1"), (0, 0), "", identifier, None, arrival, missing_packets=1)
         return Picture(
-            np.frombuffer(buffer.get_data(), "u1"),
+            self._memory[buffer],
             (buffer.get_image_width(), buffer.get_image_height()),
             format_name(buffer.get_image_pixel_format()),
             identifier,
             buffer.get_timestamp(),
             arrival,
+            padding=int(buffer.get_image_padding()[0]),
         )
 
     def overruns(self) -> int:
@@ -206,5 +216,6 @@ class AravisCamera:
                 self._camera.stop_acquisition()
         except GLib.Error:
             pass  # it is gone
-        self._buffer = self._stream = None
+        self._buffer = self._stream = None  # ends the thread that fills the buffers
         self._camera = self._device = self._genicam = None
+        self._memory.clear()

@@ -64,11 +64,10 @@ def connected(word: str, name: BackendName, interface: str, packet_size: int) ->
         if word and not meant:  # serial numbers may be told only when asked for
             cameras = [module.described(info) for info in cameras]
             meant = [info for info in cameras if word in info.words]
-        if len(meant) > 1 and not word:
+        if len(meant) > 1:
             names = ", ".join(map(str, meant))
-            raise InputError(
-                [Mistake(None, f"{len(meant)} cameras are in sight: {names}", "name one: camera")]
-            )
+            text = f"{len(meant)} cameras are {f'called {word}' if word else 'in sight'}: {names}"
+            raise InputError.of(text, "name one: camera: its serial number or its address")
         if meant:
             return module.connect(meant[0], interface, packet_size)
         seen += cameras

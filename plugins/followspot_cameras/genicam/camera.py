@@ -49,7 +49,8 @@ class Picture(NamedTuple):
 
     data: (B,) uint8, valid until the next picture; size: width and height, px; format: its PFNC name;
     identifier: the camera's number of it; camera_time: by the camera's clock, ns, None if it says none;
-    arrival: by this computer's steady clock, ns; missing_packets: of those that it was sent in.
+    arrival: by this computer's steady clock, ns; missing_packets: of those that it was sent in; padding:
+    bytes after each line of pixels.
     """
 
     data: Array
@@ -59,6 +60,7 @@ class Picture(NamedTuple):
     camera_time: int | None
     arrival: int
     missing_packets: int = 0
+    padding: int = 0
 
 
 class VisionCamera(Protocol):

@@ -21,6 +21,10 @@ SHARED = 1_000_000_000
 clock is the same. A clock that was never set is not so near by chance."""
 INTERVAL = 1_000_000_000
 """Between readings of the clock, ns."""
+TAI = 37_000_000_000
+"""The time of PTP less UTC, ns, since 2017: cameras tell the former, and the system's clock the latter."""
+FOREIGN = 3
+"""First pictures that all contradict the clock which the camera tells: another clock stamps them."""
 FIRST, THEN = 8, 3
 """Readings one after the other, at the beginning and then every time: one of them is likely to be quick."""
 
@@ -35,6 +39,8 @@ class CaptureTimes:
         self._read: Callable[[], Reading | None] | None = read
         self._due = 0
         self._started = 0
+        self._contradictions: int | None = 0
+        """Of the pictures so far; None once one of them agreed with the clock that the camera tells."""
         self._last = -(1 << 62)
 
     @property
@@ -72,8 +78,21 @@ class CaptureTimes:
         delayed = self._delays.capture_time(camera_time, arrival)
         if self.clock.known:
             steady = self.clock.steady_time(camera_time)
-            if self._started - ALLOWANCE <= steady <= arrival + ALLOWANCE:
+            if self._agrees(self._started - ALLOWANCE <= steady <= arrival + ALLOWANCE):
                 return "camera", steady
-        elif -ALLOWANCE <= arrival - (camera_time - epoch) <= SHARED:
-            return "shared", camera_time - epoch
+        else:
+            for steady in (camera_time - epoch, camera_time - epoch - TAI):
+                if -ALLOWANCE <= arrival - steady <= SHARED:
+                    return "shared", steady
         return ("arrival", arrival) if delayed is None else ("delay", delayed)
+
+    def _agrees(self, possible: bool) -> bool:
+        """Whether the clock that the camera tells stamps its pictures. possible: this one, by its time.
+
+        A clock that began when the pictures did gives possible times after a while, which are all wrong.
+        """
+        if self._contradictions is None:
+            return possible
+        if self._contradictions < FOREIGN:
+            self._contradictions = None if possible else self._contradictions + 1
+        return self._contradictions is None

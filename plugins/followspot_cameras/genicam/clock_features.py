@@ -12,8 +12,10 @@ LATCHES = (
     ("TimestampLatch", "TimestampLatchValue"),
     ("GevTimestampControlLatch", "GevTimestampValue"),
     ("TimestampLatch", "GevTimestampValue"),
+    ("TimestampLatch", "Timestamp"),
 )
-"""Command that latches the clock and the feature that tells it: of SFNC 2, of GigE Vision 1, of both."""
+"""Command that latches the clock and the feature that tells it: of SFNC 2, of GigE Vision 1, of both, of USB3
+Vision before SFNC 2."""
 SECOND = 1_000_000_000
 FREQUENCY = "GevTimestampTickFrequency"
 

@@ -7,7 +7,7 @@ from followspot.room import Camera
 from followspot.tracking import Frame
 from followspot_cameras.genicam.camera import Picture
 from followspot_cameras.picture import Loan, check_size
-from followspot_cameras.pixel_formats import UnknownFormat, as_bgr, as_gray, eight_bits
+from followspot_cameras.pixel_formats import UnknownFormat, converted, line_bytes
 
 
 def as_frame(picture: Picture, camera: Camera, loan: Loan, origin: str) -> Frame:
@@ -17,12 +17,10 @@ def as_frame(picture: Picture, camera: Camera, loan: Loan, origin: str) -> Frame
     """
     width, height = picture.size
     check_size(width, height, camera, origin)
+    name, channels = picture.format, 3 if camera.kind == "color" else 1
     try:
-        raw = eight_bits(picture.data, picture.size, picture.format)
-        if camera.kind == "color":
-            pixels = as_bgr(raw, picture.format, loan((height, width, 3), "u1"))
-        else:
-            pixels = as_gray(raw, picture.format, loan((height, width, 1), "u1"))
+        line = line_bytes(name, width) + picture.padding
+        pixels = converted(picture.data, picture.size, name, loan((height, width, channels), "u1"), line)
     except (UnknownFormat, ValueError) as error:
         text = f"{origin}: {error}"
         raise InputError([Mistake(None, text, "see `followspot cameras` for what it offers")]) from None

@@ -48,6 +48,19 @@ def ptp_state(names: Collection[str], read: Callable[[str], str], execute: Calla
     return f"{state}, {offset} ns from its master" if follows else state
 
 
+def ptp_problem(names: Collection[str], read: Callable[[str], str], execute: Callable[[str], None]) -> str:
+    """Why the clock of a camera that takes part in PTP is that of nobody else; "" if it is none.
+
+    Arguments are those of `ptp_state`. Raises ConnectionError if the camera is gone.
+    """
+    try:
+        state = ptp_state(names, read, execute)
+    except ValueError:  # a node that cannot be read now
+        return ""
+    in_step = state in ("", "off", "on", "Master") or state.startswith("Slave")
+    return "" if in_step else f"its PTP is {state}: its clock follows no master"
+
+
 def _latched(execute: Callable[[str], None], command: str) -> bool:
     """Whether the camera takes the command."""
     try:

@@ -9,15 +9,15 @@ from functools import partial
 from threading import Lock
 
 from followspot import Field, InputAddress, Source, StageParams, at
-from followspot.errors import InputError
 from followspot.tracking import Frame
-from followspot_cameras import camera_features as features
 from followspot_cameras.frame_numbers import FrameNumbers
 from followspot_cameras.genicam.backends import BackendName, connected
 from followspot_cameras.genicam.camera import CameraGone, Picture, VisionCamera
 from followspot_cameras.genicam.camera_clock import Reading
 from followspot_cameras.genicam.capture_times import CaptureTimes
+from followspot_cameras.genicam.configuration import configure
 from followspot_cameras.genicam.picture import as_frame
+from followspot_cameras.genicam.ptp import ptp_problem
 from followspot_cameras.genicam.trigger_times import trigger_times
 from followspot_cameras.genicam.triggers import COMMAND, ActionCommands, firing, trigger_features
 from followspot_cameras.reconnection import LiveCamera
@@ -72,6 +72,9 @@ class Genicam(LiveCamera):
     def session(self) -> Iterator[Frame]:
         """Whole pictures of one connection. Raises CameraGone; InputError for features that it has not."""
         with closing(self._connected()) as camera, self._triggers(camera):
+            problem = ptp_problem(camera.names(), camera.read, camera.execute)
+            if problem:
+                self.say(problem)
             yield from self._frames(camera)
 
     def _triggers(self, camera: VisionCamera) -> AbstractContextManager[None]:
@@ -98,11 +101,7 @@ class Genicam(LiveCamera):
         try:
             names = camera.names()
             wanted = {**trigger_features(self.room.sync, self.camera.name, names), **p.features}
-            wrong = features.mistakes(wanted, names, camera.feature, self.origin)
-            if wrong:
-                raise InputError(wrong)
-            for name, value in wanted.items():
-                camera.write(name, features.as_text(value))
+            configure(camera, wanted, self.origin)
         except BaseException:
             camera.close()
             raise

@@ -175,7 +175,8 @@ class VivaCamera:
         data = np.frombuffer(frame.payload(), "u1") if whole else np.empty(0, "u1")
         missing = 0 if whole else frame.missing_packets or 1
         size = frame.width, frame.height
-        return Picture(data, size, frame.pixel_format, frame.block_id, stamp, arrival, missing)
+        padding = frame.padding_x
+        return Picture(data, size, frame.pixel_format, frame.block_id, stamp, arrival, missing, padding)
 
     def overruns(self) -> int:
         """Pictures since the start that waited here and gave way to newer ones."""

@@ -15,6 +15,8 @@ from urllib.parse import unquote, urlsplit, urlunsplit
 PORTS = {"rtsp": 554, "rtsps": 322}
 MOST_HEAD = 1 << 16
 MOST_BODY = 1 << 20
+MOST_WAITING = 32 << 20
+"""Bytes of packets that come before an answer."""
 
 
 class ConnectionLost(ConnectionError):
@@ -52,6 +54,7 @@ class RtspConnection:
         self._number, self._session, self._challenge = 0, "", ""
         self._received = b""
         self._waiting: deque[Packet] = deque()
+        self._read_timeout, self._end = read_timeout, 0.0
         try:
             host, port = parts.hostname or "", parts.port or PORTS[parts.scheme]
             self._socket = socket.create_connection((host, port), timeout=open_timeout)
@@ -60,7 +63,6 @@ class RtspConnection:
                 self._socket = ssl.create_default_context().wrap_socket(self._socket, server_hostname=host)
         except (OSError, ValueError) as error:
             raise ConnectionLost(f"cannot be reached: {error}") from None
-        self._socket.settimeout(read_timeout)
 
     def fileno(self) -> int:
         """Of the socket, to wait for it together with others."""
@@ -87,7 +89,7 @@ class RtspConnection:
         """The next packet; None if none comes in time, s."""
         if self._waiting:
             return self._waiting.popleft()
-        self._socket.settimeout(timeout)
+        self._end = time.monotonic() + timeout
         try:
             while True:
                 found = self._next()
@@ -106,16 +108,19 @@ class RtspConnection:
             self._socket.close()
 
     def _asked(self, method: str, url: str, headers: dict[str, str]) -> Response:
-        number = self._send(method, url, headers)
+        number, waiting = self._send(method, url, headers), 0
+        self._end = time.monotonic() + self._read_timeout
         try:
-            while True:
+            while waiting < MOST_WAITING and time.monotonic() < self._end:
                 found = self._next()
                 if isinstance(found, Packet):
                     self._waiting.append(found)
+                    waiting += len(found.data)
                 elif found.headers.get("cseq", "") == str(number):
                     return found
         except TimeoutError:
-            raise ConnectionLost(f"the server does not answer {method}") from None
+            pass
+        raise ConnectionLost(f"the server does not answer {method}")
 
     def _send(self, method: str, url: str, headers: dict[str, str]) -> int:
         self._number += 1
@@ -126,6 +131,7 @@ class RtspConnection:
         if self._challenge:
             lines.append(f"Authorization: {self._credentials(method, url)}")
         try:
+            self._socket.settimeout(self._read_timeout)
             self._socket.sendall("\r\n".join([*lines, "", ""]).encode())
         except OSError as error:
             raise ConnectionLost(f"the connection broke: {error}") from None
@@ -143,7 +149,7 @@ class RtspConnection:
         return "Digest " + ", ".join(f'{name}="{value}"' for name, value in told.items())
 
     def _next(self) -> Packet | Response:
-        """The next packet or response. Raises TimeoutError, and keeps what has come of it."""
+        """The next packet or response. Raises TimeoutError at `_end`, and keeps what has come of it."""
         while True:
             self._need(4)
             if self._received[0] == 0x24:  # "$"
@@ -161,12 +167,13 @@ class RtspConnection:
         pairs = (line.partition(":") for line in lines if ":" in line)
         headers = {name.strip().lower(): value.strip() for name, _, value in pairs}
         words = first.split()
-        size = int(headers["content-length"]) if headers.get("content-length", "").isdecimal() else 0
-        if len(words) < 2 or not words[1].isdecimal() or size > MOST_BODY:
+        size = _number(headers.get("content-length", "0"))
+        status = _number(words[1]) if len(words) > 1 else None
+        if status is None or size is None or size > MOST_BODY:
             raise ConnectionLost("the server's answer cannot be read")
         self._need(len(head) + size)
         body = self._take(len(head) + size)[len(head) :]
-        return Response(int(words[1]), " ".join(words[2:]), headers, body.decode("utf-8", "replace"))
+        return Response(status, " ".join(words[2:]), headers, body.decode("utf-8", "replace"))
 
     def _head(self) -> bytes:
         while (end := self._received.find(b"\r\n\r\n")) < 0:
@@ -177,7 +184,11 @@ class RtspConnection:
 
     def _need(self, size: int) -> None:
         while len(self._received) < size:
+            left = self._end - time.monotonic()
+            if left <= 0:
+                raise TimeoutError
             try:
+                self._socket.settimeout(left)
                 more = self._socket.recv(1 << 16)
             except TimeoutError:
                 raise
@@ -190,6 +201,11 @@ class RtspConnection:
     def _take(self, size: int) -> bytes:
         taken, self._received = self._received[:size], self._received[size:]
         return taken
+
+
+def _number(text: str) -> int | None:
+    """A number of at most nine digits; None if the text is none."""
+    return int(text) if re.fullmatch("[0-9]{1,9}", text) else None
 
 
 def _md5(text: str) -> str:

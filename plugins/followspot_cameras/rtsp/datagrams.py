@@ -59,11 +59,11 @@ class Datagrams:
         source = re.search(r"source=([^;\s]+)", transport)
         if source is not None:
             self._senders.add(source[1].strip("[]"))
-        ports = re.search(r"server_port=(\d+)-(\d+)", transport)
+        ports = re.search(r"server_port=([0-9]{1,5})-([0-9]{1,5})", transport)
         if ports is None:
             return
         for port, there in zip(self._ports, ports.groups(), strict=True):
-            with suppress(OSError):  # the packets may come all the same
+            with suppress(OSError, OverflowError):  # no such port; the packets may come all the same
                 port.sendto(EMPTY_REPORT, (self._connection.peer, int(there)))
 
     def packet(self, timeout: float) -> Packet | None:

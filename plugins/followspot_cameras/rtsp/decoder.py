@@ -10,6 +10,9 @@ from followspot.messages import Array
 from followspot_cameras.rtsp.access_units import AccessUnit
 from followspot_cameras.rtsp.session_description import Video
 
+MOST_PIXELS = 1 << 26
+"""Of one picture: a few bytes may claim billions, for which a decoder would take memory."""
+
 
 class Decoder:
     """The decoder of one session.
@@ -22,6 +25,7 @@ class Decoder:
         assert isinstance(context, av.VideoCodecContext), "the codecs of descriptions are of videos"
         self._context = context
         self._context.thread_type = "SLICE"
+        self._context.options = {"max_pixels": str(MOST_PIXELS)}
         self._parameters = video.parameters
         self._began = False
         self._units: dict[int, AccessUnit] = {}

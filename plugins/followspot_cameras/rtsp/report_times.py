@@ -12,6 +12,8 @@ OLDEST, EARLY = 10_000_000_000, 100_000_000
 """A picture that would be captured so long before it came, or so much after, ns, has a wrong report."""
 TOLD = 50_000_000
 """Change of the offset of the clock that the user is told again, ns."""
+DRIFT = 50e-6
+"""Drift that the user is told: more than that of ordinary crystals."""
 SMOOTH = 0.1
 """Share of a new delay in the mean delay of pictures."""
 
@@ -30,7 +32,7 @@ class ReportTimes:
         self._delay: float | None = None
         self._told: int | None = None
         self._last = -(1 << 62)
-        self._arrival_said = False
+        self._arrival_said = self._drift_said = False
 
     def begin(self, rate: int, now: int) -> None:
         """Begin a session: RTP time stamps begin anew. rate: of them a second; now: ns."""
@@ -44,6 +46,9 @@ class ReportTimes:
         if abs(offset - (self._told or 0)) > TOLD:
             self._told = offset
             self._say(f"its clock is {-offset / 1e6:+.0f} ms off, which is corrected")
+        if abs(self._clock.drift) > DRIFT and not self._drift_said:
+            self._drift_said = True
+            self._say(f"its clock drifts by {-1e6 * self._clock.drift:+.0f} ppm, which is followed")
 
     def capture_time(self, unit: AccessUnit) -> int | None:
         """Time of a picture; None for one that cannot be placed yet, or not after the one before."""

@@ -8,12 +8,15 @@ after they were encoded.
 from __future__ import annotations
 
 from collections import deque
+from typing import NamedTuple
 
 from followspot_cameras.rtsp.rtp import SenderReport
 
 REPORTS = 4
 """Newest reports whose least delay counts: 20 s at the usual interval, in which clocks drift by 1 ms."""
 WRAP = 1 << 32
+LONG_ENOUGH = 60_000_000_000
+"""Between the reports that tell the drift, ns: delays of 1 ms then make less than 20 ppm."""
 SET = 1_000_000_000
 """A report whose clock is off by so much more or less than the others, ns, shows that a clock was set."""
 
@@ -24,27 +27,36 @@ class SenderClock:
     def __init__(self, rate: int) -> None:
         self._rate = rate
         self._report: SenderReport | None = None
-        self._offsets: deque[int] = deque(maxlen=REPORTS)
+        self._newest: deque[_Offset] = deque(maxlen=REPORTS)
+        self._first: list[_Offset] = []
         self.settings = 0
         """How often one of the clocks was set."""
 
     @property
-    def reported(self) -> bool:
-        """Whether the sender has told its clock."""
-        return self._report is not None
+    def offset(self) -> int:
+        """What is added to the sender's clock at the newest report, ns: the least of the newest reports."""
+        now, drift = self._newest[-1].clock, self.drift
+        return min(one.offset + round(drift * (now - one.clock)) for one in self._newest)
 
     @property
-    def offset(self) -> int:
-        """What is added to the sender's clock, ns: the least of the newest reports."""
-        return min(self._offsets)
+    def drift(self) -> float:
+        """Change of the offset in the sender's time (1e-6: a microsecond a second); 0 while not known."""
+        if not self._newest:
+            return 0.0
+        then, now = min(self._first, key=_least), min(self._newest, key=_least)
+        passed = now.clock - then.clock
+        return (now.offset - then.offset) / passed if passed >= LONG_ENOUGH else 0.0
 
     def add(self, report: SenderReport, arrival: int) -> None:
         """Take a report. arrival: by this computer's clock, ns."""
-        offset = arrival - report.clock
-        if self._offsets and abs(offset - self.offset) > SET:
-            self._offsets.clear()
+        told = _Offset(report.clock, arrival - report.clock)
+        if self._newest and abs(told.offset - self.offset) > SET:
+            self._newest.clear()
+            self._first.clear()
             self.settings += 1
-        self._offsets.append(offset)
+        self._newest.append(told)
+        if len(self._first) < REPORTS:
+            self._first.append(told)
         self._report = report
 
     def capture_time(self, timestamp: int) -> int | None:
@@ -52,4 +64,16 @@ class SenderClock:
         if self._report is None:
             return None
         ahead = (timestamp - self._report.timestamp + WRAP // 2) % WRAP - WRAP // 2
-        return self._report.clock + ahead * 10**9 // self._rate + self.offset
+        passed = ahead * 10**9 // self._rate
+        return self._report.clock + passed + self.offset + round(self.drift * passed)
+
+
+class _Offset(NamedTuple):
+    """Of a report: the sender's clock, and what this computer's is ahead of it, ns."""
+
+    clock: int
+    offset: int
+
+
+def _least(one: _Offset) -> int:
+    return one.offset

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import binascii
 import re
 from dataclasses import dataclass
 from urllib.parse import urljoin
@@ -33,7 +32,9 @@ def video_of(description: str, base: str) -> Video:
     _, *media = re.split(r"(?m)^m=", description)
     seen = []
     for part in media:
-        for number, name, rate in re.findall(r"(?m)^a=rtpmap:(\d+) ([^/\s]+)/(\d+)", part):
+        for number, name, rate in re.findall(
+            r"(?m)^a=rtpmap:([0-9]{1,3}) ([^/\s]+)/([1-9][0-9]{0,8})\b", part
+        ):
             if name.upper() in CODECS and part.startswith("video"):
                 control = re.search(r"(?m)^a=control:(\S+)", part)
                 address = _joined(base, control[1] if control else "")
@@ -48,7 +49,12 @@ def _joined(base: str, control: str) -> str:
         return base
     if "://" in control:
         return control
-    return f"{base.rstrip('/')}/{control}" if "?" not in base else urljoin(base, control)
+    if "?" not in base:
+        return f"{base.rstrip('/')}/{control}"
+    try:
+        return urljoin(base, control)
+    except ValueError:  # the server gave a base that is no address
+        return base
 
 
 def _parameters(part: str) -> bytes:
@@ -56,6 +62,6 @@ def _parameters(part: str) -> bytes:
     found = re.findall(r"sprop-(?:parameter-sets|vps|sps|pps)=([^;\s]+)", part)
     try:
         sets = [base64.b64decode(text) for texts in found for text in texts.split(",") if text]
-    except binascii.Error:
+    except ValueError:  # no letters of base64
         return b""
     return b"".join(START + unit for unit in sets)

@@ -7,8 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from ctypes import Structure
 from dataclasses import dataclass
 
-from followspot.errors import InputError
-from followspot_cameras.camera_features import Feature, Value, mistakes
+from followspot_cameras.camera_features import Feature, Value, set_features
 from followspot_cameras.v4l2 import layout
 from followspot_cameras.v4l2.layout import Control, ControlQuery, MenuQuery
 
@@ -46,11 +45,11 @@ def set_controls(ask: Ask, wanted: Mapping[str, Value], origin: str) -> None:
     if not wanted:
         return
     known = {control.feature.name: control for control in controls(ask)}
-    wrong = mistakes(wanted, known, lambda name: known[name].feature, origin, "control")
-    if wrong:
-        raise InputError(wrong)
-    for name, value in wanted.items():
+
+    def write(name: str, value: Value) -> None:
         ask(layout.S_CTRL, Control(known[name].id, known[name].value(value)))
+
+    set_features(wanted, known, lambda name: known[name].feature, write, origin, "control")
 
 
 def controls(ask: Ask) -> Iterator[KnownControl]:

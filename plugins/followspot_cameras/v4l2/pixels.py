@@ -9,7 +9,7 @@ from followspot.messages import Array
 from followspot.room import Camera
 from followspot.tracking import Frame
 from followspot_cameras.picture import Loan, as_frame, color_buffer
-from followspot_cameras.pixel_formats import as_bgr, as_gray, eight_bits, pixel_format
+from followspot_cameras.pixel_formats import converted
 
 UNPACKED = {
     "YUYV": "YUV422_8",
@@ -60,15 +60,12 @@ def frame_of(data: Array, fourcc: str, line: int, camera: Camera, loan: Loan, or
 
 def _converted(data: Array, name: str, line: int, camera: Camera, loan: Loan) -> Frame:
     width, height = camera.size
-    known = pixel_format(name)
-    packed = _lines(data, line, width * known.channels * (2 if known.bits > 8 else 1), height)
+    channels = 3 if camera.kind == "color" else 1
     try:
-        raw = eight_bits(packed, camera.size, name)
+        pixels = converted(data, camera.size, name, loan((height, width, channels), "u1"), line)
     except ValueError as error:
         raise Damaged(str(error)) from None
-    if camera.kind == "color":
-        return Frame(camera=camera.name, pixels=as_bgr(raw, name, loan((height, width, 3), "u1")))
-    return Frame(camera=camera.name, pixels=as_gray(raw, name, loan((height, width, 1), "u1")))
+    return Frame(camera=camera.name, pixels=pixels)
 
 
 def _planes(data: Array, fourcc: str, line: int, camera: Camera, loan: Loan) -> Array:
@@ -80,10 +77,3 @@ def _planes(data: Array, fourcc: str, line: int, camera: Camera, loan: Loan) -> 
         raise Damaged(f"the picture has {len(data)} of {width * height * 3 // 2} bytes")
     planes = data[: width * height * 3 // 2].reshape(height * 3 // 2, width)
     return np.asarray(cv2.cvtColor(planes, PLANAR[fourcc], dst=color_buffer(camera, loan)))
-
-
-def _lines(data: Array, line: int, used: int, height: int) -> Array:
-    """The bytes of the picture without those that fill up its lines. line, used: bytes of a line."""
-    if line <= used or len(data) < line * height:
-        return data
-    return data[: line * height].reshape(height, line)[:, :used].reshape(-1)

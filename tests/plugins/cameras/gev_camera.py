@@ -28,10 +28,19 @@ TICKS = 0x0940
 LATCH, CLOCK, START, STOP, MODE, SOURCE, SOFTWARE = 0x2000, 0x2008, 0x2100, 0x2104, 0x2108, 0x210C, 0x2110
 DEVICE_KEY, GROUP_KEY, GROUP_MASK = 0x2120, 0x2124, 0x2128
 BY_SOFTWARE, BY_ACTION = 0, 1
+PTP = 0x2140
+"""Whether it takes part, and its state, which stays as it is written."""
 INTEGERS = {"Width": 0x2010, "Height": 0x2014, "PayloadSize": 0x2018, "ActionSelector": 0x212C}
 INTEGERS |= {"ActionDeviceKey": DEVICE_KEY, "ActionGroupKey": GROUP_KEY, "ActionGroupMask": GROUP_MASK}
+INTEGERS |= {"OffsetX": 0x2130, "OffsetY": 0x2134}
+REGION = (("Width", "OffsetX", WIDTH), ("OffsetX", "Width", WIDTH))
+REGION += (("Height", "OffsetY", HEIGHT), ("OffsetY", "Height", HEIGHT))
+"""Features that leave each other as much as the sensor has, px."""
+LIMITS = {name: f"<Min>{0 if 'Offset' in name else 8}</Min><pMax>{name}Most</pMax>" for name, *_ in REGION}
 ENUMERATIONS = {
     "PixelFormat": (0x201C, {"Mono8": MONO8}),
+    "PtpEnable": (PTP, {"Off": 0, "On": 1}),
+    "PtpStatus": (PTP + 4, {"Disabled": 3, "Listening": 4, "Slave": 9}),
     "TriggerSelector": (0x2114, {"FrameStart": 0}),
     "TriggerMode": (MODE, {"Off": 0, "On": 1}),
     "TriggerSource": (SOURCE, {"Software": BY_SOFTWARE, "Action1": BY_ACTION}),
@@ -52,7 +61,15 @@ def node_map() -> bytes:
         "<AccessMode>RO</AccessMode><pPort>Device</pPort></StringReg>"
     )
     parts += [_register(f"{name}Reg", at) for name, at in [*INTEGERS.items(), *COMMANDS.items()]]
-    parts += [f'<Integer Name="{name}"><pValue>{name}Reg</pValue></Integer>' for name in INTEGERS]
+    parts += [
+        f'<Integer Name="{name}"><pValue>{name}Reg</pValue>{LIMITS.get(name, "")}</Integer>'
+        for name in INTEGERS
+    ]
+    parts += [
+        f'<IntSwissKnife Name="{name}Most"><pVariable Name="OTHER">{other}</pVariable>'
+        f"<Formula>{sensor} - OTHER</Formula></IntSwissKnife>"
+        for name, other, sensor in REGION
+    ]
     for name in COMMANDS:
         parts.append(
             f'<Command Name="{name}"><pValue>{name}Reg</pValue><CommandValue>1</CommandValue></Command>'
@@ -157,10 +174,11 @@ class GevCamera(Camera):
     def _send(self, number: int, stamp: int) -> None:
         to = socket.inet_ntoa(struct.pack(">I", self.registers[STREAM_ADDRESS])), self.registers[STREAM_PORT]
         leader = struct.pack(">HHII", 0, 1, *divmod(stamp, 1 << 32))
-        leader += struct.pack(">IIIIIHH", MONO8, WIDTH, HEIGHT, 0, 0, 0, 0)
-        picture = bytes([number % 200]) * (WIDTH * HEIGHT)
+        width, height = (self.registers[INTEGERS[name]] for name in ("Width", "Height"))
+        leader += struct.pack(">IIIIIHH", MONO8, width, height, 0, 0, 0, 0)
+        picture = bytes([number % 200]) * (width * height)
         parts = [picture[at : at + PACKET] for at in range(0, len(picture), PACKET)]
-        packets = [(1, leader), *((3, part) for part in parts), (2, struct.pack(">HHI", 0, 1, HEIGHT))]
+        packets = [(1, leader), *((3, part) for part in parts), (2, struct.pack(">HHI", 0, 1, height))]
         for place, (kind, data) in enumerate(packets):
             if (number, place) not in self._drop:
                 head = struct.pack(">HHI", 0, number, kind << 24 | place)

@@ -163,10 +163,9 @@ def test_a_driver_that_does_not_count_loses_nothing() -> None:
 def test_a_camera_that_is_unplugged_takes_part_again() -> None:
     taken = Taken(v4l2_kernel.Camera([1, 1, "gone", 1, 1], data=YUYV))
     assert [frame.header.seq for frame in taken.frames] == [0, 1, 2, 3]
-    assert taken.warnings[:2] == [
-        "camera 0: No such device; connecting again until it answers",
-        "camera 0: is back",
-    ]
+    gone, back, *_ = taken.warnings
+    assert gone == "camera 0: No such device; connecting again until it answers"
+    assert back.startswith("camera 0: is back after ")
     assert taken.losses == {}
 
 

@@ -13,6 +13,7 @@ from tests.plugins.cameras.gev_camera import HEIGHT, WIDTH, GevCamera
 from tests.plugins.cameras.gvcp_camera import serving
 from tests.plugins.cameras.recordings import context
 
+from followspot_cameras.genicam.camera_clock import Reading
 from followspot_cameras.genicam.capture_times import CaptureTimes
 
 MS, S = 1_000_000, 1_000_000_000
@@ -42,11 +43,42 @@ def test_pictures_have_the_times_at_which_the_camera_took_them() -> None:
     assert off.max() < MS / 10
 
 
-def test_stamps_of_this_computers_clock_are_taken_as_they_are() -> None:
+def told_from(stamps: list[int], now: int, clock: int) -> tuple[list[str], list[int]]:
+    """How the times of pictures are told, and how long before their arrival they are, ns, of a camera whose
+    clock reads `clock` at `now` of this computer; a picture comes 20 ms after its time.
+    """
+    times = CaptureTimes(lambda: Reading(clock, now, now))
+    times.update(now)
+    times.start(now)
+    by, before = [], []
+    for stamp in stamps:
+        arrival = now + stamp + 20 * MS
+        since_1970 = arrival + time.time_ns() - time.monotonic_ns()
+        before.append(since_1970 - times.capture_time(stamp, arrival))
+        by.append(times.by)
+    return by, before
+
+
+def test_a_clock_that_began_with_the_pictures_never_counts_as_the_one_that_the_camera_tells() -> None:
+    """The one that it tells was at 2 s then: after 2 s, a picture seems to be of after the start."""
+    by, before = told_from([k * 50 * MS for k in range(80)], now=100 * S, clock=2 * S)
+    assert set(by) == {"delay"}
+    assert max(before) < 5 * MS
+
+
+def test_a_picture_that_was_begun_before_the_start_is_an_exception() -> None:
+    by, before = told_from([k * 50 * MS for k in range(-2, 8)], now=100 * S, clock=0)
+    assert by == ["delay"] * 2 + ["camera"] * 8
+    assert all(abs(one - 20 * MS) < MS for one in before[2:])
+
+
+@pytest.mark.parametrize("ahead", [0, 37 * S])
+def test_stamps_of_this_computers_clock_or_of_ptp_are_taken_as_they_are(ahead: int) -> None:
+    """PTP counts no leap seconds."""
     times = CaptureTimes(lambda: None)
     times.update(time.monotonic_ns())
-    stamp = time.time_ns() - 300 * MS
-    assert times.capture_time(stamp, time.monotonic_ns()) == stamp
+    taken = time.time_ns() - 300 * MS
+    assert times.capture_time(taken + ahead, time.monotonic_ns()) == taken
     assert times.by == "shared"
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from followspot_cameras.camera_features import Feature, Value, as_text, mistakes
+from followspot import InputError
+from followspot_cameras.camera_features import Feature, Value, as_text, set_features
 
 FEATURES = {
     feature.name: feature
@@ -19,9 +20,14 @@ FEATURES = {
 }
 
 
-def wrong(name: str, value: Value) -> str:
-    found = mistakes({name: value}, FEATURES, FEATURES.get, "camera 7")
-    return "; ".join(f"{mistake.text}: {mistake.remedy}" for mistake in found)
+def wrong(written: dict[str, Value] | None = None, **wanted: Value) -> str:
+    """What is wrong with these features. written: gets those that are set."""
+    kept = {} if written is None else written
+    try:
+        set_features(wanted, FEATURES, FEATURES.get, kept.__setitem__, "camera 7")
+    except InputError as error:
+        return "; ".join(f"{mistake.text}: {mistake.remedy}" for mistake in error.mistakes)
+    return ""
 
 
 @pytest.mark.parametrize(
@@ -31,6 +37,8 @@ def wrong(name: str, value: Value) -> str:
         ("ExposureTime", 5, "ExposureTime of camera 7 cannot be 5: write a number from 10 to 1e+06 us"),
         ("ExposureTime", "long", 'ExposureTime of camera 7 cannot be "long": write a number'),
         ("Width", 20.5, 'Width of camera 7 cannot be "20.5": write a whole number'),
+        ("ExposureTime", float("nan"), 'ExposureTime of camera 7 cannot be "nan": write a number'),
+        ("Width", float("inf"), 'Width of camera 7 cannot be "inf": write a whole number'),
         ("Width", True, 'Width of camera 7 cannot be "True": write a whole number'),
         ("PixelFormat", "Mono9", 'PixelFormat of camera 7 cannot be "Mono9": did you mean "Mono8"?'),
         ("ReverseX", 1, 'ReverseX of camera 7 cannot be "1": write true or false'),
@@ -39,7 +47,7 @@ def wrong(name: str, value: Value) -> str:
     ],
 )
 def test_a_wrong_feature_is_told_with_its_remedy(name: str, value: Value, text: str) -> None:
-    assert wrong(name, value).startswith(text)
+    assert wrong(**{name: value}).startswith(text)
 
 
 @pytest.mark.parametrize(
@@ -53,11 +61,23 @@ def test_a_wrong_feature_is_told_with_its_remedy(name: str, value: Value, text: 
     ],
 )
 def test_what_the_camera_takes_is_accepted(name: str, value: Value) -> None:
-    assert wrong(name, value) == ""
+    written: dict[str, Value] = {}
+    assert wrong(written, **{name: value}) == ""
+    assert written == {name: value}
 
 
 def test_every_mistake_is_told_at_once() -> None:
-    assert len(mistakes({"Widht": 1, "ExposureTime": 1, "Width": 1}, FEATURES, FEATURES.get, "camera 7")) == 3
+    assert wrong(Widht=1, ExposureTime=1, Width=1).count("camera 7") == 3
+
+
+def test_a_value_that_the_camera_refuses_is_told_in_its_words() -> None:
+    def refuse(name: str, value: Value) -> None:
+        raise ValueError("not while pictures are taken")
+
+    with pytest.raises(
+        InputError, match=r'camera 7 does not take "20" as Width: not while pictures are taken'
+    ):
+        set_features({"Width": 20}, FEATURES, FEATURES.get, refuse, "camera 7")
 
 
 def test_truth_values_are_written_as_node_maps_read_them() -> None:

@@ -5,7 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from followspot_cameras.pixel_formats import UnknownFormat, as_bgr, as_gray, eight_bits, pixel_format
+from followspot_cameras.pixel_formats import (
+    UnknownFormat,
+    as_bgr,
+    as_gray,
+    converted,
+    eight_bits,
+    line_bytes,
+    pixel_format,
+)
 
 SIZE = (6, 4)
 rng = np.random.default_rng(5)
@@ -74,3 +82,27 @@ def test_a_payload_that_is_too_short_is_refused(name: str) -> None:
 def test_a_format_that_cannot_be_read_is_named(name: str) -> None:
     with pytest.raises(UnknownFormat, match="set PixelFormat to one of Mono8"):
         pixel_format(name)
+
+
+@pytest.mark.parametrize("channels", [1, 3])
+@pytest.mark.parametrize(
+    "name", ["Mono8", "Mono12p", "Mono10Packed", "Mono16", "BayerRG8", "RGB8", "YUV422_8"]
+)
+def test_bytes_that_fill_up_lines_are_no_pixels(name: str, channels: int) -> None:
+    used = line_bytes(name, SIZE[0])
+    lines = rng.integers(0, 255, (SIZE[1], used)).astype("u1")
+    padded = np.hstack([lines, np.full((SIZE[1], 5), 255, "u1")]).ravel()
+    shape = (SIZE[1], SIZE[0], channels)
+    plain = converted(lines.ravel(), SIZE, name, np.empty(shape, "u1"))
+    for data in (padded, padded[:-5]):  # the last line may end with its pixels
+        assert (converted(data, SIZE, name, np.empty(shape, "u1"), used + 5) == plain).all()
+    with pytest.raises(ValueError, match="the picture has"):
+        converted(padded[:-6], SIZE, name, np.empty(shape, "u1"), used + 5)
+
+
+@pytest.mark.parametrize("name", ["Mono8", "Mono10", "Mono10p", "Mono12Packed", "Mono16"])
+def test_a_grey_picture_is_written_into_the_slot_at_once(name: str) -> None:
+    data = rng.integers(0, 255, line_bytes(name, SIZE[0]) * SIZE[1]).astype("u1")
+    slot = np.empty((SIZE[1], SIZE[0], 1), "u1")
+    assert converted(data, SIZE, name, slot) is slot
+    assert (slot[..., 0] == eight_bits(data, SIZE, name)).all()

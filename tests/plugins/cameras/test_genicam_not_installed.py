@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
 
@@ -47,5 +48,8 @@ def test_the_camera_that_is_meant_must_be_named_if_there_are_two(monkeypatch: py
     monkeypatch.setattr(backends, "backends", lambda name: [Two])
     with pytest.raises(InputError, match=r"2 cameras are in sight: Acme A1 S1 at 10\.0\.0\.1, Acme A1 S2"):
         backends.connected("", "any", "", 0)
+    seen = [replace(info, name="left") for info in seen]
+    with pytest.raises(InputError, match=r"2 cameras are called left: Acme A1 S1 at 10\.0\.0\.1, Acme A1 S2"):
+        backends.connected("left", "any", "", 0)
     assert backends.connected("S2", "any", "", 0) == seen[1]
     assert backends.connected("10.0.0.1", "any", "", 0) == seen[0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from followspot_cameras.genicam.facts import Facts
-from followspot_cameras.genicam.ptp import ptp_state
+from followspot_cameras.genicam.ptp import ptp_problem, ptp_state
 
 SFNC = {"PtpEnable": "true", "PtpDataSetLatch": "", "PtpStatus": "Slave", "PtpOffsetFromMaster": "-120"}
 BASLER = {
@@ -66,3 +66,19 @@ def test_a_camera_that_takes_no_commands_tells_what_it_says_without() -> None:
 
 def test_the_list_shows_it_beside_the_clock() -> None:
     assert Facts(clock="readable", ptp=told(SFNC)[0]).time == "readable, PTP Slave, -120 ns from its master"
+
+
+@pytest.mark.parametrize(
+    ("values", "problem"),
+    [
+        (SFNC, ""),
+        (SFNC | {"PtpStatus": "Master"}, ""),
+        (SFNC | {"PtpEnable": "false", "PtpStatus": "Disabled"}, ""),
+        (SFNC | {"PtpStatus": "Listening"}, "its PTP is Listening: its clock follows no master"),
+        (BASLER | {"GevIEEE1588StatusLatched": "Faulty"}, "its PTP is Faulty: its clock follows no master"),
+        ({"PtpEnable": "true", "PtpStatus": "Slave", "PtpOffsetFromMaster": "none"}, ""),
+        ({}, ""),
+    ],
+)
+def test_a_camera_whose_ptp_is_on_and_follows_nobody_is_told(values: dict[str, str], problem: str) -> None:
+    assert ptp_problem(values, values.__getitem__, lambda command: None) == problem

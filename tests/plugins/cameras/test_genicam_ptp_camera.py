@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import json
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from tests.plugins.cameras.genicam_port import own_port
+from tests.plugins.cameras.gev_camera import HEIGHT, PTP, WIDTH, GevCamera
 from tests.plugins.cameras.gvcp_camera import Camera, serving
+from tests.plugins.cameras.recordings import context
 
 pytest.importorskip("viva_genicam", reason="viva-genicam is not installed")
 from followspot_cameras.genicam import viva
 from followspot_cameras.genicam.facts import facts_of
 from followspot_cameras.genicam.listing import cameras
+from followspot_cameras.genicam.stage import Genicam
 
 NODE_MAP = Path(__file__).with_name("ptp_camera.xml")
 ENABLED, LATCH, STATUS, OFFSET = 0x2100, 0x2104, 0x2108, 0x2110
@@ -59,6 +63,24 @@ def test_the_list_shows_the_state_that_the_node_map_tells(
     assert told["ptp"] == expected
     assert (told["serial"], told["size"], told["clock"]) == ("SN-PTP-1", [640, 480], "readable")
     assert LATCH not in [at for at, _ in device.written]  # who only looks sets nothing
+
+
+@pytest.mark.parametrize(
+    ("state", "said"), [(4, ["its PTP is Listening: its clock follows no master"]), (9, [])]
+)
+def test_a_run_is_told_of_a_camera_that_follows_no_master(state: int, said: list[str]) -> None:
+    device, told = GevCamera(), list[str]()
+    device.registers |= {PTP: 1, PTP + 4: state}
+    taking = threading.Thread(target=device.work)
+    where = {"camera": "127.0.0.1", "backend": "viva-genicam", "interface": "127.0.0.1"}
+    with own_port(), serving(device):
+        taking.start()
+        source = Genicam(context("infrared", (WIDTH, HEIGHT), warn=told.append), **where)
+        next(source.process())
+        source.close()
+        device.end()
+        taking.join()
+    assert [text.removeprefix("camera 127.0.0.1: ") for text in told] == said
 
 
 def test_a_camera_that_is_controlled_is_latched_before_it_is_read() -> None:

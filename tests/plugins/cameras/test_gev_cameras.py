@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
-import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,20 +11,15 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.integration.hosts import Hosts, namespaces_are_permitted
+from tests.plugins.cameras import apart
+from tests.plugins.cameras.apart import DESK, NEEDS, client, running, told_by
 from tests.plugins.cameras.attempts import one_of
 
 from followspot import Camera, Room
 from followspot.room import StageUse, Sync
 from followspot.room_file import save
 
-ROOT = Path(__file__).parents[3]
-HERE = Path(__file__).parent
-SYSTEM = Path("/usr/lib/python3/dist-packages")
-NAMES = ("desk", "left", "right")
-NEEDS = {
-    "viva-genicam": "import viva_genicam",
-    "aravis": "import gi; gi.require_version('Aravis', '0.8'); from gi.repository import Aravis",
-}
+NAMES = (DESK, "left", "right")
 WHOLE = [[60, place] for place in range(5)]
 """All packets of a picture."""
 LEFT = {"shift": 5e12, "drift": 50e-6, "drop": [[20, 1], [40, 2], *WHOLE]}
@@ -42,10 +35,7 @@ pytestmark = [
 
 @pytest.fixture
 def environment(tmp_path: Path) -> dict[str, str]:
-    """One in which Python sees the tests and the system's `gi`."""
-    if (SYSTEM / "gi").is_dir():
-        (tmp_path / "gi").symlink_to(SYSTEM / "gi")
-    return {**os.environ, "PYTHONPATH": f"{tmp_path}:{ROOT}"}
+    return apart.environment(tmp_path)
 
 
 @pytest.fixture
@@ -54,37 +44,20 @@ def hosts(tmp_path: Path) -> Iterator[Hosts]:
         yield made
 
 
-def start(hosts: Hosts, host: str, script: str, *words: str, env: dict[str, str]) -> subprocess.Popen[str]:
-    command = ["ip", "netns", "exec", hosts.space(host), sys.executable, str(HERE / script), *words]
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    process = subprocess.Popen(command, text=True, env=env, **pipes)
-    hosts.processes.append(process)
-    return process
-
-
 def running_cameras(
     hosts: Hosts, environment: dict[str, str], cameras: dict[str, Any]
 ) -> dict[str, subprocess.Popen[str]]:
-    running = {}
-    for name, options in cameras.items():
-        address = hosts.address(name)
-        running[name] = start(hosts, name, "gev_camera.py", address, json.dumps(options), env=environment)
-        assert running[name].stdout.readline() == "running\n", running[name].stderr.read()
-    return running
+    return {
+        name: running(hosts, name, "gev_camera.py", hosts.address(name), json.dumps(options), env=environment)
+        for name, options in cameras.items()
+    }
 
 
 def trial(hosts: Hosts, environment: dict[str, str], cameras: dict[str, Any], **asked: Any) -> dict[str, Any]:
     """What the client tells of each camera, and what the camera does."""
-    running = running_cameras(hosts, environment, cameras)
-    where = {name: hosts.address(name) for name in cameras}
-    told = json.dumps({"cameras": where, "interface": hosts.address("desk"), **asked})
-    client = start(hosts, "desk", "gev_client.py", told, env=environment)
-    out, errors = client.communicate(timeout=120)
-    assert client.returncode == 0, errors
-    found = json.loads(out)
-    for name, camera in running.items():
-        found[name] |= json.loads(camera.communicate(timeout=60)[0])
-    return found
+    there = running_cameras(hosts, environment, cameras)
+    found = told_by(client(hosts, environment, list(cameras), **asked))
+    return {name: found[name] | told_by(camera) for name, camera in there.items()}
 
 
 def errors(found: dict[str, Any]) -> np.ndarray:
@@ -99,15 +72,11 @@ def errors(found: dict[str, Any]) -> np.ndarray:
 def test_capture_times_are_within_a_tenth_of_a_millisecond_and_losses_are_told_to_the_number(
     hosts: Hosts, environment: dict[str, str], backend: str
 ) -> None:
-    if subprocess.run(
-        [sys.executable, "-c", NEEDS[backend]], env=environment, capture_output=True
-    ).returncode:
-        pytest.skip(f"{backend} is not installed")
+    if absent := apart.missing(environment, backend):
+        pytest.skip(absent)
 
     def attempt() -> bool:
-        found = trial(
-            hosts, environment, {"left": LEFT, "right": RIGHT}, backend=backend, count=360, sync=None
-        )
+        found = trial(hosts, environment, {"left": LEFT, "right": RIGHT}, backend=backend, count=360)
         worst = {name: np.abs(errors(one)[-120:]).max() / 1e6 for name, one in found.items()}
         lost = {name: one["lost"] for name, one in found.items()}
         assert [number for number, _ in found["left"]["frames"]][-1] >= 362
@@ -145,7 +114,7 @@ def room_of(hosts: Hosts, names: Sequence[str], sync: Sync) -> Path:
     eye, matrix = np.eye(3), np.array([[50.0, 0, 31.5], [0, 50, 23.5], [0, 0, 1]])
     cameras = {}
     for name in names:
-        where = {"camera": hosts.address(name), "interface": hosts.address("desk")}
+        where = {"camera": hosts.address(name), "interface": hosts.address(DESK)}
         source = StageUse("cameras.genicam", {**where, "backend": "viva-genicam"})
         cameras[name] = Camera(name, "infrared", (64, 48), matrix, np.zeros(5), eye, eye[0], source=source)
     save(Room("two", cameras, sync=sync), hosts.folder / "room.yaml")
@@ -158,7 +127,7 @@ def test_doctor_finds_that_triggered_cameras_are_in_step(hosts: Hosts, environme
     room = room_of(hosts, ("left", "right"), Sync("software", rate=RATE))
 
     def attempt() -> bool:
-        doctor = hosts.start("desk", "doctor", "--room", room, "--cameras", "--json")
+        doctor = hosts.start(DESK, "doctor", "--room", room, "--cameras", "--json")
         out, said = doctor.communicate(timeout=120)
         told = [
             one for one in json.loads(out)["findings"] if one["subject"] in ("right", "timing of cameras")

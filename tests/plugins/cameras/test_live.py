@@ -1,10 +1,12 @@
 """Devices and network streams: capture at grab, loss, recovery, prompt stop."""
 
 import os
+import re
 import threading
 import time
 from collections.abc import Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from itertools import islice
 from pathlib import Path
 
 import cv2
@@ -62,10 +64,21 @@ def test_lost_camera_comes_back_and_both_are_reported_once(tmp_path: Path) -> No
     frames = camera.process()
     assert [numbers(next(frames).pixels) for _ in range(6)] == [0, 1, 2, 0, 1, 2]
     frames.close()
-    assert warnings == [
-        "camera 7: no picture came; connecting again until it answers",
-        "camera 7: is back",
-    ]
+    gone, back = warnings
+    assert gone == "camera 7: no picture came; connecting again until it answers"
+    assert re.fullmatch(r"camera 7: is back after \d+\.\d s", back)
+
+
+def test_a_camera_that_vanishes_again_and_again_tells_how_often() -> None:
+    said: list[str] = []
+
+    def session() -> Iterator[int]:
+        yield 1
+        raise ConnectionError("gone")
+
+    assert list(islice(reconnection.sessions(session, threading.Event(), said.append), 4)) == [1] * 4
+    often = [re.sub(r"is back after \d+\.\d s", "", text) for text in said[1::2]]
+    assert often == ["", "; it was away 2 times", "; it was away 3 times"]
 
 
 def test_capture_time_is_that_of_the_grab(tmp_path: Path) -> None:

@@ -114,8 +114,11 @@ def test_a_loss_between_pictures_is_one_picture_and_one_within_damages_it(
         assert (after.damaged, after.lost) == (False, 0)
 
 
-@pytest.mark.parametrize("drift", [-100e-6, 100e-6])
-def test_a_clock_that_is_off_and_drifts_gives_times_within_five_milliseconds(drift: float) -> None:
+@pytest.mark.parametrize(("drift", "from_second"), [(-1e-4, 20), (1e-4, 20), (-1e-3, 100), (1e-3, 100)])
+def test_a_clock_that_is_off_and_drifts_gives_times_within_five_milliseconds(
+    drift: float, from_second: int
+) -> None:
+    """Drifts of quartz crystals from the beginning, and any other one once it was seen for a while."""
     clock, rng = SenderClock(90_000), np.random.default_rng(2)
 
     def sender(now: float) -> float:
@@ -128,8 +131,18 @@ def test_a_clock_that_is_off_and_drifts_gives_times_within_five_milliseconds(dri
         now = second + 2.5
         found = clock.capture_time(round(sender(now) * 90_000) % (1 << 32))
         assert found is not None
-        if second >= 20:
+        if second >= from_second:
             assert abs(found / S - now) < 5e-3
+    assert abs(clock.drift + drift) < 2e-5
+
+
+def test_the_user_is_told_once_how_much_a_clock_drifts() -> None:
+    said: list[str] = []
+    times = ReportTimes(0, said.append)
+    times.begin(90_000, 0)
+    for second in range(5, 200, 5):
+        times.report(SenderReport(round(second * 1.0003 * S), 0), second * S)
+    assert [text for text in said if "drifts" in text] == ["its clock drifts by +300 ppm, which is followed"]
 
 
 def test_a_clock_that_is_set_is_followed_at_once() -> None:
