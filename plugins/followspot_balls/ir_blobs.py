@@ -132,7 +132,7 @@ def joint_limits(stages: tuple[IrBlobs, ...]) -> Limits:
 def blobs_of(pictures: Sequence[Array], regions: Regions, limits: Limits, p: IrBlobs.Params) -> Found:
     """Bright blobs in the windows of all views at once, and in the whole picture if a target is lost."""
     count = len(regions.circles.lost) // len(pictures)
-    whole = regions.circles.lost.reshape(len(pictures), count).any(axis=1)
+    whole = np.asarray(regions.circles.lost.reshape(len(pictures), count).any(axis=1))
     found = [NOTHING]
     if len(regions.near):
         view = regions.near // count

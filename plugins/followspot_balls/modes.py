@@ -90,9 +90,10 @@ def densest(sample: Sample, credit: Array) -> Array:
 
 def kernel_matrix(sample: Sample, bandwidth: Array, seeds: Array) -> Array:
     """Weights of N candidates by their distances from some of them: (N, S). bandwidth: (1, 3) m."""
-    distance2 = squared_distances(sample.xyz, sample.xyz.take(seeds, axis=0), scales(bandwidth)[0])
-    inside = distance2[..., 0] < 1.0
+    xyz, (scale,) = sample.xyz, scales(bandwidth)
+    inside = squared_distances(xyz, xyz.take(seeds, axis=0), scale[:, 0]) < 1.0
     weight = inside.T.astype(float)
     seed, candidate = (inside & ~sample.labelled).nonzero()
-    weight[candidate, seed] = np.exp(-distance2[seed, candidate, 1])
+    offset = xyz.take(candidate, axis=0) - xyz.take(seeds.take(seed), axis=0)
+    weight[candidate, seed] = np.exp(-((offset * offset) @ scale[:, 1]))
     return weight
