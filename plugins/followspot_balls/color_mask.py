@@ -85,7 +85,9 @@ def in_pictures(
     view = view.take(found.entry)
     height, width, _ = np.array([pixels.shape for pixels in pictures]).T
     y, x = row_and_column(found.place, width.take(view))
-    target, entry = ((BIT.take(found.hue) & bits.T.take(view, axis=1)) != 0).nonzero()
+    table = (BIT & bits.T[..., None] != 0).reshape(-1, bits.shape[0] * len(BIT))
+    wanted = table.take(view * len(BIT) + found.hue, axis=1)
+    target, entry = row_and_column(wanted.reshape(-1).nonzero()[0], max(len(view), 1))
     layer = view.take(entry) * bits.shape[1] + target
     size = len(owner), int(height.max()), int(width.max())
     gathered = clusters(layer, y.take(entry), x.take(entry), size, smallest)

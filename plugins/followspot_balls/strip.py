@@ -156,7 +156,7 @@ def clusters(layer: Array, y: Array, x: Array, size: tuple[int, int, int], small
     top, left, bottom, right = extents(part, y, x, len(keep))
     strip = adjoined(left - RIM, top - RIM, right - left + 1 + RIM + GAP)
     shape = (int((bottom - top).max(initial=-1)) + 1 + 2 * RIM, len(strip.part))
-    column, row = np.column_stack([x, y]).T - strip.shift.take(part, axis=0).T
+    column, row = x - strip.shift[:, 0].take(part), y - strip.shift[:, 1].take(part)
     return Clusters(strip, shape, of_layer[keep], entry, row * shape[1] + column)
 
 
