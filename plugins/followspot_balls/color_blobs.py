@@ -10,7 +10,7 @@ import numpy as np
 
 from followspot import Array, Camera, Field, Latest, Mistake, Room, Stage
 from followspot.tracking import Blobs, Forecast, Frame
-from followspot_balls.color_mask import Limits, Sought, in_picture, in_windows
+from followspot_balls.color_mask import Limits, Sought, in_pictures, in_windows
 from followspot_balls.components import Components, above_local_peak, clipped, components, of_size
 from followspot_balls.detection import DetectionParams, Detections, blobs_by_view, without_template
 from followspot_balls.hue import BINS, bhattacharyya, hue_bits, normalised
@@ -160,10 +160,13 @@ def blobs_of(
         sought = in_windows(shown, windows, regions.near, templates.hues, limits)
         found.append(measured(sought, templates, p, count, (regions.circles, windows)))
     lost = regions.circles.lost.reshape(len(pictures), count)
-    for number in np.flatnonzero(lost.any(axis=1)).tolist():
-        rows = np.flatnonzero(lost[number]) + number * count
-        smallest = templates.area[rows, 0]
-        sought = in_picture(pictures[number], rows, templates.hues, limits, smallest)
+    target = np.flatnonzero(lost.any(axis=0))
+    if len(target):
+        rows = np.arange(len(pictures))[:, None] * count + target
+        bits = templates.hues.take(rows) * lost.take(target, axis=1)
+        owner = rows.reshape(-1)
+        smallest = templates.area[:, 0].take(owner)
+        sought = in_pictures(pictures, owner, bits, limits, smallest)
         found.append(measured(sought, templates, p, count))
     return found[-1] if len(found) < 3 else Found(*map(np.concatenate, zip(*found, strict=True)))
 

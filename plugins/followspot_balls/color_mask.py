@@ -24,8 +24,10 @@ class Limits(NamedTuple):
 
 
 class Lit(NamedTuple):
-    """The P bright pixels of a picture. They are few, which makes further tests cheap."""
+    """P pixels that show a hue. They are few, which makes further tests cheap."""
 
+    entry: Array
+    """(P,) row among the bright pixels."""
     place: Array
     """(P,) flat index."""
     value: Array
@@ -65,35 +67,59 @@ def in_windows(
     return Sought(strip, owner, *planes)
 
 
-def in_picture(pixels: Array, owner: Array, hues: Array, limits: Limits, smallest: Array) -> Sought:
-    """Pixels that may show some targets of one view anywhere in its picture.
+def in_pictures(
+    pictures: Sequence[Array], owner: Array, bits: Array, limits: Limits, smallest: Array
+) -> Sought:
+    """Pixels that may show some targets anywhere in the pictures of V views.
 
-    owner: (N,) rows of the targets; smallest: (N,) area, px; others as above.
+    pictures: (H, W, 3) BGR of each view, which may differ in size; owner: (V * T,) rows of targets of each
+    view in turn; bits: (V, T) u16, of their hues, 0 for one that the view does not seek; smallest: (V * T,)
+    area, px.
     """
-    height, width = pixels.shape[:2]
-    place, *planes = lit(pixels, limits)
-    shown = BIT.take(planes[1]) & hues.take(owner)[:, None]
-    layer, entry = row_and_column(shown.reshape(-1).nonzero()[0], max(len(place), 1))
-    y, x = row_and_column(place.take(entry), width)
-    found = clusters(layer, y, x, (len(owner), height, width), smallest)
-    entry = entry.take(found.entry)
-    scenes = (scattered(found.shape, found.place, plane.take(entry)) for plane in planes)
-    return Sought(found.strip, owner.take(found.layer), *scenes)
+    places = [bright(pixels, limits) for pixels in pictures]
+    colors = [
+        pixels.reshape(-1, 3).take(place, axis=0) for pixels, place in zip(pictures, places, strict=True)
+    ]
+    view = np.arange(len(pictures)).repeat([len(place) for place in places])
+    found = shown(np.concatenate(places), np.concatenate(colors), limits)
+    view = view.take(found.entry)
+    height, width, _ = np.array([pixels.shape for pixels in pictures]).T
+    y, x = row_and_column(found.place, width.take(view))
+    table = (BIT & bits.T[..., None] != 0).reshape(-1, bits.shape[0] * len(BIT))
+    wanted = table.take(view * len(BIT) + found.hue, axis=1)
+    target, entry = row_and_column(wanted.reshape(-1).nonzero()[0], max(len(view), 1))
+    layer = view.take(entry) * bits.shape[1] + target
+    size = len(owner), int(height.max()), int(width.max())
+    gathered = clusters(layer, y.take(entry), x.take(entry), size, smallest)
+    entry = entry.take(gathered.entry)
+    planes = (
+        scattered(gathered.shape, gathered.place, plane.take(entry)) for plane in (found.value, found.hue)
+    )
+    return Sought(gathered.strip, owner.take(gathered.layer), *planes)
 
 
 def lit(pixels: Array, limits: Limits) -> Lit:
-    """Pixels that show a hue, or are overexposed cores. pixels: (H, W, 3) BGR.
+    """Pixels that show a hue, or are overexposed cores. pixels: (H, W, 3) BGR."""
+    place = bright(pixels, limits)
+    return shown(place, pixels.reshape(-1, 3).take(place, axis=0), limits)
+
+
+def bright(pixels: Array, limits: Limits) -> Array:
+    """Flat index of the pixels that are bright enough: (P,). pixels: (H, W, 3) BGR."""
+    brightest_dark = min(limits.value, limits.white) - 1
+    _, above = cv2.threshold(pixels, brightest_dark, 255, cv2.THRESH_BINARY)  # of each colour by itself
+    return (np.asarray(cv2.cvtColor(above, cv2.COLOR_BGR2GRAY)) > 0).reshape(-1).nonzero()[0]
+
+
+def shown(place: Array, colors: Array, limits: Limits) -> Lit:
+    """Those of P pixels that show a hue, or are overexposed cores. colors: (P, 3) BGR.
 
     An overexposed core is bright and pale: the sensor saturates at the brightest part of the ball.
     """
-    brightest_dark = min(limits.value, limits.white) - 1
-    _, bright = cv2.threshold(pixels, brightest_dark, 255, cv2.THRESH_BINARY)  # of each colour by itself
-    place = (np.asarray(cv2.cvtColor(bright, cv2.COLOR_BGR2GRAY)) > 0).reshape(-1).nonzero()[0]
     if not len(place):
-        return Lit(place, *np.empty((2, 0), np.uint8))
-    colors = cv2.cvtColor(pixels.reshape(1, -1, 3).take(place, axis=1), cv2.COLOR_BGR2HSV_FULL)
-    hue, saturation, value = np.asarray(colors)[0].T
+        return Lit(place, place, *np.empty((2, 0), np.uint8))
+    hue, saturation, value = np.asarray(cv2.cvtColor(colors[None], cv2.COLOR_BGR2HSV_FULL))[0].T
     pale = saturation < limits.saturation
-    rows = (value >= np.where(pale, limits.white, limits.value)).nonzero()[0]
+    entry = (value >= np.where(pale, limits.white, limits.value)).nonzero()[0]
     hue = np.where(pale, np.uint8(BINS), hue_bin(hue))
-    return Lit(place.take(rows), value.take(rows), hue.take(rows))
+    return Lit(entry, place.take(entry), value.take(entry), hue.take(entry))

@@ -132,7 +132,7 @@ def joint_limits(stages: tuple[IrBlobs, ...]) -> Limits:
 def blobs_of(pictures: Sequence[Array], regions: Regions, limits: Limits, p: IrBlobs.Params) -> Found:
     """Bright blobs in the windows of all views at once, and in the whole picture if a target is lost."""
     count = len(regions.circles.lost) // len(pictures)
-    whole = regions.circles.lost.reshape(len(pictures), count).any(axis=1)
+    whole = np.asarray(regions.circles.lost.reshape(len(pictures), count).any(axis=1))
     found = [NOTHING]
     if len(regions.near):
         view = regions.near // count
@@ -144,25 +144,43 @@ def blobs_of(pictures: Sequence[Array], regions: Regions, limits: Limits, p: IrB
             level = cut([pictures[number] for number in view.tolist()], windows)[..., 0]
             level = in_range(level, limits, view.take(strip.part))
             found.append(measured(level, strip, view, regions.circles, limits, p, windows))
-    for number in np.flatnonzero(whole).tolist():
-        view = np.array([number])
-        level, strip = in_picture(in_range(pictures[number][..., 0], limits, view), limits.smallest[view])
-        view = np.full(len(strip.shift), number)
+    seeking = whole.nonzero()[0]
+    if len(seeking):
+        level, strip, view = in_pictures([pictures[n] for n in seeking.tolist()], seeking, limits)
         found.append(measured(level, strip, view, regions.circles, limits, p))
     return found[-1] if len(found) < 3 else Found(*map(np.concatenate, zip(*found, strict=True)))
 
 
-def in_picture(level: Array, smallest: Array) -> tuple[Array, Strip]:
-    """Bright pixels of a whole picture, gathered into a strip; smallest: (1,) number of a cluster."""
-    index = np.flatnonzero(level)
-    y, x = row_and_column(index, level.shape[1])
-    found = clusters(np.zeros(len(index), int), y, x, (1, *level.shape), smallest)
-    gray = level.reshape(-1).take(index.take(found.entry))
-    return scattered(found.shape, found.place, gray), found.strip
+def in_pictures(pictures: Sequence[Array], view: Array, limits: Limits) -> tuple[Array, Strip, Array]:
+    """Pixels of whole pictures in the range of their views, gathered into a strip; the view of each part.
+
+    pictures: (H, W, 1) of V views, which may differ in size; view: (V,) their numbers.
+    """
+    places, grays = zip(
+        *map(bright, pictures, limits.darkest.take(view), limits.brightest.take(view)), strict=True
+    )
+    layer = np.arange(len(view)).repeat([len(place) for place in places])
+    height, width, _ = np.array([pixels.shape for pixels in pictures]).T
+    y, x = row_and_column(np.concatenate(places), width.take(layer))
+    size = len(view), int(height.max()), int(width.max())
+    found = clusters(layer, y, x, size, limits.smallest.take(view))
+    gray = np.concatenate(grays).take(found.entry)
+    return scattered(found.shape, found.place, gray), found.strip, view.take(found.layer)
+
+
+def bright(pixels: Array, darkest: Array, brightest: Array) -> tuple[Array, Array]:
+    """Flat index and grey level of the pixels in a range. pixels: (H, W, 1)."""
+    gray = np.ascontiguousarray(
+        pixels[..., 0]
+    )  # one pass over a channel of several, and fast ones from then on
+    shown = gray >= darkest
+    shown &= gray <= brightest
+    place = shown.reshape(-1).nonzero()[0]
+    return place, gray.reshape(-1).take(place)
 
 
 def in_range(gray: Array, limits: Limits, view: Array) -> Array:
-    """Grey levels in the range of their view, 0 elsewhere. gray: (H, W) u8; view: (W,), or (1,) of all."""
+    """Grey levels in the range of their view, 0 elsewhere. gray: (H, W) u8; view: (W,)."""
     shown = (gray >= limits.darkest.take(view)) & (gray <= limits.brightest.take(view))
     return np.asarray(shown.view(np.uint8) * gray)
 

@@ -35,16 +35,17 @@ def kernel(offsets: Array, scale: Array, unlabelled: Array) -> Array:
 
 
 def squared_distances(points: Array, centers: Array, scale: Array) -> Array:
-    """|x - y|^2 in both measures of a bandwidth, of all points from all centres, without their offsets.
+    """Sum of s (x - y)^2 over the axes, of all points from all centres, without their offsets.
 
-    points: (N, 3) m; centers: (M, 3) m; scale: (3, 2), of :func:`scales`. Returns (M, N, 2).
+    points: (N, 3) m; centers: (M, 3) m; scale: (3,) 1/m^2, s. Returns (M, N).
     """
     middle = points.mean(axis=0)  # near the origin the difference of squares loses no digits
     x, y = points - middle, centers - middle
-    distance2 = (y * (-2 * scale.T[:, None])) @ x.T
-    distance2 += (scale.T @ (y * y).T)[..., None]
-    distance2 += (scale.T @ (x * x).T)[:, None]
-    return np.moveaxis(distance2, 0, 2)
+    weighed = y * scale
+    distance2 = (-2 * weighed) @ x.T
+    distance2 += np.vecdot(weighed, y)[:, None]
+    distance2 += (x * x) @ scale
+    return np.asarray(distance2)
 
 
 def weight_at(distance2: Array, unlabelled: Array) -> Array:

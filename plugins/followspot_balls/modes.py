@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.kernels import kernel, scales, squared_distances, weight_at
+from followspot_balls.kernels import kernel, scales, squared_distances
 
 TINY = np.finfo(float).tiny
 
@@ -76,11 +76,24 @@ def densest(sample: Sample, credit: Array) -> Array:
 
     credit: (M, N) factor of each candidate's density, 0 if it must not be chosen. Returns (M, 3) m.
     """
-    center = np.empty((len(credit), 3))
-    scale, unlabelled = scales(sample.bandwidth), 1.0 - sample.labelled
-    for row, weights in enumerate(sample.weights):
-        mine, seeds = np.flatnonzero(weights), np.flatnonzero(credit[row] * weights)
-        distance2 = squared_distances(sample.xyz[mine], sample.xyz[seeds], scale[row])
-        density = weight_at(distance2, unlabelled[mine]) @ weights[mine]
-        center[row] = sample.xyz[seeds[(density * credit[row, seeds]).argmax()]]
-    return center
+    eligible = credit * sample.weights > 0
+    chosen, left = np.empty(len(credit), int), np.ones(len(credit), bool)
+    while left.any():  # lost targets have one bandwidth
+        same = left & (sample.bandwidth == sample.bandwidth[left.argmax()]).all(axis=1)
+        seeds = eligible[same].any(axis=0).nonzero()[0]
+        density = sample.weights[same] @ kernel_matrix(sample, sample.bandwidth[same][:1], seeds)
+        density *= np.where(eligible[same], credit[same], -1.0).take(seeds, axis=1)
+        chosen[same] = seeds.take(density.argmax(axis=1))
+        left &= ~same
+    return sample.xyz.take(chosen, axis=0)
+
+
+def kernel_matrix(sample: Sample, bandwidth: Array, seeds: Array) -> Array:
+    """Weights of N candidates by their distances from some of them: (N, S). bandwidth: (1, 3) m."""
+    xyz, (scale,) = sample.xyz, scales(bandwidth)
+    inside = squared_distances(xyz, xyz.take(seeds, axis=0), scale[:, 0]) < 1.0
+    weight = inside.T.astype(float)
+    seed, candidate = (inside & ~sample.labelled).nonzero()
+    offset = xyz.take(candidate, axis=0) - xyz.take(seeds.take(seed), axis=0)
+    weight[candidate, seed] = np.exp(-((offset * offset) @ scale[:, 1]))
+    return weight

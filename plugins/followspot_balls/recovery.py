@@ -76,13 +76,19 @@ class Recovery:
         ratio[row], reflector[row] = self.ratios(*found, candidates, forecast)
         sure = np.where(positions.evident, reflector, ratio)
         doubted = (sure < self.params.sure_recovery_evidence) & (positions.support > 1)
+        if doubted.any():
+            positions = self.vague(positions, doubted, sure)
+        likely = ratio >= self.params.least_recovery_evidence
+        return positions if likely.all() else positions.where(likely)
+
+    def vague(self, positions: Positions, doubted: Array, sure: Array) -> Positions:
+        """The positions, of which the doubted ones need several frames. sure: (M,), log-likelihood ratios."""
         vague = doubted * ELSEWHERE**2 / (1 + np.exp(sure))
-        judged = replace(
+        return replace(
             positions,
             support=np.where(doubted, 1 + positions.evident, positions.support).astype(np.int32),
             covariance=positions.covariance + vague[:, None, None] * np.eye(3),
         )
-        return judged.where(ratio >= self.params.least_recovery_evidence)
 
     def ratios(self, xyz: Array, target: Array, candidates: Candidates, forecast: Forecast | None) -> Array:
         """Log-likelihood ratios of balls at M places against whatever else, and against reflectors: (2, M).
@@ -96,11 +102,13 @@ class Recovery:
         begun = Hypotheses(
             xyz, target, np.full(count, -1), xyz, np.full(count, self.reach**2), np.zeros(count)
         )
-        ratio = self.weighed(begun, self.evidence.views(begun, blobs, self.shown))
+        views = self.evidence.views(begun, blobs, self.shown)
+        ratio = self.weighed(begun, views)
         close = (ratio[0] < self.params.sure_recovery_evidence + OUTSTANDING).nonzero()[0]
         if len(close):
             near = Hypotheses(*(column[close] for column in begun))
-            ratio[:, close] = self.weighed(*self.evidence.likeliest(near, blobs, self.shown))
+            seen = views.where(close)
+            ratio[:, close] = self.weighed(*self.evidence.refined(near, seen, blobs, self.shown))
         return ratio
 
     def weighed(self, found: Hypotheses, views: Views) -> Array:

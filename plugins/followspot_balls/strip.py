@@ -139,6 +139,7 @@ def clusters(layer: Array, y: Array, x: Array, size: tuple[int, int, int], small
     """
     layers, height, width = size
     rows, columns = height // BLOCK + 2, width // BLOCK + 1  # an empty row parts the layers
+    rows += rows % 2  # labels go by pairs of rows: so those of a layer do not depend on the others
     block = (layer * rows + y // BLOCK) * columns + x // BLOCK
     taken = np.zeros((layers * rows, columns), np.uint8)
     taken.reshape(-1)[block] = 1
@@ -146,17 +147,16 @@ def clusters(layer: Array, y: Array, x: Array, size: tuple[int, int, int], small
     cluster = labels.reshape(-1).take(block)
     of_layer = np.zeros(count, int)
     of_layer[cluster] = layer
-    keep = np.flatnonzero(np.bincount(cluster, minlength=count) >= smallest.take(of_layer))
-    keep = keep[keep > 0]
-    part = np.full(count, -1)
-    part[keep] = np.arange(len(keep))
-    part = part.take(cluster)
-    entry = np.flatnonzero(part >= 0)
+    large = np.bincount(cluster, minlength=count) >= smallest.take(of_layer)
+    large[0] = False  # the background
+    keep = large.nonzero()[0]
+    part = (large.cumsum() - 1).take(cluster)
+    entry = large.take(cluster).nonzero()[0]
     part, y, x = part.take(entry), y.take(entry), x.take(entry)
     top, left, bottom, right = extents(part, y, x, len(keep))
     strip = adjoined(left - RIM, top - RIM, right - left + 1 + RIM + GAP)
     shape = (int((bottom - top).max(initial=-1)) + 1 + 2 * RIM, len(strip.part))
-    column, row = np.column_stack([x, y]).T - strip.shift.take(part, axis=0).T
+    column, row = x - strip.shift[:, 0].take(part), y - strip.shift[:, 1].take(part)
     return Clusters(strip, shape, of_layer[keep], entry, row * shape[1] + column)
 
 

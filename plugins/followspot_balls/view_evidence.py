@@ -35,6 +35,11 @@ class Views(NamedTuple):
     error: Array
     """(M, C, 2) px, of the likeliest blobs from the images."""
 
+    def where(self, rows: Array) -> Views:
+        """Those of some places."""
+        likely, *others = self
+        return Views(Likely(*(column[rows] for column in likely)), *(column[rows] for column in others))
+
 
 class FrameBlobs(NamedTuple):
     """The blobs of one frame."""
@@ -97,7 +102,12 @@ class ViewEvidence:
 
     def likeliest(self, found: Hypotheses, blobs: FrameBlobs, shown: Array) -> tuple[Hypotheses, Views]:
         """The hypotheses at their likeliest places, and their views; shown as for :meth:`views`."""
-        views = self.views(found, blobs, shown)
+        return self.refined(found, self.views(found, blobs, shown), blobs, shown)
+
+    def refined(
+        self, found: Hypotheses, views: Views, blobs: FrameBlobs, shown: Array
+    ) -> tuple[Hypotheses, Views]:
+        """As :meth:`likeliest`, from the views of the hypotheses as they are."""
         for _ in range(STEPS):
             weight = precision(views.likely, views.ratio)
             found = found.moved(found.xyz + step(found, views.jacobian, views.error, weight))

@@ -12,7 +12,7 @@ from tests.plugins.balls.scene import candidates_at, forecast_at, make_room
 from followspot.messages import seal
 from followspot.stage import Context, Stage
 from followspot.tracking import Candidates
-from followspot_balls.kernels import epipolar_weight, kernel, scales, squared_distances, weight_at
+from followspot_balls.kernels import epipolar_weight, kernel, scales, squared_distances
 from followspot_balls.mean import Mean
 from followspot_balls.mean_shift import MeanShift
 from followspot_balls.modes import Sample, densest, seek_modes
@@ -56,13 +56,26 @@ def test_weight_of_epipolar_distance_has_alpha_two_t_squared() -> None:
 
 
 @pytest.mark.parametrize("origin", [0.0, 1e4])
-def test_the_kernel_of_distances_is_that_of_offsets_far_from_the_origin_too(origin: float) -> None:
+def test_distances_are_those_of_offsets_far_from_the_origin_too(origin: float) -> None:
     rng = np.random.default_rng(3)
     points, centers = rng.uniform(-2, 2, (40, 3)) + origin, rng.uniform(-2, 2, (7, 3)) + origin
-    scale, unlabelled = scales(np.array([[2.0, 1.0, 3.0]]))[0], rng.integers(0, 2, 40)
-    expected = kernel(points - centers[:, None], scale, unlabelled)
-    found = weight_at(squared_distances(points, centers, scale), unlabelled)
-    assert found == pytest.approx(expected, abs=1e-9)
+    scale = np.array([0.25, 1.0, 0.1])
+    expected = (np.square(points - centers[:, None]) * scale).sum(axis=2)
+    assert squared_distances(points, centers, scale) == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize("apart", [False, True])
+def test_the_densest_candidate_has_the_largest_sum_of_weights_in_its_kernel(apart: bool) -> None:
+    rng = np.random.default_rng(5)
+    xyz, labelled = rng.uniform(-0.2, 0.2, (30, 3)), rng.random(30) < 0.5
+    weights, credit = rng.random((4, 30)) * (rng.random((4, 30)) < 0.6), rng.integers(0, 3, (4, 30)) / 2
+    bandwidth = np.tile(H / 2, (4, 1)) * (1 + apart * np.arange(4) % 2)[:, None]
+    expected = []
+    for mine, trusted, width in zip(weights, credit, bandwidth, strict=True):
+        held = kernel(xyz - xyz[:, None], np.repeat(scales(width[None]), 30, axis=0), 1.0 - labelled)
+        expected.append(xyz[np.where(mine > 0, trusted * (held @ mine), -1).argmax()])
+    found = densest(Sample(xyz, labelled, weights, bandwidth), credit)
+    assert found.tolist() == np.array(expected).tolist()
 
 
 def test_one_step_is_the_weighted_mean_of_what_the_kernel_holds() -> None:

@@ -79,6 +79,17 @@ def test_clusters_of_different_layers_are_apart() -> None:
     assert lone.entry.tolist() == [0, 1]
 
 
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 10_000), st.integers(40, 60))
+def test_the_order_of_clusters_in_a_layer_does_not_depend_on_the_layers_before(seed: int, high: int) -> None:
+    y, x = speckled(seed)[:40].nonzero()
+    size, one = (high, 70), np.zeros(len(y), int)
+    alone = clusters(one, y, x, (1, *size), np.array([SMALLEST]))
+    after = clusters(one + 1, y, x, (2, *size), np.array([SMALLEST] * 2))
+    assert after.place.tolist() == alone.place.tolist()
+    assert after.strip.shift.tolist() == alone.strip.shift.tolist()
+
+
 def test_a_window_shows_its_part_of_the_picture_and_black_beyond() -> None:
     pixels = np.arange(1, 13, dtype=np.uint8).reshape(3, 4, 1)
     windows = abreast(np.array([[-1, -1], [2, 1]]), np.array([3, 4]))
