@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import importlib.util
+import os
 import subprocess
 import sys
 import tomllib
+from importlib import import_module
 from pathlib import Path
 from typing import get_type_hints
 
@@ -65,16 +66,21 @@ def test_a_stage_outside_of_a_package_is_refused(tmp_path: Path) -> None:
         new_stage("shout", tmp_path)
 
 
-def made(folder: Path, name: str, takes: list[str], gives: str | None) -> type[Stage]:
+@pytest.fixture
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A new package, which this process and others can import."""
+    folder = new_plugin("studio", tmp_path)
+    monkeypatch.syspath_prepend(folder)
+    monkeypatch.setenv("PYTHONPATH", str(folder), prepend=os.pathsep)
+    for name in [name for name in sys.modules if name.partition(".")[0] == "followspot_studio"]:
+        monkeypatch.delitem(sys.modules, name)
+    return folder
+
+
+def made(package: Path, name: str, takes: list[str], gives: str | None) -> type[Stage]:
     """The class of a new stage."""
-    path, _ = new_stage(name, folder, takes, gives)
-    spec = importlib.util.spec_from_file_location(f"new_{name}", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # where hints of types are looked up
-    spec.loader.exec_module(module)
-    kind: type[Stage] = getattr(module, name.capitalize())
+    new_stage(name, package, takes, gives)
+    kind: type[Stage] = getattr(import_module(f"followspot_studio.{name}"), name.capitalize())
     return kind
 
 
@@ -90,27 +96,35 @@ def made(folder: Path, name: str, takes: list[str], gives: str | None) -> type[S
     ids=str,
 )
 def test_a_stub_has_the_types_that_were_asked_for_and_keeps_every_promise(
-    tmp_path: Path, takes: list[str], gives: str | None
+    package: Path, takes: list[str], gives: str | None
 ) -> None:
-    stage = made(new_plugin("studio", tmp_path), "some", takes, gives)
+    stage = made(package, "some", takes, gives)
     hints = get_type_hints(stage.process)
     result = hints.pop("return")
     assert [kind.__name__ for kind in hints.values()] == takes
     assert (gives or "None") in str(result)
     check_stage(stage)
-    test = (tmp_path / "followspot-studio/tests/test_some.py").read_text()
+    test = (package / "tests/test_some.py").read_text()
     assert "from followspot_studio.some import Some" in test
     compile(test, "test_some.py", "exec")
 
 
-def test_a_stub_of_every_type_is_tidy(tmp_path: Path) -> None:
-    folder = new_plugin("studio", tmp_path)
+def test_a_stub_of_every_type_is_tidy(package: Path) -> None:
     for kind in message_types():
         for way, takes, gives in (("pass", [kind], kind), ("begin", [], kind), ("use", [kind], None)):
-            stage = made(folder, f"{way}{kind.lower()}", takes, gives)
+            stage = made(package, f"{way}{kind.lower()}", takes, gives)
             assert stage.__doc__
             assert stage.__doc__.endswith(".")
-    style = [sys.executable, "-m", "ruff", "check", "--isolated", "--select", "E,F,I,W", str(folder)]
+    style = [
+        sys.executable,
+        "-m",
+        "ruff",
+        "check",
+        "--isolated",
+        "--select",
+        "E,F,I,W",
+        str(package / "followspot_studio"),
+    ]
     done = subprocess.run(style, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout
 

@@ -11,6 +11,7 @@ from followspot.messages import Message
 
 _MODULES = ("followspot.tracking", "followspot.people", "followspot.points", "followspot.inertial")
 _BODY = '''
+
 class {name}(Stage):
     """{about}"""
 
@@ -49,7 +50,8 @@ def message_types() -> dict[str, str]:
 def stub(name: str, takes: Sequence[str], gives: str | None) -> str:
     """The text of a module with a stage that does nothing yet. Raises InputError for unknown types.
 
-    name: of the class; takes: types of the inputs, none of a source; gives: type of the output, None of a sink.
+    name: of the class; takes: types of the inputs, none of a source; gives: that of the output, None of a
+    sink.
     """
     known = message_types()
     for kind in (*takes, *([gives] if gives else [])):

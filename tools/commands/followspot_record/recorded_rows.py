@@ -21,7 +21,8 @@ _SCALARS: dict[Any, str] = {int: "i8", float: "f8", bool: "?"}
 
 def headings(kind: type[Message], room: Room) -> dict[str, str]:
     """Names of a table's columns and their numpy type codes: the columns of `sinks.csv`, with all
-    that the type's table has; then the source, and the capture time, exact, ns. Raises FollowspotError if two names are equal.
+    that the type's table has; then the source, and the capture time, exact, ns. Raises
+    FollowspotError if two names are equal.
     """
     scalars = {name: _SCALARS.get(scalar, TEXT) for name, scalar in kind.scalars}
     columns = {}
