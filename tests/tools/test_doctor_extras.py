@@ -19,7 +19,7 @@ MODULES = {
     "parquet": ("pyarrow",),
     "plots": ("matplotlib",),
     "posenet": ("onnxruntime",),
-    "recording": ("mcap",),
+    "recording": ("mcap", "lz4", "zstandard"),
     "rerun": ("rerun",),
     "ros": ("rosbags",),
     "rtsp": ("av",),

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 import tomllib
+from importlib import import_module
 from pathlib import Path
+from typing import get_type_hints
 
 import pytest
 
+from followspot import Stage
 from followspot.errors import InputError
+from followspot.testing import check_stage
 from followspot_new.package import new_plugin, new_stage
+from followspot_new.stub import message_types
 
 
 def test_nothing_is_overwritten(tmp_path: Path) -> None:
@@ -56,3 +64,84 @@ def test_a_stage_outside_of_a_package_is_refused(tmp_path: Path) -> None:
     (tmp_path / "pyproject.toml").write_text('[project]\nname = "other"\n')
     with pytest.raises(InputError, match="is not one that"):
         new_stage("shout", tmp_path)
+
+
+@pytest.fixture
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A new package, which this process and others can import."""
+    folder = new_plugin("studio", tmp_path)
+    monkeypatch.syspath_prepend(folder)
+    monkeypatch.setenv("PYTHONPATH", str(folder), prepend=os.pathsep)
+    for name in [name for name in sys.modules if name.partition(".")[0] == "followspot_studio"]:
+        monkeypatch.delitem(sys.modules, name)
+    return folder
+
+
+def made(package: Path, name: str, takes: list[str], gives: str | None) -> type[Stage]:
+    """The class of a new stage."""
+    new_stage(name, package, takes, gives)
+    kind: type[Stage] = getattr(import_module(f"followspot_studio.{name}"), name.capitalize())
+    return kind
+
+
+@pytest.mark.parametrize(
+    ("takes", "gives"),
+    [
+        (["Blobs"], "Blobs"),
+        (["Boxes", "Points2D"], "Skeletons"),
+        (["Frame"], "Blobs"),
+        (["Tracks"], None),
+        ([], "Positions"),
+    ],
+    ids=str,
+)
+def test_a_stub_has_the_types_that_were_asked_for_and_keeps_every_promise(
+    package: Path, takes: list[str], gives: str | None
+) -> None:
+    stage = made(package, "some", takes, gives)
+    hints = get_type_hints(stage.process)
+    result = hints.pop("return")
+    assert [kind.__name__ for kind in hints.values()] == takes
+    assert (gives or "None") in str(result)
+    check_stage(stage)
+    test = (package / "tests/test_some.py").read_text()
+    assert "from followspot_studio.some import Some" in test
+    compile(test, "test_some.py", "exec")
+
+
+def test_a_stub_of_every_type_is_tidy(package: Path) -> None:
+    for kind in message_types():
+        for way, takes, gives in (("pass", [kind], kind), ("begin", [], kind), ("use", [kind], None)):
+            stage = made(package, f"{way}{kind.lower()}", takes, gives)
+            assert stage.__doc__
+            assert stage.__doc__.endswith(".")
+    style = [
+        sys.executable,
+        "-m",
+        "ruff",
+        "check",
+        "--isolated",
+        "--select",
+        "E,F,I,W",
+        str(package / "followspot_studio"),
+    ]
+    done = subprocess.run(style, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.parametrize(
+    ("takes", "gives", "said"),
+    [
+        (["Blob"], None, 'did you mean "Blobs"'),
+        ([], "Nothing", 'no message type "Nothing"'),
+        (["Blobs", "Blobs"], None, "Joined"),
+    ],
+)
+def test_types_that_are_none_are_refused(
+    tmp_path: Path, takes: list[str], gives: str | None, said: str
+) -> None:
+    folder = new_plugin("studio", tmp_path)
+    with pytest.raises(InputError, match=said):
+        new_stage("some", folder, takes, gives)
+    assert not (folder / "followspot_studio/some.py").exists()
+    assert "some" not in (folder / "pyproject.toml").read_text()

@@ -174,6 +174,8 @@ def test_a_webcam_makes_a_room(tmp_path: Path) -> None:
     assert camera.size == (320, 240)
     assert camera.source is not None
     assert camera.source.uses == "cameras.device"
+    assert camera.source.params == {"device": 0}
+    assert main(["check", GRAPH, "--room", str(room)]) == 0
 
 
 @pytest.mark.skipif(not THROWS.exists(), reason="needs ../shared")

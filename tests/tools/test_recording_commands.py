@@ -208,13 +208,19 @@ def test_a_recording_from_elsewhere_writes_nothing_outside_and_loads_no_file(
     assert not (tmp_path / "outside.csv").exists()
 
 
+TRACKS = "frame,time,object,state,x,y,z,vx,vy,vz,sx,sy,sz"
+
+
 def test_ports_become_tables_and_lines(
     show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["export", str(show), str(tmp_path), "--to", "csv", "--ports", "track.tracks,color"]) == 0
     with (tmp_path / "track.tracks.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert {row["seq"] for row in rows} == set(map(str, range(FRAMES)))
+    assert {row["frame"] for row in rows} == set(map(str, range(FRAMES)))
+    assert list(rows[0])[:-2] == [*TRACKS.split(",")], "the columns of sinks.csv"
+    assert list(rows[0])[-2:] == ["source", "time_ns"]
+    assert all(int(row["time_ns"]) == round(1e9 * float(row["time"])) for row in rows)
     assert all(abs(float(row["z"])) < 5 for row in rows)
     assert {row["object"] for row in rows} == {"green", "red", "blue"}
     assert (tmp_path / "color.cam0.out.csv").exists()

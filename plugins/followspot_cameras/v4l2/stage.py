@@ -70,9 +70,17 @@ class Device(LiveCamera):
 
     @classmethod
     def check_files(cls, params: Params, room: Room, member: Member | None) -> Iterable[Mistake]:
-        """A path that is there and leads to no device."""
+        """A path that leads to no device. Warn if nothing is there: it may be plugged in later."""
         wrong = not_a_device(params.device)
-        return [Mistake(None, f"device: {wrong.text}", wrong.help)] if wrong else []
+        if wrong:
+            return [Mistake(None, f"device: {wrong.text}", wrong.help)]
+        path = Path(path_of(params.device))
+        camera = room.cameras.get(member.name) if member is not None else None
+        if (camera is not None and camera.host) or path.exists():
+            return []
+        there = ", ".join(map(str, sorted(path.parent.glob("video*")))) or "none"
+        text = f"device: {path} is not there; the run waits for it"
+        return [Mistake(None, text, f"plug the camera in; cameras here: {there}", warning=True)]
 
     @property
     def origin(self) -> str:

@@ -10,6 +10,8 @@ import cv2
 from followspot.errors import InputError, Mistake
 from followspot.files import require_regular
 from followspot.frame_times import exact_rate
+from followspot.room import Camera
+from followspot_cameras.picture import check_size
 from followspot_cameras.video.container import cut_off
 
 
@@ -32,6 +34,21 @@ def open_video(path: Path) -> cv2.VideoCapture:
             ]
         )
     return capture
+
+
+def check_video(path: Path, camera: Camera) -> None:
+    """Raise InputError if the file is no video, or does not have the size of the camera's pictures."""
+    capture = open_video(path)
+    try:
+        require_size(capture, camera, path)
+    finally:
+        capture.release()
+
+
+def require_size(capture: cv2.VideoCapture, camera: Camera, path: Path) -> None:
+    """Raise InputError if an open video does not have the size of the camera's pictures."""
+    width, height = (int(capture.get(edge)) for edge in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT))
+    check_size(width, height, camera, str(path))
 
 
 def announced_frames(path: Path) -> int:

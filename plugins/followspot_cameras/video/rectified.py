@@ -14,7 +14,7 @@ from followspot.errors import Mistake
 from followspot.geometry import project, ray
 from followspot.room import Member
 from followspot.tracking import Frame
-from followspot_cameras.video.stage import Video
+from followspot_cameras.video.stage import Video, check_recording
 
 Row = tuple[float, float, float]
 
@@ -47,8 +47,10 @@ class RectifiedVideo(Stage):
 
     @classmethod
     def check_files(cls, params: Params, room: Room, member: Member | None) -> Iterable[Mistake]:
-        """Warn if the file is cut off."""
-        return Video.check_files(params, room, member)
+        """See `Video.check_files`; the pictures have the size of the lens that took them."""
+        name = member.name if member is not None else ""
+        camera = room.cameras.get(name)
+        return check_recording(params, name, taken_by(camera, params.lens) if camera is not None else None)
 
     def setup(self) -> None:
         """Open the file and prepare the mapping. Raises InputError as `cameras.video`."""

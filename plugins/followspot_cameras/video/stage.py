@@ -8,12 +8,12 @@ import cv2
 
 from followspot import Field, Source, Stage, at
 from followspot.errors import Mistake
-from followspot.room import Member, Room
+from followspot.room import Camera, Member, Room
 from followspot.tracking import Frame
-from followspot_cameras.picture import as_frame, check_size, color_buffer
+from followspot_cameras.picture import as_frame, color_buffer
 from followspot_cameras.recorded_times.params import read_times
 from followspot_cameras.video.container import cut_off
-from followspot_cameras.video.file import announced_frames, open_video
+from followspot_cameras.video.file import announced_frames, check_video, open_video, require_size
 from followspot_cameras.video.times import ListedTimes, TimeStamps, VideoParams, times_of
 
 
@@ -37,23 +37,17 @@ class Video(Stage):
 
     @classmethod
     def check_files(cls, params: Params, room: Room, member: Member | None) -> Iterable[Mistake]:
-        """Read recorded times. Warn if the file is cut off: it plays, and its end would be a surprise.
-
-        Raises InputError.
+        """Read recorded times, and the size of the pictures. Warn if the file is cut off: it plays, and its
+        end would be a surprise. Raises InputError.
         """
-        if params.times is not None:
-            ListedTimes.read(params.path, params.times, member.name if member is not None else "", 0)
-        if missing := cut_off(params.path):
-            text = f"path: {params.path.name} ends early{missing}"
-            yield Mistake(None, text, "copy the recording again", warning=True)
+        name = member.name if member is not None else ""
+        return check_recording(params, name, room.cameras.get(name))
 
     def setup(self) -> None:
         """Open the file. Raises InputError if it is no video, has another size, or frames have no times."""
         path = self.params.path
         self.capture = open_video(path)
-        width = int(self.capture.get(cv2.CAP_PROP_FRAME_WIDTH))
-        height = int(self.capture.get(cv2.CAP_PROP_FRAME_HEIGHT))
-        check_size(width, height, self.camera, str(path))
+        require_size(self.capture, self.camera, path)
         self.times = times_of(self.params, self.capture, self.camera.name)
         self.damaged = 0
 
@@ -123,3 +117,17 @@ class Video(Stage):
     def close(self) -> None:
         """Close the file."""
         self.capture.release()
+
+
+def check_recording(params: VideoParams, name: str, camera: Camera | None) -> Iterator[Mistake]:
+    """What is wrong with the recording that a camera of this name plays; its size if the file is here.
+
+    camera: that took it, None if it is not known. Raises InputError.
+    """
+    if camera is not None and not camera.host:
+        check_video(params.path, camera)
+    if params.times is not None:
+        ListedTimes.read(params.path, params.times, name, 0)
+    if missing := cut_off(params.path):
+        text = f"path: {params.path.name} ends early{missing}"
+        yield Mistake(None, text, "copy the recording again", warning=True)

@@ -5,6 +5,7 @@ import re
 import threading
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from itertools import islice
 from pathlib import Path
@@ -14,7 +15,7 @@ import pytest
 from pydantic import ValidationError
 from tests.plugins.cameras.recordings import context, numbers, picture, record
 
-from followspot import InputError
+from followspot import InputError, Room
 from followspot_cameras import reconnection
 from followspot_cameras.live import Capture, CaptureCamera
 from followspot_cameras.stream import Stream, public_address
@@ -146,6 +147,16 @@ def test_a_path_to_something_else_is_refused_before_and_in_a_run(
     with pytest.raises(InputError, match=f"{path} is {what}, no camera"):
         next(device.process())
     assert not list(Device.check_files(Device.Params(device="/dev/null"), device.room, None))
+
+
+def test_a_camera_that_is_not_there_is_told_before_a_run_unless_another_host_has_it() -> None:
+    params = Device.Params(device="/dev/no-such-camera")
+    here = context()
+    (mistake,) = Device.check_files(params, here.room, here.member)
+    assert mistake.warning
+    assert mistake.text == "device: /dev/no-such-camera is not there; the run waits for it"
+    elsewhere = Room(cameras={"cam3": replace(here.room.cameras["cam3"], host="pc-left")})
+    assert not list(Device.check_files(params, elsewhere, here.member))
 
 
 class Mjpeg(BaseHTTPRequestHandler):

@@ -146,6 +146,10 @@ def test_wrong_picture_size_names_file_camera_and_both_sizes(tmp_path: Path) -> 
     video = Video(context(size=(320, 240)), path=record(tmp_path / "a.mkv", frames=2))
     with pytest.raises(InputError, match=r"a\.mkv has pictures of 64x48 px, but camera cam3 .* 320x240 px"):
         video.setup()
+    with pytest.raises(InputError, match=r"a\.mkv has pictures of 64x48 px, but camera cam3 .* 320x240 px"):
+        list(Video.check_files(video.params, video.room, video.context.member))
+    elsewhere = Room(cameras={"cam3": replace(video.camera, host="pc-left")})
+    assert not list(Video.check_files(video.params, elsewhere, video.context.member)), "its file is there"
 
 
 def test_file_that_is_no_video_is_named(tmp_path: Path) -> None:

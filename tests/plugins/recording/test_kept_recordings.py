@@ -55,5 +55,5 @@ def test_its_graph_runs_on_its_sources(kept: Path, tmp_path: Path) -> None:
 def test_its_ports_become_tables(kept: Path, tmp_path: Path) -> None:
     assert main(["export", str(kept), "--to", "csv", str(tmp_path / "tables")]) == 0
     text = (tmp_path / "tables" / "track.tracks.csv").read_text()
-    assert text.splitlines()[0].startswith("seq,time_ns,source,object,state,x,y,z,")
+    assert text.splitlines()[0].startswith("frame,time,object,state,x,y,z,")
     assert {"red", "green", "blue"} <= set(text.replace("\n", ",").split(","))

@@ -34,6 +34,10 @@ def _configure_stage(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--dir", type=Path, default=Path(), metavar="DIR", help="folder of the package (default: this folder)"
     )
+    parser.add_argument(
+        "--takes", action="append", default=[], metavar="TYPE", help="type of an input, as Blobs; repeatable"
+    )
+    parser.add_argument("--gives", metavar="TYPE", help="type of the output; without --takes, of a source")
 
 
 def _plugin(args: argparse.Namespace) -> int:
@@ -59,9 +63,12 @@ def _stage(args: argparse.Namespace) -> int:
     Examples:
       cd followspot-studio
       followspot new stage shout                a stage studio.shout in followspot_studio/shout.py
+      followspot new stage small --takes Blobs --gives Blobs
+      followspot new stage lift --takes Boxes --takes Points2D --gives Skeletons
+      followspot new stage radar --gives Positions                 a source
     """
     from followspot_new.package import new_stage
 
-    module, stage = new_stage(args.name, args.dir)
+    module, stage = new_stage(args.name, args.dir, args.takes, args.gives)
     print(f"{module} holds the stage {stage}; next:\n\n  pip install -e '.[dev]'\n  pytest")
     return 0

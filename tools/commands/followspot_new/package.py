@@ -5,7 +5,7 @@ from __future__ import annotations
 import keyword
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from string import Template
@@ -13,6 +13,7 @@ from string import Template
 from followspot.errors import InputError
 from followspot.graph.declaration import ROOM_SOURCE
 from followspot.plugins.registry import catalogue
+from followspot_new.stub import stub, stub_test
 
 TEMPLATES = Path(__file__).parent / "templates"
 GROUP = '[project.entry-points."followspot.plugins.v1"]'
@@ -48,18 +49,28 @@ def new_plugin(name: str, where: Path) -> Path:
         raise _wrong(f"{folder} exists already", "choose another name or another --dir")
     words = _words(name, _FIRST)
     for target, template in {**PLUGIN_FILES, **STAGE_FILES}.items():
-        _write(folder / Template(target).substitute(words), template, words)
+        _write(folder / Template(target).substitute(words), _filled(template, words))
     return folder
 
 
-def new_stage(name: str, package: Path) -> tuple[Path, str]:
-    """Add a stage to a package; return its module and its full name. Raises InputError."""
+def new_stage(
+    name: str, package: Path, takes: Sequence[str] = (), gives: str | None = None
+) -> tuple[Path, str]:
+    """Add a stage to a package; return its module and its full name. Raises InputError.
+
+    takes, gives: types of its messages; without both, it is an example with tracks.
+    """
     if _STAGE_NAME.fullmatch(name) is None or keyword.iskeyword(name):
         raise _wrong(f'"{name}" cannot be the name of a stage', "lower-case words joined by _, as in: shout")
     project = package / "pyproject.toml"
     plugin = _plugin_of(project)
     words = _words(plugin, name)
-    targets = {package / Template(target).substitute(words): t for target, t in STAGE_FILES.items()}
+    if takes or gives:
+        texts = (stub(words["class_name"], takes, gives), stub_test(plugin, name, words["class_name"]))
+    else:
+        texts = tuple(_filled(template, words) for template in STAGE_FILES.values())
+    paths = (package / Template(target).substitute(words) for target in STAGE_FILES)
+    targets = dict(zip(paths, texts, strict=True))
     for target in targets:
         if target.exists():
             raise _wrong(f"{target} exists already", "choose another name")
@@ -67,8 +78,8 @@ def new_stage(name: str, package: Path) -> tuple[Path, str]:
     line = f'"{plugin}.{name}" = "followspot_{plugin}.{name}:{words["class_name"]}"'
     begin = text.index("\n", text.index(GROUP)) + 1
     project.write_text(f"{text[:begin]}{line}\n{text[begin:]}", encoding="utf-8")
-    for target, template in targets.items():
-        _write(target, template, words)
+    for target, content in targets.items():
+        _write(target, content)
     return package / f"followspot_{plugin}" / f"{name}.py", f"{plugin}.{name}"
 
 
@@ -106,10 +117,14 @@ def _words(plugin: str, stage: str) -> dict[str, str]:
     }
 
 
-def _write(path: Path, template: str, words: Mapping[str, str]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
+def _filled(template: str, words: Mapping[str, str]) -> str:
     text = (TEMPLATES / f"{template}.template").read_text(encoding="utf-8")
-    path.write_text(Template(text).substitute(words), encoding="utf-8")
+    return Template(text).substitute(words)
+
+
+def _write(path: Path, text: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
 
 
 def _wrong(text: str, remedy: str) -> InputError:

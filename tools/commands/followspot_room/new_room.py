@@ -48,7 +48,8 @@ def room_of(
     """A room of level cameras beside each other at its origin, named cam0, cam1, ... Raises InputError."""
     sources = [(_source(video), _size(video)) for video in videos]
     if device is not None:
-        sources.append((StageUse("cameras.device", {"device": device}), size))
+        number = int(device) if device.isdecimal() else device
+        sources.append((StageUse("cameras.device", {"device": number}), size))
     if not sources:
         raise InputError.of("there is neither a video nor a webcam", "add --video FILE or --webcam 0")
     cameras = {f"cam{n}": camera_of(f"cam{n}", *found, field) for n, found in enumerate(sources)}

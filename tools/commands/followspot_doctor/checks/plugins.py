@@ -21,9 +21,12 @@ _REMEDIES = {
 def stages() -> Iterator[Finding]:
     """Every installed stage is imported; one whose optional package is missing is no problem."""
     found = [examined(entry) for entry in catalogue().values()]
+    missing: dict[str, list[str]] = {}
     for entry in found:
         if entry.state == "not installed":
-            yield fine(f"stage {entry.name}", f"{entry.state}: {entry.problem}")
+            missing.setdefault(entry.problem, []).append(entry.name)
+    for remedy, names in missing.items():
+        yield fine("stages", f"not installed: {remedy} ({_few(names)})")
     bad = [entry for entry in found if entry.state not in ("ok", "not installed")]
     for entry in bad:
         yield wrong(f"stage {entry.name}", f"{entry.state}: {entry.problem}", _REMEDIES[entry.state])
@@ -31,6 +34,11 @@ def stages() -> Iterator[Finding]:
         well = [entry for entry in found if entry.state == "ok"]
         packages = {entry.distribution for entry in well}
         yield fine("plugins", f"{len(well)} stages of {len(packages)} packages, all importable")
+
+
+def _few(names: list[str]) -> str:
+    """The names, or two of them and how many more there are."""
+    return ", ".join(names if len(names) <= 3 else [*names[:2], f"{len(names) - 2} more"])
 
 
 def hooks() -> Iterator[Finding]:
