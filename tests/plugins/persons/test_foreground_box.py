@@ -117,8 +117,8 @@ def test_a_part_of_the_background_is_not_prolonged():
     show = Show()
     for _ in range(10):
         show.see(standing(2.6))
-    for _ in range(5):
-        show.see(standing(2.6), boxed=[])
+    for step in range(5):
+        show.see(standing(2.6, 0.05 * step), boxed=[])
     assert show.stage.people[0].absent
 
 
