@@ -26,6 +26,7 @@ from followspot_persons.foreground_box import STEP, foreground_box, shares, with
 from followspot_persons.girth import girths_of
 from followspot_persons.illumination import Illumination
 from followspot_persons.occlusion import Shades
+from followspot_persons.panorama import turn_of
 from followspot_persons.part_box import stood
 from followspot_persons.recognition import Recognition
 from followspot_persons.reported import reported
@@ -62,7 +63,7 @@ class Appearance(Stage):
         p = self.params
         self.recognition = Recognition(p.confirmation_score, p.minimum_likeness, self.relations)
         self.assignment = BoxAssignment(self.camera, self.shape, self.relations, p.specific_beats_generic)
-        self.background = Background()
+        self.background = Background(turn_of(self.camera))
         self.illumination = Illumination()
         self.people: list[Acquaintance] = []
         self.numbers = 0

@@ -15,7 +15,7 @@ from followspot_persons.color.difference import ColorRelations, at_large, comple
 from followspot_persons.color.likelihood import color_likelihood, feature_responses
 from followspot_persons.color.model import ColorModel
 from followspot_persons.fitness import Detection, Picture, sampled
-from followspot_persons.panorama import full_turn
+from followspot_persons.panorama import turn_of
 from followspot_persons.shape import ShapeModel
 
 NANOSECOND = 1e-9
@@ -41,9 +41,9 @@ class BoxAssignment:
     specific: bool = False
 
     @property
-    def around(self) -> int:
+    def turn(self) -> int:
         """Columns of a full turn, 0 for none."""
-        return self.camera.size[0] if full_turn(self.camera) else 0
+        return turn_of(self.camera)
 
     def pairs(
         self,
@@ -65,7 +65,7 @@ class BoxAssignment:
         for i, person in enumerate(people):
             age = (now - person.seen) * NANOSECOND
             seen = view(self.camera, self.shape, person.track.pose[None])
-            distance = box_distance(seen.box, boxes, self.around)[0]
+            distance = box_distance(seen.box, boxes, self.turn)[0]
             cost[i] = np.where(still & person.comparable, np.inf, distance / (NEAR + FAR * age))
             for j in np.flatnonzero(cost[i] < 1):
                 cost[i, j] += COLOR_SHARE * self.strangeness(person, seen, boxes[j], picture)
@@ -101,7 +101,7 @@ class BoxAssignment:
 
     def on_others(self, boxes: Array, box: int, taken: list[int]) -> bool:
         """Whether a box is on a body that has another one; boxes: (N, 4) px; taken: numbers of those."""
-        return bool(on_body(boxes[[box]], boxes[taken], self.around).any())
+        return bool(on_body(boxes[[box]], boxes[taken], self.turn).any())
 
     def unclaimed(self, boxes: Boxes, pairs: list[tuple[int, int]], bodies: Array, least: Array) -> list[int]:
         """Boxes that initiate a person: of a sufficient score, and not on a person that is seen.
@@ -109,7 +109,7 @@ class BoxAssignment:
         bodies: (K, 4) px, upper bodies of people seen without a box; least: (N,) smallest scores.
         """
         claimed = [box for _, box in pairs]
-        taken = on_body(boxes.box, np.concatenate([boxes.box[claimed], bodies]), self.around)
+        taken = on_body(boxes.box, np.concatenate([boxes.box[claimed], bodies]), self.turn)
         taken |= boxes.score < least
         taken[claimed] = True
         return [int(i) for i in np.flatnonzero(~taken)]

@@ -70,6 +70,15 @@ def test_pictures_are_kept_at_growing_intervals_until_they_span_a_minute():
     assert LONGEST * len(known.kept) > 30
 
 
+@pytest.mark.parametrize("turn", [0, 32])
+def test_at_the_other_side_of_a_picture_is_a_person_on_the_seam_of_a_panorama_only(turn):
+    shown = PLAIN.copy()
+    shown[:, 30:] = 0
+    known = replace(watched(PLAIN for _ in range(FEWEST)), turn=turn)
+    kept = known.without(shown, np.array([[-4.0, 0, 4, 8]]))
+    assert (kept == shown).all() == (turn == 0)
+
+
 def test_where_people_are_known_the_background_stays_as_it_is():
     shown = PLAIN.copy()
     shown[:, 10:20] = 0
