@@ -50,13 +50,15 @@ class BoxAssignment:
         people: list[Acquaintance],
         detections: list[Detection],
         still: Array,
+        upright: Array,
         picture: Picture,
         now: int,
     ) -> list[tuple[int, int]]:
         """Pairs of person and box: near in the picture, and of the person's colours.
 
         Tentative persons, whose colours nobody knows, get what known ones leave. still: (N,) bool, boxes that
-        show the background; they are nobody's who is no part of it.
+        show the background; they are nobody's who is no part of it. upright: (N,) bool, boxes of the
+        foreground, which are a known person's only if its colours beat those of people at large.
         """
         if not people or not detections:
             return []
@@ -69,7 +71,7 @@ class BoxAssignment:
             cost[i] = np.where(still & person.comparable, np.inf, distance / (NEAR + FAR * age))
             for j in np.flatnonzero(cost[i] < 1):
                 cost[i, j] += COLOR_SHARE * self.strangeness(person, seen, boxes[j], picture)
-                if self.specific and self.stranger(person, seen, boxes[j], picture):
+                if (self.specific or upright[j]) and self.stranger(person, seen, boxes[j], picture):
                     cost[i, j] = np.inf
         limit = 1 + COLOR_SHARE * STRANGE
         tentative = np.array([p.number == 0 for p in people])

@@ -249,9 +249,11 @@ def test_known_people_come_before_tentative_ones_whose_colours_nobody_knows():
     dim = picture_of(show.camera, (drawn(show.camera, standing(2.5, 0.15)) * 0.3).astype(np.uint8))
     box = [detection_of(show.camera, standing(2.5, 0.15))]
     now, moving = known.seen + SECOND // 2, np.zeros(1, bool)
-    assert show.stage.assignment.pairs([tentative, known], box, moving, dim, now) == [(1, 0)]
-    assert show.stage.assignment.pairs([tentative], box, moving, dim, now) == [(0, 0)]
-    assert show.stage.assignment.pairs([replace(known, comparable=True)], box, ~moving, dim, now) == []
+    assert show.stage.assignment.pairs([tentative, known], box, moving, moving, dim, now) == [(1, 0)]
+    assert show.stage.assignment.pairs([tentative], box, moving, moving, dim, now) == [(0, 0)]
+    assert (
+        show.stage.assignment.pairs([replace(known, comparable=True)], box, ~moving, moving, dim, now) == []
+    )
 
 
 def test_boxes_of_the_background_and_of_people_seen_without_one_initiate_nobody():
