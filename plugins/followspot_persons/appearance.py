@@ -23,9 +23,11 @@ from followspot_persons.existence import EVIDENCE, STILL, THERE, averaged, evide
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights, pictured, sampled
 from followspot_persons.floor_contact import presence
 from followspot_persons.foreground_box import STEP, foreground_box, shares, without_others
+from followspot_persons.foreground_people import completed
 from followspot_persons.girth import girths_of
 from followspot_persons.illumination import Illumination
 from followspot_persons.occlusion import Shades
+from followspot_persons.panorama import turn_of
 from followspot_persons.part_box import stood
 from followspot_persons.recognition import Recognition
 from followspot_persons.reported import reported
@@ -62,7 +64,7 @@ class Appearance(Stage):
         p = self.params
         self.recognition = Recognition(p.confirmation_score, p.minimum_likeness, self.relations)
         self.assignment = BoxAssignment(self.camera, self.shape, self.relations, p.specific_beats_generic)
-        self.background = Background()
+        self.background = Background(turn_of(self.camera))
         self.illumination = Illumination()
         self.people: list[Acquaintance] = []
         self.numbers = 0
@@ -77,11 +79,15 @@ class Appearance(Stage):
         self.pixels = picture.colors.reshape(*frame.pixels.shape[:2], 3)
         self.scene = Scene.of(self.camera, self.pixels, self.background)
         mask = None if self.scene is None else self.scene.mask(STEP)
+        detected = len(boxes.box)
+        if self.scene is not None and mask is not None and self.params.foreground_boxes:
+            boxes = completed(boxes, self.scene, mask)
+        upright = np.arange(len(boxes.box)) >= detected
         shown = np.ones(len(boxes.box)) if mask is None else shares(self.camera, mask, boxes.box)
         still = shown < STILL
         detections = [Detection(*row) for row in zip(boxes.box, boxes.torso, boxes.head, strict=True)]
         present = [p for p in self.people if not p.absent]
-        pairs = self.assignment.pairs(present, detections, still, picture, now)
+        pairs = self.assignment.pairs(present, detections, still, upright, picture, now)
         shades, known = Shades(picture, picture), dict[int, Acquaintance | None]()
         for i, box in sorted(pairs, key=lambda pair: self.bodies.distance(present[pair[0]])):
             person, taken = present[i], [j for k, j in pairs if known.get(k)]
@@ -89,8 +95,8 @@ class Appearance(Stage):
             if person.number == 0 and self.assignment.on_others(boxes.box, box, taken):
                 continue
             others, seen = self.bodies.nearer(present, person), shades.of(person.number)
-            detected = detections[box], float(boxes.score[box])
-            after = self.updated(person, *detected, seen, others, seconds, now)
+            found = detections[box], float(boxes.score[box])
+            after = self.updated(person, *found, seen, others, seconds, now)
             if after is not None and not after.absent:
                 body = with_girth(self.shape, after.track.girth.mean)
                 shades = shades.behind(after.number, body, after.track.pose)

@@ -40,6 +40,11 @@ class AppearanceParams(StageParams):
         description="time for which the foreground alone prolongs a person without boxes; raising it bridges "
         "more",
     )
+    foreground_boxes: bool = Field(
+        True,
+        description="whether what differs from the background and stands there as high and as broad as a "
+        "person counts as a weak box of the detector; false if other things than people move there",
+    )
     memory_time: float = Field(
         120.0, gt=0, unit="s", description="time for which an absent person is remembered"
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from followspot import Array
+from followspot_persons.panorama import short_way
 
 BESIDE = 0.5
 """Largest distance of shoulders and arms from the middle of a body, in heights of its box."""
@@ -25,32 +26,30 @@ def matched(cost: Array, limit: float) -> list[tuple[int, int]]:
     return pairs
 
 
-def box_distance(expected: Array, detected: Array, around: int = 0) -> Array:
+def box_distance(expected: Array, detected: Array, turn: int = 0) -> Array:
     """Distance of boxes' middles and of their sizes, in heights of the detected box.
 
-    expected: (K, 4) px x0 y0 x1 y1; detected: (N, 4); around: columns of a full turn, 0 for none.
+    expected: (K, 4) px x0 y0 x1 y1; detected: (N, 4); turn: columns of a full turn, 0 for none.
     Returns (K, N).
     """
     a, b = expected[:, None], detected[None]
     height = np.maximum(b[..., 3] - b[..., 1], 1e-6)
     across = (a[..., 0] + a[..., 2] - b[..., 0] - b[..., 2]) / 2
-    if around:
-        across = across - around * np.rint(across / around)
+    across = short_way(across, turn)
     down = (a[..., 1] + a[..., 3] - b[..., 1] - b[..., 3]) / 2
     size = np.log(np.maximum(a[..., 3] - a[..., 1], 1e-6) / height)
     return np.asarray(np.hypot(np.hypot(across, down) / height, size))
 
 
-def on_body(boxes: Array, body: Array, around: int = 0) -> Array:
+def on_body(boxes: Array, body: Array, turn: int = 0) -> Array:
     """Whether boxes are parts of boxed bodies: their middle is on the body or up to a height below.
 
-    boxes: (N, 4) px; body: (K, 4) px, upper bodies; around: columns of a full turn, 0 for none. Returns (N,).
+    boxes: (N, 4) px; body: (K, 4) px, upper bodies; turn: columns of a full turn, 0 for none. Returns (N,).
     """
     a, b = boxes[:, None], body[None]
     height = b[..., 3] - b[..., 1]
     across = (a[..., 0] + a[..., 2] - b[..., 0] - b[..., 2]) / 2
-    if around:
-        across = across - around * np.rint(across / around)
+    across = short_way(across, turn)
     down = (a[..., 1] + a[..., 3]) / 2 - b[..., 1]
     return np.asarray(((np.abs(across) < BESIDE * height) & (down > 0) & (down < 2 * height)).any(axis=1))
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Array
+from followspot_persons.panorama import short_way
 
 INTERVAL, LONGEST = 0.5, 4.0
 """Time between two kept pictures, first and at last, s."""
@@ -36,10 +37,11 @@ UNLIKE = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Background:
-    """kept: pictures (H, W, 3) u1, oldest first; due: ns, when the next one is kept; interval: s; median: (H,
-    W, 3) u1 of them, None if they are too few.
+    """turn: columns of a full turn, 0 for a picture with borders; kept: pictures (H, W, 3) u1, oldest first;
+    due: ns, when the next one is kept; interval: s; median: (H, W, 3) u1 of them, None if they are too few.
     """
 
+    turn: int = 0
     kept: tuple[Array, ...] = ()
     due: int = 0
     interval: float = INTERVAL
@@ -59,7 +61,7 @@ class Background:
             if len(kept) >= FEWEST
             else None
         )
-        return Background(kept, time + round(interval * 1e9), interval, median)
+        return Background(self.turn, kept, time + round(interval * 1e9), interval, median)
 
     def without(self, pixels: Array, people: Array) -> Array:
         """The picture with the background in place of people."""
@@ -68,9 +70,7 @@ class Background:
             return out
         columns = np.arange(pixels.shape[1])
         for x0, y0, x1, y1 in people.tolist():
-            away = np.abs(columns - (x0 + x1) / 2)
-            away = np.minimum(away, np.abs(away - pixels.shape[1]))
-            beside = away < ARMS * (y1 - y0)
+            beside = np.abs(short_way(columns - (x0 + x1) / 2, self.turn)) < ARMS * (y1 - y0)
             top = max(0, int(y0 - MARGIN * (y1 - y0)))
             out[top:, beside] = self.median[top:, beside]
         return out

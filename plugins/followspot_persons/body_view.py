@@ -13,7 +13,7 @@ import numpy as np
 
 from followspot import Array, Camera
 from followspot.geometry import project
-from followspot_persons.panorama import full_turn
+from followspot_persons.panorama import full_turn, short_way, turn_of
 from followspot_persons.shape import ShapeModel, turn
 
 X, Y, HEIGHT, HEADING, PAN, TILT = range(6)
@@ -99,9 +99,8 @@ def _axes(camera: Camera, shape: ShapeModel, pose: Array, stand: Bearing) -> _Ax
     points[..., :2] = place, place, before, before, beside
     points[..., 2] = np.outer([1, waist, 1, waist, (1 + waist) / 2], height)
     pixel = project(camera, points.reshape(-1, 3)).reshape(5, count, 2)
-    if full_turn(camera):
-        around = camera.size[0]
-        pixel[1:, :, 0] -= around * np.rint((pixel[1:, :, 0] - pixel[0, :, 0]) / around)
+    if turn := turn_of(camera):
+        pixel[1:, :, 0] = pixel[0, :, 0] + short_way(pixel[1:, :, 0] - pixel[0, :, 0], turn)
     top, low, top_near, low_near, side = pixel
     per_height = (height / ARM)[:, None]
     near, below = (top_near - top) * per_height, 1 - waist

@@ -15,7 +15,7 @@ from followspot_persons.color.difference import ColorRelations, at_large, comple
 from followspot_persons.color.likelihood import color_likelihood, feature_responses
 from followspot_persons.color.model import ColorModel
 from followspot_persons.fitness import Detection, Picture, sampled
-from followspot_persons.panorama import full_turn
+from followspot_persons.panorama import turn_of
 from followspot_persons.shape import ShapeModel
 
 NANOSECOND = 1e-9
@@ -41,22 +41,24 @@ class BoxAssignment:
     specific: bool = False
 
     @property
-    def around(self) -> int:
+    def turn(self) -> int:
         """Columns of a full turn, 0 for none."""
-        return self.camera.size[0] if full_turn(self.camera) else 0
+        return turn_of(self.camera)
 
     def pairs(
         self,
         people: list[Acquaintance],
         detections: list[Detection],
         still: Array,
+        upright: Array,
         picture: Picture,
         now: int,
     ) -> list[tuple[int, int]]:
         """Pairs of person and box: near in the picture, and of the person's colours.
 
         Tentative persons, whose colours nobody knows, get what known ones leave. still: (N,) bool, boxes that
-        show the background; they are nobody's who is no part of it.
+        show the background; they are nobody's who is no part of it. upright: (N,) bool, boxes of the
+        foreground, which are a known person's only if its colours beat those of people at large.
         """
         if not people or not detections:
             return []
@@ -65,11 +67,11 @@ class BoxAssignment:
         for i, person in enumerate(people):
             age = (now - person.seen) * NANOSECOND
             seen = view(self.camera, self.shape, person.track.pose[None])
-            distance = box_distance(seen.box, boxes, self.around)[0]
+            distance = box_distance(seen.box, boxes, self.turn)[0]
             cost[i] = np.where(still & person.comparable, np.inf, distance / (NEAR + FAR * age))
             for j in np.flatnonzero(cost[i] < 1):
                 cost[i, j] += COLOR_SHARE * self.strangeness(person, seen, boxes[j], picture)
-                if self.specific and self.stranger(person, seen, boxes[j], picture):
+                if (self.specific or upright[j]) and self.stranger(person, seen, boxes[j], picture):
                     cost[i, j] = np.inf
         limit = 1 + COLOR_SHARE * STRANGE
         tentative = np.array([p.number == 0 for p in people])
@@ -101,7 +103,7 @@ class BoxAssignment:
 
     def on_others(self, boxes: Array, box: int, taken: list[int]) -> bool:
         """Whether a box is on a body that has another one; boxes: (N, 4) px; taken: numbers of those."""
-        return bool(on_body(boxes[[box]], boxes[taken], self.around).any())
+        return bool(on_body(boxes[[box]], boxes[taken], self.turn).any())
 
     def unclaimed(self, boxes: Boxes, pairs: list[tuple[int, int]], bodies: Array, least: Array) -> list[int]:
         """Boxes that initiate a person: of a sufficient score, and not on a person that is seen.
@@ -109,7 +111,7 @@ class BoxAssignment:
         bodies: (K, 4) px, upper bodies of people seen without a box; least: (N,) smallest scores.
         """
         claimed = [box for _, box in pairs]
-        taken = on_body(boxes.box, np.concatenate([boxes.box[claimed], bodies]), self.around)
+        taken = on_body(boxes.box, np.concatenate([boxes.box[claimed], bodies]), self.turn)
         taken |= boxes.score < least
         taken[claimed] = True
         return [int(i) for i in np.flatnonzero(~taken)]

@@ -19,7 +19,7 @@ from followspot_persons.floor_contact import Contact
 from followspot_persons.hog.likelihood import box_likelihood, heading_log_likelihood
 from followspot_persons.hsi import hsi
 from followspot_persons.illumination import in_usual_light
-from followspot_persons.panorama import full_turn
+from followspot_persons.panorama import turn_of
 from followspot_persons.shape import ShapeModel
 
 
@@ -174,8 +174,7 @@ class Fitness:
         """F^HOG of bodies in view, (P,)."""
         assert self.detection is not None
         camera = self.picture.camera
-        around = camera.size[0] if full_turn(camera) else 0
-        return box_likelihood(seen.box, self.detection.box[None], self.weights.box_width, around)
+        return box_likelihood(seen.box, self.detection.box[None], self.weights.box_width, turn_of(camera))
 
     def hidden(self, index: Array, inside: Array) -> Array:
         """Which features at these pixels a nearer person hides."""

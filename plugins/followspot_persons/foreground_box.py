@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from followspot import Array, Camera
-from followspot_persons.panorama import full_turn
+from followspot_persons.panorama import full_turn, short_way, turn_of
 from followspot_persons.standing import knows_floor, rise
 from followspot_persons.upper_body_box import RATIO
 
@@ -81,9 +81,7 @@ def foreground_box(
 
 def _aside(mask: Array, column: float, camera: Camera) -> Array:
     """Distance of each column of a mask from a column of the picture, px."""
-    aside = np.arange(mask.shape[1]) * STEP - column
-    around = camera.size[0]
-    return aside - around * np.rint(aside / around) if full_turn(camera) else aside
+    return short_way(np.arange(mask.shape[1]) * STEP - column, turn_of(camera))
 
 
 def _smooth(share: Array, half: int, wraps: bool) -> Array:

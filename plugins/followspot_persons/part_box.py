@@ -52,8 +52,17 @@ def turned(camera: Camera, pose: Array, box: Array) -> Array:
 
 def whole(camera: Camera, pose: Array, contact: Contact, stature: float) -> Array:
     """Box (4,) px of the upper body of who stands there in the direction of a pose; stature: m."""
-    to = pose[:2] - camera.center[:2]
-    place = camera.center[:2] + to * contact.distance / np.hypot(*to)
+    return _box(camera, pose[:2] - camera.center[:2], contact.distance, stature)
+
+
+def upper_body(camera: Camera, top: Array, distance: float, stature: float) -> Array:
+    """Box (4,) px of the upper body of a person; top: (2,) px, the head's; distance, stature: m."""
+    return _box(camera, ray(camera, top[None])[0, :2], distance, stature)
+
+
+def _box(camera: Camera, to: Array, distance: float, stature: float) -> Array:
+    """Box (4,) px of the upper body of who stands in a direction (2,), m."""
+    place = camera.center[:2] + to * distance / np.hypot(*to)
     head, waist = project(camera, np.array([[*place, stature], [*place, WAIST * stature]]))
     half = RATIO / 2 * (waist[1] - head[1])
     return np.array([head[0] - half, head[1], head[0] + half, waist[1]])

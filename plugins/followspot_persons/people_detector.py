@@ -8,7 +8,7 @@ import numpy as np
 from followspot import Array, Field, Stage, StageParams
 from followspot.people import Boxes
 from followspot.tracking import Frame
-from followspot_persons.panorama import full_turn
+from followspot_persons.panorama import turn_of
 
 WINDOW = (64, 128)
 """Window of the detector, px."""
@@ -54,7 +54,7 @@ class PeopleDetector(Stage):
     def setup(self) -> None:
         """Load the weights that OpenCV brings."""
         self.hog = people_hog()
-        self.turn = float(self.camera.size[0]) if full_turn(self.camera) else 0.0
+        self.turn = float(turn_of(self.camera))
 
     def process(self, frame: Frame) -> Boxes | None:
         p = self.params

@@ -23,7 +23,7 @@ from followspot_persons.girth import girths_of
 from followspot_persons.identity_change import changed
 from followspot_persons.illumination import Illumination
 from followspot_persons.occlusion import covered
-from followspot_persons.panorama import full_turn
+from followspot_persons.panorama import turn_of
 from followspot_persons.pose_tracker_params import PoseTrackerParams
 from followspot_persons.shape import read_shape, with_girth
 from followspot_persons.track import HIDDEN, Track, coasted, followed
@@ -52,7 +52,7 @@ class PoseTracker(Stage):
     def setup(self) -> None:
         self.shape = read_shape(self.params.shape)
         self.bodies = girths_of(self.shape)
-        self.around = self.camera.size[0] if full_turn(self.camera) else 0
+        self.turn = turn_of(self.camera)
         p = self.params
         self.weights = p.weights
         self.pairs = telling_pairs(self.shape, read_relations(p.color_relations))
@@ -161,7 +161,7 @@ class PoseTracker(Stage):
             then = np.array([pose[i] if p is None else p for i, p in enumerate(past)])
         slow = [self.slow_poses[n] for n in numbers]
         expected = np.array([s.pose if s.time == self.boxed else then[i] for i, s in enumerate(slow)])
-        distance = box_distance(view(self.camera, self.shape, expected).box, boxes.box, self.around)
+        distance = box_distance(view(self.camera, self.shape, expected).box, boxes.box, self.turn)
         told = {}
         for i, box in matched(distance, NEAR):
             self.people[numbers[i]] = replace(self.people[numbers[i]], boxed=self.boxed)

@@ -8,7 +8,7 @@ import numpy as np
 
 from followspot import Array, Camera
 from followspot_persons.background import Background, foreground
-from followspot_persons.panorama import full_turn
+from followspot_persons.panorama import full_turn, short_way, turn_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,17 +37,15 @@ class Scene:
         picture's sides.
         """
         width = self.camera.size[0]
-        around = full_turn(self.camera)
-        inside = np.ones(columns.shape, bool) if around else (columns >= 0) & (columns < width)
-        there = rows, columns % width if around else np.clip(columns, 0, width - 1)
+        wraps = full_turn(self.camera)
+        inside = np.ones(columns.shape, bool) if wraps else (columns >= 0) & (columns < width)
+        there = rows, columns % width if wraps else np.clip(columns, 0, width - 1)
         return foreground(self.pixels[there], self.background[there], self.light) & inside
 
     def beside(self, columns: Array, boxes: Array, half: float) -> Array:
         """Which columns (...) are farther than `half` heights from the middle of all boxes, (K, 4) px."""
         free = np.ones(columns.shape, bool)
         for x0, y0, x1, y1 in boxes.tolist():
-            away = np.abs(columns - (x0 + x1) / 2)
-            if full_turn(self.camera):
-                away = np.minimum(away, np.abs(away - self.camera.size[0]))
-            free &= away >= half * (y1 - y0)
+            away = short_way(columns - (x0 + x1) / 2, turn_of(self.camera))
+            free &= np.abs(away) >= half * (y1 - y0)
         return free

@@ -16,7 +16,7 @@ from followspot_persons.condensation import systematic
 from followspot_persons.fitness import Fitness, Habits, Weights, pictured
 from followspot_persons.gradients import FindGradients
 from followspot_persons.motion import limited, predicted
-from followspot_persons.panorama import full_turn
+from followspot_persons.panorama import short_way, turn_of
 from followspot_persons.shape import SHIPPED as SHIPPED_SHAPE
 from followspot_persons.shape import read_shape
 from followspot_persons.spawning import NEAREST
@@ -115,7 +115,7 @@ class UniformSearch(Stage):
         """Boxes of the maxima, one in a direction: the others are the same outline at other distances."""
         found = maxima(particles, likelihood, self.params.minimum_likelihood)
         box = view(self.camera, self.shape, particles[found]).box.reshape(-1, 4)
-        kept = separate(box, self.camera.size[0] if full_turn(self.camera) else 0)
+        kept = separate(box, turn_of(self.camera))
         best, unknown = np.array(found, int)[kept], np.empty((len(kept), 0))
         return Boxes(
             camera=camera,
@@ -166,16 +166,15 @@ def maxima(pose: Array, value: Array, least: float = -np.inf) -> list[int]:
     return found
 
 
-def separate(box: Array, around: int) -> list[int]:
+def separate(box: Array, turn: int) -> list[int]:
     """Rows of boxes whose middle is beside all better ones.
 
-    box: (N, 4) px, the best first; around: columns of a full turn, 0 for none.
+    box: (N, 4) px, the best first; turn: columns of a full turn, 0 for none.
     """
     kept: list[int] = []
     middle, height = (box[:, 0] + box[:, 2]) / 2, box[:, 3] - box[:, 1]
     for row in range(len(box)):
-        apart = middle[row] - middle[kept]
-        apart -= around * np.rint(apart / around) if around else 0.0
+        apart = short_way(middle[row] - middle[kept], turn)
         if (np.abs(apart) > BESIDE * np.maximum(height[kept], height[row])).all():
             kept.append(row)
     return kept

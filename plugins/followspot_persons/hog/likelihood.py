@@ -5,17 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from followspot import Array
+from followspot_persons.panorama import short_way
 
 NOTHING = 1e-3
 """Likelihood of a pose without a box; not 0, because the combination multiplies."""
 
 
-def box_likelihood(expected: Array, detected: Array, width: float, around: int = 0) -> Array:
+def box_likelihood(expected: Array, detected: Array, width: float, turn: int = 0) -> Array:
     """F^HOG: overlap of the rows times a Gaussian of the distance of the columns, for the nearest box.
 
     Areas do not count, for the boxes of a detector have all the same ratio of sides.
     expected: (P, 4) px x0 y0 x1 y1; detected: (N, 4) px; width: one sigma of the distance, in heights of the
-    detected box; around: columns of a full turn, 0 for none. Returns (P,), 0 to 1.
+    detected box; turn: columns of a full turn, 0 for none. Returns (P,), 0 to 1.
     """
     if len(detected) == 0:
         return np.full(len(expected), NOTHING)
@@ -25,9 +26,7 @@ def box_likelihood(expected: Array, detected: Array, width: float, around: int =
     union = np.maximum(expected[..., 3], detected[..., 3]) - np.minimum(expected[..., 1], detected[..., 1])
     overlap = np.maximum(bottom - top, 0) / np.maximum(union, 1e-6)
     apart = (expected[..., 0] + expected[..., 2] - detected[..., 0] - detected[..., 2]) / 2
-    if around:
-        apart = apart - around * np.rint(apart / around)
-    apart = apart / np.maximum(detected[..., 3] - detected[..., 1], 1e-6)
+    apart = short_way(apart, turn) / np.maximum(detected[..., 3] - detected[..., 1], 1e-6)
     fit = overlap * np.exp(-0.5 * (apart / width) ** 2)
     return np.asarray(np.maximum(np.nan_to_num(fit).max(axis=1), NOTHING))
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from followspot import Array, Camera
 from followspot_persons.hog.window import ABOVE, BODY, HEIGHT, STRIDE, TALL, WIDTH
-from followspot_persons.panorama import full_turn
+from followspot_persons.panorama import full_turn, short_way
 from followspot_persons.standing import knows_floor, standing
 
 EDGE = 16
@@ -124,7 +124,7 @@ def nesting(box: Array, others: Array, turn: float) -> Array:
 def _shared(box: Array, others: Array, turn: float) -> tuple[Array, float, Array]:
     """Intersections (N,), the area of the box and those of the others (N,), px^2."""
     shift = (others[:, 0] + others[:, 2] - box[0] - box[2]) / 2
-    moved = shift - turn * np.rint(shift / turn) if turn else shift
+    moved = short_way(shift, turn)
     half, half_others = (box[2] - box[0]) / 2, (others[:, 2] - others[:, 0]) / 2
     across = np.minimum(half, moved + half_others) - np.maximum(-half, moved - half_others)
     down = np.minimum(box[3], others[:, 3]) - np.maximum(box[1], others[:, 1])

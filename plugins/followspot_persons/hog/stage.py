@@ -25,7 +25,7 @@ from followspot_persons.hog.model import (
 )
 from followspot_persons.hog.search import Level, groups, levels, outermost, plausible, proposals
 from followspot_persons.hog.window import HEIGHT, WIDTH, cut, detector
-from followspot_persons.panorama import full_turn
+from followspot_persons.panorama import turn_of
 
 SAME = 0.45
 """Smallest overlap of two boxes of the same body."""
@@ -120,7 +120,7 @@ class Hog(Stage):
             Search(load(path), levels(self.camera, sizes, p.scale_step, self.heights, above=above))
             for path, above in ((p.weights, False), (p.weights_above, True))
         ]
-        self.turn = float(self.camera.size[0]) if full_turn(self.camera) else 0.0
+        self.turn = float(turn_of(self.camera))
 
     def process(self, frame: Frame) -> Boxes | None:
         if max(frame.header.seq, 0) % self.params.frame_interval:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from followspot import Array
+from followspot_persons.panorama import short_way
 from followspot_persons.pose_net.contract import People
 
 SPREAD = 0.1
@@ -26,8 +27,7 @@ def distinct(people: People, minimum: float, most: float, turn: float) -> Array:
 def _similarity(people: People, row: int, others: list[int], minimum: float, turn: float) -> Array:
     """Object keypoint similarity of a person with others, (K,), 0 to 1; 0 without a joint of both."""
     apart = people.pixel[others] - people.pixel[row]
-    if turn:
-        apart[..., 0] -= turn * np.rint(apart[..., 0] / turn)
+    apart[..., 0] = short_way(apart[..., 0], turn)
     both = (people.certainty[others] >= minimum) & (people.certainty[row] >= minimum)
     area = np.ptp(people.pixel[row], axis=0).prod()
     close = np.exp(-np.square(apart).sum(axis=2) / (2 * max(float(area), 1.0) * (2 * SPREAD) ** 2))

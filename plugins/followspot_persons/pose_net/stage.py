@@ -15,7 +15,7 @@ from followspot.people import Boxes
 from followspot.points import Points2D
 from followspot.room import Member
 from followspot.tracking import Frame
-from followspot_persons.panorama import full_turn
+from followspot_persons.panorama import turn_of
 from followspot_persons.pose_net.blazepose import BlazePose
 from followspot_persons.pose_net.contract import Decoders, People
 from followspot_persons.pose_net.duplicates import distinct
@@ -106,7 +106,7 @@ class PoseNet(Stage):
         self.network = network(self.params.model, decoder)
         given = self.params.minimum_score
         self.minimum_score = decoder.minimum_score if given is None else given
-        self.turn = self.camera.size[0] if full_turn(self.camera) else 0
+        self.turn = turn_of(self.camera)
 
     def process(self, frame: Frame, boxes: Boxes | None = None) -> Outputs | None:
         return self.process_together([self], [(frame, boxes)])[0]

@@ -21,7 +21,8 @@ from tests.plugins.persons.drawn import (
     standing,
 )
 
-from followspot_persons.appearance import SHARP_VISIBILITY, Appearance
+from followspot_persons.acquaintance import MISS
+from followspot_persons.appearance import SHARP_VISIBILITY, TRUSTED, Appearance
 from followspot_persons.body_view import view
 from followspot_persons.hsi import hsi
 from followspot_persons.shape import read_shape, with_girth
@@ -94,6 +95,16 @@ def test_weak_boxes_initiate_nobody():
     show = Show(minimum_score=1.5)
     for _ in range(6):
         assert numbers(show.see(standing(2.5), score=1.4)) == []
+
+
+def test_however_often_a_person_was_seen_some_pictures_without_a_box_make_it_absent():
+    show = Show(maximum_missed_time=99.0)
+    for _ in range(4):
+        show.see(standing(2.5), score=6.0)
+    show.leave(round(TRUSTED / MISS) - 1)
+    assert not show.stage.people[0].absent
+    show.leave(1)
+    assert show.stage.people[0].absent
 
 
 def test_a_tentative_person_is_forgotten_without_boxes():
@@ -238,9 +249,11 @@ def test_known_people_come_before_tentative_ones_whose_colours_nobody_knows():
     dim = picture_of(show.camera, (drawn(show.camera, standing(2.5, 0.15)) * 0.3).astype(np.uint8))
     box = [detection_of(show.camera, standing(2.5, 0.15))]
     now, moving = known.seen + SECOND // 2, np.zeros(1, bool)
-    assert show.stage.assignment.pairs([tentative, known], box, moving, dim, now) == [(1, 0)]
-    assert show.stage.assignment.pairs([tentative], box, moving, dim, now) == [(0, 0)]
-    assert show.stage.assignment.pairs([replace(known, comparable=True)], box, ~moving, dim, now) == []
+    assert show.stage.assignment.pairs([tentative, known], box, moving, moving, dim, now) == [(1, 0)]
+    assert show.stage.assignment.pairs([tentative], box, moving, moving, dim, now) == [(0, 0)]
+    assert (
+        show.stage.assignment.pairs([replace(known, comparable=True)], box, ~moving, moving, dim, now) == []
+    )
 
 
 def test_boxes_of_the_background_and_of_people_seen_without_one_initiate_nobody():

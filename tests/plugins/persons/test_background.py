@@ -6,10 +6,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.plugins.persons.drawn import SECOND, SHIRT, WALL, perspective, standing
+from tests.plugins.persons.drawn import (
+    SECOND,
+    SHIRT,
+    WALL,
+    boxes_of,
+    frame_of,
+    gradients_of,
+    perspective,
+    standing,
+)
 from tests.plugins.persons.test_appearance import Show
 
 from followspot.geometry import project
+from followspot.messages import stamped
 from followspot_persons.acquaintance import Acquaintance
 from followspot_persons.background import FEWEST, INTERVAL, LONGEST, MOST, Background, foreground
 from followspot_persons.body_view import view
@@ -58,6 +68,15 @@ def test_pictures_are_kept_at_growing_intervals_until_they_span_a_minute():
     assert known.interval == LONGEST
     assert len(known.kept) <= MOST
     assert LONGEST * len(known.kept) > 30
+
+
+@pytest.mark.parametrize("turn", [0, 32])
+def test_at_the_other_side_of_a_picture_is_a_person_on_the_seam_of_a_panorama_only(turn):
+    shown = PLAIN.copy()
+    shown[:, 30:] = 0
+    known = replace(watched(PLAIN for _ in range(FEWEST)), turn=turn)
+    kept = known.without(shown, np.array([[-4.0, 0, 4, 8]]))
+    assert (kept == shown).all() == (turn == 0)
 
 
 def test_where_people_are_known_the_background_stays_as_it_is():
@@ -166,6 +185,24 @@ def test_a_box_of_a_head_becomes_that_of_the_upper_body_and_another_one_stays():
     np.testing.assert_array_equal(of_body.detection.box, whole)
 
 
+def test_boxes_of_head_and_chest_initiate_a_whole_body_and_say_nothing_of_its_height():
+    """By their size they would be of upper bodies 5 m away."""
+    show, true = Show(), standing(3.0)
+    show.leave(FEWEST)
+    for number in range(3):
+        frame = frame_of(show.camera, room_with(true).pixels, show.number / 2, show.number)
+        whole = boxes_of(show.camera, frame, true)
+        box = whole.box.copy()
+        box[:, 3] = box[:, 1] + 0.6 * (box[:, 3] - box[:, 1])
+        heads = stamped(replace(whole, box=box), frame.header)
+        show.stage.process(frame, gradients_of(show.camera, frame), heads)
+        show.number += 1
+        (person,) = show.stage.people
+        if number == 0:
+            assert person.track.particles[:, 0].mean() == pytest.approx(3.0, abs=0.3)
+    assert not len(person.stature.sizes)
+
+
 def test_without_a_background_a_detection_says_what_it_says():
     detection = Detection(np.array([10.0, 10, 30, 40]), NONE, NONE)
     told = stood(None, detection, standing(3.0), 1.7, NOBODY)
@@ -205,6 +242,7 @@ def test_boxes_on_furniture_confirm_nobody_and_a_person_there_is_confirmed():
             show.see()
         for _ in range(8):
             told = show.see(*([standing(2.5)] if real else []), boxed=[standing(2.5)], score=1.0)
+            assert len(show.stage.people) == int(real)
         numbers[real] = told.person.tolist()
     assert numbers == {False: [], True: [1]}
 

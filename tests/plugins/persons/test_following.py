@@ -195,6 +195,27 @@ def test_poses_of_the_slow_instance_move_a_lost_person():
     assert away[True] < 0.15
 
 
+def test_a_late_pose_of_the_slow_instance_joins_the_particles_where_the_person_is_by_now():
+    room = Room(particles=200)
+    room.tell(standing(2.5, -0.3))
+    for step in range(6):
+        room.see(standing(2.5, -0.3 + 0.06 * step))
+    person = room.stage.people[1]
+    then, now = person.trail.at(round(0.11 * SECOND)), person.track.pose
+    room.number = 1
+    room.tell(standing(2.5, 0.4))
+    room.stage.take_slow_poses(room.told, round(0.6 * SECOND))
+    joined = room.stage.people[1].track.particles[-20:]
+    assert now[1] - then[1] > 0.15
+    assert np.median(joined[:, 1]) == pytest.approx(0.4 + now[1] - then[1], abs=0.05)
+
+
+def test_a_fifth_of_the_particles_about_a_slow_pose_may_look_the_other_way():
+    particles = Room().stage.scattered_about(standing(2.5, heading=0.0), 200)
+    assert 0.08 < (np.cos(particles[:, 3]) < 0).mean() < 0.2
+    assert (np.cos(particles[40:, 3]) > 0).all()
+
+
 def test_colours_tell_front_from_back_and_can_be_switched_off():
     """The outline of a body is nearly the same from behind; the slow instance says the wrong side."""
     room = Room(particles=200)

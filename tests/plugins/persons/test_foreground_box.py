@@ -71,7 +71,7 @@ def lost_after(show, *boxes, pictures=8):
 
 @pytest.mark.parametrize(("time", "lost"), [(8.0, False), (0.4, True)])
 def test_who_is_known_stays_without_boxes_for_a_time_in_the_foreground(time, lost):
-    show = Show(maximum_unboxed_time=time)
+    show = Show(maximum_unboxed_time=time, foreground_boxes=False)
     for _ in range(FEWEST + 1):
         show.see()
     for _ in range(5):
@@ -117,8 +117,8 @@ def test_a_part_of_the_background_is_not_prolonged():
     show = Show()
     for _ in range(10):
         show.see(standing(2.6))
-    for _ in range(5):
-        show.see(standing(2.6), boxed=[])
+    for step in range(5):
+        show.see(standing(2.6, 0.05 * step), boxed=[])
     assert show.stage.people[0].absent
 
 

@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from followspot import Camera
+from followspot.people import Gradients
 from followspot.stage import Context
 from followspot.tracking import Frame
+from followspot_persons.gradient_picture import GradientPicture
 from followspot_persons.gradients import FindGradients, emphasis, packed_edges, padded, spread
 
 
@@ -109,3 +111,11 @@ def test_a_picture_without_edges_has_no_gradients():
 
 def test_borders_of_a_picture_are_no_edges():
     assert padded(np.full((4, 5, 3), 9, np.uint8), 0).tolist() == np.full((5, 6, 3), 9).tolist()
+
+
+def test_a_picture_of_gradients_has_orientation_as_hue_and_magnitude_as_brightness():
+    """Figure 2: red along x, cyan across; a weak edge is darker, and no edge is black."""
+    stage = GradientPicture(Context.serving(camera(4, 1)))
+    told = Gradients("c", np.array([[255, 255, 100, 0]], np.uint8), np.array([[0, 128, 128, 7]], np.uint8))
+    blue_green_red = stage.process(told).pixels[0]
+    assert blue_green_red.tolist() == [[0, 0, 255], [255, 255, 0], [100, 100, 0], [0, 0, 0]]

@@ -74,7 +74,7 @@ def test_the_width_of_boxes_does_not_count():
 
 def test_a_box_across_the_seam_is_near_and_no_box_is_not_impossible():
     expected = np.array([[1380.0, 50, 1400, 110]])
-    assert box_likelihood(expected, expected - [1396, 0, 1396, 0], 0.15, around=1396)[0] == 1
+    assert box_likelihood(expected, expected - [1396, 0, 1396, 0], 0.15, turn=1396)[0] == 1
     assert box_likelihood(expected, np.empty((0, 4)), 0.15)[0] == NOTHING
 
 

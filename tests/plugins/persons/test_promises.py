@@ -168,5 +168,5 @@ def test_people_who_cross_get_the_boxes_of_their_colours() -> None:
         track = Track.initiated(np.tile(standing(2.5, across), (10, 1)))
         people.append(replace(known, absent=False, colors=model, track=track))
     assignment = BoxAssignment(camera, shape, read_relations())
-    pairs = assignment.pairs(people, detections, np.zeros(2, bool), picture, SECOND)
+    pairs = assignment.pairs(people, detections, *np.zeros((2, 2), bool), picture, SECOND)
     assert sorted(pairs) == [(0, 1), (1, 0)]

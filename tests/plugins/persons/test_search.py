@@ -142,6 +142,8 @@ def test_a_third_of_the_scattered_is_turned_by_half_a_turn():
     scattering = scattered(crowd(standing(3.0, heading=0.3), 300), rng())
     np.testing.assert_allclose(scattering[:100, HEADING], 0.3 + np.pi)
     assert np.ptp(scattering[100:, HEADING]) > 6
+    assert np.ptp(scattering[:200, :2], axis=0).tolist() == [0, 0]
+    assert (scattering[200:, :2].std(axis=0) > 0.1).all()
 
 
 def test_particles_are_drawn_as_often_as_they_weigh():
@@ -255,6 +257,21 @@ def test_a_girth_is_learnt_from_the_outline():
         girth[true] = known.mean
     assert girth[0.85] < USUAL - 0.04
     assert girth[1.08] > USUAL + 0.04
+
+
+def test_a_track_learns_the_girth_and_forgets_an_old_one():
+    camera, shape, there = perspective(), read_shape(), standing(2.5, 0.2, 1.75)
+    slim, stout = (
+        Fitness(picture_of(camera, drawn(camera, there, girth=g)), shape, Weights()) for g in (0.85, 1.08)
+    )
+    track = replace(Track.initiated(crowd(there, 60)), stature=(1.75, 0.02))
+    for _ in range(5):
+        track = step(track, stout)
+    assert track.girth.mean > USUAL
+    known, bodies = Girth.unknown(), girths_of(shape)
+    for fitness in [slim] * 120 + [stout] * 40:
+        known = observed(known, fitness, bodies, there)
+    assert known.mean > USUAL
 
 
 def test_a_hidden_person_coasts_and_keeps_what_is_known(scene):

@@ -63,7 +63,7 @@ def test_an_unknown_heading_teaches_nothing():
 def people(bodies=8, rooms=("a", "b", "c")):
     pixels = np.zeros((2, 2, 3), np.uint8)
     known = [Person(pixels, np.zeros(4), body, room) for body in range(bodies) for room in rooms]
-    unknown = [Person(pixels, np.zeros(4), -1, f"street{i % 4}") for i in range(12)]
+    unknown = [Person(pixels, np.zeros(4), -1, f"street{i % 4}", folder="streets") for i in range(12)]
     places = [*rooms, *(f"street{i}" for i in range(4))]
     return Pictures(tuple(known + unknown), tuple(Background(pixels, place) for place in places))
 
@@ -79,6 +79,19 @@ def test_no_body_and_no_place_is_both_learnt_and_held_out():
         assert not {p.body for p in learnt if p.body >= 0} & {p.body for p in tried if p.body >= 0}
         held += [p.body for p in tried if p.body >= 0]
     assert set(held) == set(range(8))
+
+
+def test_each_folder_has_a_place_and_bodies_held_out_and_its_numbers_are_its_own():
+    one, pixels = people(), np.zeros((2, 2, 3), np.uint8)
+    other = [Person(pixels, np.zeros(4), body, f"hall{body % 4}", folder="halls") for body in range(8)]
+    pictures = one + Pictures(tuple(other), tuple(Background(pixels, f"hall{i}") for i in range(4)))
+    held = []
+    for fold, split in enumerate(recipe.splits(pictures)):
+        assert f"hall{fold}" in split.held_places
+        tried = [pictures.persons[i] for i in split.held]
+        assert {p.folder for p in tried} == {"", "streets", "halls"}
+        held += [p.body for p in tried if p.folder == "halls"]
+    assert sorted(held) == list(range(8))
 
 
 def test_recall_is_at_the_score_that_a_share_of_all_windows_exceeds():
@@ -153,13 +166,15 @@ def test_the_command_writes_weights_and_tells_figures_of_strangers(folder, monke
     assert main(["train", "hog", str(folder), "-o", str(out), "--json"]) == 0
     report = json.loads(capsys.readouterr().out)
     assert report["persons"] == 32
-    assert report["found"]["rooms"]["persons"] == 16  # each fold tries one body in one room of the two
-    assert report["found"]["rooms"]["recall"] >= 0.9
+    assert list(report["found"]) == [str(folder)]
+    found = report["found"][str(folder)]
+    assert found["persons"] == 16  # each fold tries one body in one room of the two
+    assert found["recall"] >= 0.9
     assert set(report["torso"]) == {"median_deg", "within_22_5", "within_45", "flipped"}
-    assert set(report["opencv"]) == {"rooms"}
+    assert set(report["opencv"]) == {str(folder)}
     assert load(out).hidden.shape[1] == network.UNITS
     assert main(["train", "hog", str(folder), "-o", str(out)]) == 0
-    assert "found at 1 false positive in 1,000 windows: rooms" in capsys.readouterr().out
+    assert f"found at 1 false positive in 1,000 windows: {folder}" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

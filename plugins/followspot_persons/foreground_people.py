@@ -1,0 +1,101 @@
+"""People whom the detector misses, by what differs from the background and stands on the floor.
+
+Feet tell the distance, and with it the height of the head's top; below the picture, they leave the height of
+people at large to tell the distance. What is as high and as broad as a person may be one. Where somebody left
+who was a part of the background, the background has the outline and the picture has none (a ghost; Cucchiara
+et al. 2003).
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from followspot import Array
+from followspot.people import Boxes
+from followspot_persons.association import on_body
+from followspot_persons.floor_contact import BEFORE_AXIS
+from followspot_persons.foreground_box import LEVEL, STEP
+from followspot_persons.panorama import turn_of
+from followspot_persons.part_box import upper_body
+from followspot_persons.scene import Scene
+from followspot_persons.standing import knows_floor, rise
+from followspot_persons.stature import USUAL
+
+SHORTEST, TALLEST = 1.45, 2.05
+"""Heights of grown people, m."""
+SLENDER, BROAD = 0.25, 0.8
+"""Mean width of an upper body, over its height."""
+SMALLEST = 40
+"""Smallest height of what is seen of a person, px."""
+BORDER = 2 * STEP
+"""Distance from the picture's upper and lower border at which head and feet are seen, px."""
+SCORE = 1.0
+"""Score of a person whom the detector misses: a weak box's."""
+HEAD = 0.12
+"""Share of the height in which the head's top is sought."""
+
+
+def completed(boxes: Boxes, scene: Scene, mask: Array) -> Boxes:
+    """A detector's boxes, and those of people whom it misses. mask: (H / STEP, W / STEP) bool."""
+    found = foreground_people(scene, mask)
+    found = found[~on_body(found, boxes.box, turn_of(scene.camera))]
+    none = np.zeros((len(found), boxes.torso.shape[1]))
+    return Boxes(
+        camera=boxes.camera,
+        box=np.concatenate([boxes.box, found]),
+        score=np.concatenate([boxes.score, np.full(len(found), SCORE)]),
+        torso=np.concatenate([boxes.torso, none]),
+        head=np.concatenate([boxes.head, none]),
+    )
+
+
+def foreground_people(scene: Scene, mask: Array) -> Array:
+    """Upper bodies of what stands there like a person, (N, 4) px. mask: (H / STEP, W / STEP) bool."""
+    if not knows_floor(scene.camera):
+        return np.empty((0, 4))
+    closed = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_CLOSE, np.ones((5, 3), np.uint8))
+    _, label, stats, _ = cv2.connectedComponentsWithStats(closed)
+    rows = stats[:, [cv2.CC_STAT_TOP, cv2.CC_STAT_HEIGHT]]
+    parts = [(label == i, int(top), int(height)) for i, (top, height) in enumerate(rows.tolist()) if i]
+    boxes = [_standing(scene, *part) for part in parts if part[2] * STEP >= SMALLEST]
+    return np.array([box for box in boxes if box is not None]).reshape(-1, 4)
+
+
+def _standing(scene: Scene, part: Array, first: int, height: int) -> Array | None:
+    """The upper body, (4,) px, if a part of a mask is a person; first: its first row."""
+    camera, top, low = scene.camera, first * STEP, (first + height) * STEP
+    if top < BORDER or _left(scene, part):
+        return None
+    column = (
+        float(np.flatnonzero(part[first : first + max(1, round(HEAD * height))].any(axis=0)).mean()) * STEP
+    )
+    up, down = rise(camera, np.array([column, column]), np.array([top, low - 0.5]))
+    eye, stature = camera.center[2], USUAL
+    if low <= camera.size[1] - BORDER:
+        distance = -eye / down + BEFORE_AXIS if down < 0 else 0.0
+        stature = eye + up * distance
+    else:
+        distance = (stature - eye) / up if abs(stature - eye) >= LEVEL and up * (stature - eye) > 0 else 0.0
+    if distance <= 0 or not SHORTEST <= stature <= TALLEST:
+        return None
+    box = upper_body(camera, np.array([column, top]), float(distance), float(stature))
+    tall = box[3] - box[1]
+    body = part[first : first + max(1, round(tall / STEP))]
+    return box if SLENDER <= body.sum(axis=1).mean() * STEP / tall <= BROAD else None
+
+
+def _left(scene: Scene, part: Array) -> bool:
+    """Whether a part is a place that somebody left: along its outline the background has stronger edges."""
+    outline = cv2.morphologyEx(part.astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8)) > 0
+    now, then = (
+        _edges(pixels[::STEP, ::STEP])[outline].mean() for pixels in (scene.pixels, scene.background)
+    )
+    return bool(now < scene.light * then)
+
+
+def _edges(pixels: Array) -> Array:
+    """Strength of edges, (H, W, 3) u1 -> (H, W) f4."""
+    smooth = cv2.GaussianBlur(pixels, (3, 3), 0)
+    across, down = (cv2.Scharr(smooth, cv2.CV_32F, *axis) for axis in ((1, 0), (0, 1)))
+    return np.asarray(np.hypot(across, down).max(axis=2))
