@@ -24,6 +24,12 @@ CLEAR = 4
 """Number of views that show a target clearly if nothing contradicts them."""
 SHOWN = 0.1
 """Ratio of a blob's densities from which it may show the target."""
+SETTLED = 3
+"""Candidates at its forecast that settle where a target is."""
+GATE = 3.0
+"""Distance from the forecast up to which a candidate is there, sigmas."""
+NEAR = 0.03
+"""The same if the forecast is more exact than a pair of blobs, m."""
 STEP = 1 / 30
 """Time that counts as one step of existence and visibility, s; frames may follow each other faster."""
 
@@ -59,6 +65,10 @@ class Associate(Stage):
     the target lately; other blobs around and other targets count as clutter. Colour cameras tell whose ball
     it is and infrared cameras that it is one, so a target needs both in the long run if the room has both.
     A frame that speaks against a tracked target, by blobs that hardly fit, leaves it no candidates.
+
+    If only poor targets are weighed, the fusion weighs those that are sought, and a poor frame alone ends no
+    track: its log-odds do. Depth cameras measure more than views weigh: where there are any, all candidates
+    stay.
     """
 
     advice = "lower confirmation_odds, or give the room more cameras that see each place"
@@ -72,6 +82,8 @@ class Associate(Stage):
         p = self.params
         cameras = list(self.room.cameras.values())
         self.color = np.array([c.kind == "color" for c in cameras], bool)
+        self.poor = p.weighed == "poor"
+        self.depth = any(c.kind == "depth" for c in cameras)
         self.alike = alike(self.room) | ~self.color.any()
         np.fill_diagonal(self.alike, False)
         model = Model(p.detection, p.clutter, p.neighbourhood, p.blob_sigma, p.relative_sigma, p.hidden_sigma)
@@ -98,9 +110,13 @@ class Associate(Stage):
         count = len(self.existence)
         if forecast is not None and not len(forecast.state):
             forecast = None
+        tracked = tracked_targets(forecast, count)
+        if self.depth or (self.poor and not tracked.any()):
+            self.existence, self.shown = [Existence.unknown()] * count, self.usually_shown()
+            return candidates
         candidates, forecast = finite_candidates(candidates), finite_forecast(forecast)
         lost, tracked = lost_targets(forecast, count), tracked_targets(forecast, count)
-        clear = tracked & self.unambiguous(candidates)
+        clear = self.unweighed(candidates, forecast, tracked)
         sure = candidates.targets & candidates.confirmed[:, None]
         rows = np.where(lost | sure.any(axis=0), sure, candidates.targets)
         row, target = np.nonzero(rows & ~clear)
@@ -156,6 +172,20 @@ class Associate(Stage):
             return candidates
         return replace(candidates, targets=targets).where(np.flatnonzero(targets.any(axis=1)))
 
+    def unweighed(self, candidates: Candidates, forecast: Forecast | None, tracked: Array) -> Array:
+        """Which targets keep all their candidates: (T,) bool."""
+        if not self.poor:
+            return tracked & self.unambiguous(candidates)
+        return ~tracked if forecast is None else ~tracked | self.settled(candidates, forecast)
+
+    def settled(self, candidates: Candidates, forecast: Forecast) -> Array:
+        """Which targets three candidates show at their forecasts, one of them in their colour: (T,) bool."""
+        off = candidates.xyz[:, None] - forecast.xyz
+        variance = forecast.covariance.diagonal(axis1=1, axis2=2).max(axis=1)
+        there = candidates.targets & (np.vecdot(off, off) <= np.maximum(GATE**2 * variance, NEAR**2))
+        own = there[candidates.labelled].any(axis=0) if self.color.any() else True
+        return np.asarray((there.sum(axis=0) >= SETTLED) & own)
+
     def unambiguous(self, candidates: Candidates) -> Array:
         """Which targets one blob in each of four or more views shows, that all agree: (T,) bool.
 
@@ -183,6 +213,8 @@ class Associate(Stage):
                 self.existence[number] = followed(before, gain, place, self.rules, steps)
                 if best >= 0 and self.doubtful(found, best):
                     best = -1
+            elif self.poor:
+                self.existence[number], best = Existence.unknown(), -1
             else:
                 near = None if forecast is None or lost[number] else forecast.xyz[number]
                 others = int(np.logical_and(self.alike[number], ~tracked).sum())
@@ -195,6 +227,8 @@ class Associate(Stage):
 
     def doubtful(self, found: Weighed, best: int) -> bool:
         """Whether a frame speaks against a place, and blobs that show it fit hardly better than clutter."""
+        if self.poor:
+            return False
         p = self.params
         return bool(found.evidence[best] < p.least_evidence and found.fit[best] < p.least_fit)
 

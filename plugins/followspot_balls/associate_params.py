@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from followspot import Field, StageParams
 
 
 class AssociateParams(StageParams):
     """How balls and clutter show, and how evidence moves the existence of targets."""
 
+    weighed: Literal["all", "poor"] = Field(
+        "all",
+        description="targets whose places are weighed: all, or tracked ones that fewer than three "
+        "candidates show where they are expected; the candidates of others stay as they are",
+    )
     detection: float = Field(
         0.6,
         gt=0,

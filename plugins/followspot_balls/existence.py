@@ -96,7 +96,7 @@ def followed(before: Existence, gain: float, place: Array, rules: Rules, steps: 
     gain: log-likelihood ratio of the frame; place: (3,) m; steps: that the frame counts as.
     """
     odds = rules.memory**steps * before.odds + steps * (gain - rules.drift)
-    odds = float(np.clip(odds, -rules.bound, rules.bound))
+    odds = float(max(-rules.bound, min(odds, rules.bound)))
     given_up = Places(place[None].copy(), np.array([odds])) if odds < rules.silent else Places.none()
     return Existence(odds, False, given_up)
 
