@@ -17,7 +17,7 @@ from starlette.requests import Request
 from tests.tools.page.bundled import ROOT, UNREACHED, bundle
 
 from followspot.errors import InputError
-from followspot_page import asked, serving
+from followspot_page import options, serving
 from followspot_page.bundle import check_bundle
 from followspot_page.hooks import configure
 
@@ -36,11 +36,11 @@ def build(what: str, source: Path, out: Path) -> Path:
 def test_a_checkout_without_the_bundle_says_how_to_get_it_on_the_command_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(asked, "check_bundle", lambda: check_bundle(tmp_path))
+    monkeypatch.setattr(options, "check_bundle", lambda: check_bundle(tmp_path))
     parser = argparse.ArgumentParser()
     configure(parser)
     with pytest.raises(InputError, match="not bundled in this checkout yet: make bundle does it"):
-        asked.order_of(parser.parse_args(["--dashboard"]))
+        options.order_of(parser.parse_args(["--dashboard"]))
 
 
 def test_and_to_a_browser(monkeypatch: pytest.MonkeyPatch) -> None:

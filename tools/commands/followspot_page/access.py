@@ -26,7 +26,7 @@ HEADERS = {
 }
 
 
-class Doorkeeper:
+class SameOriginGuard:
     """Refuses requests that come by way of another site.
 
     The Host check refuses foreign names that resolve here; the Origin check refuses pages of other sites.

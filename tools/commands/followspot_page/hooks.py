@@ -42,7 +42,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def checked(plan: Plan, args: argparse.Namespace) -> Plan:
     """The unchanged plan. Raises InputError if the page cannot be shown with these options."""
     if _asked(args):
-        from followspot_page.asked import order_of
+        from followspot_page.options import order_of
 
         order_of(args)
     return plan
@@ -54,7 +54,7 @@ def watched(args: argparse.Namespace) -> Iterator[None]:
     if not _asked(args):
         yield
         return
-    from followspot_page.asked import order_of
+    from followspot_page.options import order_of
     from followspot_page.showing import shown
 
     with shown(order_of(args)) as page:
@@ -82,7 +82,7 @@ def _dashboard(args: argparse.Namespace) -> int:
       followspot dashboard glowballs --dashboard-at 127.0.0.1:9000
       followspot dashboard glowballs --connect tls/pc-left:7450 --certificates certs
     """
-    from followspot_page.asked import order_of_run
+    from followspot_page.options import order_of_run
     from followspot_page.showing import shown
 
     with shown(order_of_run(args)) as page:

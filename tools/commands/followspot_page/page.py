@@ -32,7 +32,7 @@ from followspot_page.changing import (
     wish_of,
     words_of,
 )
-from followspot_page.crowd import Crowd
+from followspot_page.connections import Connections
 from followspot_page.feed import Feed, Previews
 from followspot_page.follow import plan_of
 from followspot_page.recording import RecordButton, recordable
@@ -69,7 +69,7 @@ class Page:
         self.targets = metrics.Targets(plan.room)
         self.previews = Previews(self.feed, plan.room, self.targets.take)
         self.button = RecordButton(folder, self._tell_recording)
-        self.crowd = Crowd()
+        self.connections = Connections()
         self.scrub: Scrub | None = None
         """The recording that is shown instead of a run."""
         self.runs: RunList | None = None
@@ -210,7 +210,7 @@ class Page:
         address = socket.client.host if socket.client is not None else ""
         of_it = MAX_BROWSERS if is_loopback(address) else MAX_OF_ADDRESS
         if self.browsers >= MAX_BROWSERS or self._browsers[address] >= of_it:
-            self.crowd.refused["crowded"] += 1
+            self.connections.refused["crowded"] += 1
             await socket.close(1013)
             return
         await socket.accept()

@@ -17,9 +17,9 @@ from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 
 from followspot_page import metrics
-from followspot_page.access import HEADERS, Doorkeeper
+from followspot_page.access import HEADERS, SameOriginGuard
 from followspot_page.bundle import MISSING, STATIC, is_bundled
-from followspot_page.crowd import Rejections
+from followspot_page.connections import Rejections
 from followspot_page.page import Page
 
 MAX_HEARD = 1024
@@ -39,7 +39,7 @@ def application(page: Page) -> Starlette:
     """The routes of a page."""
 
     async def figures(_: Request) -> Response:
-        text = metrics.text(page.run, page.targets, page.browsers, page.crowd.refused)
+        text = metrics.text(page.run, page.targets, page.browsers, page.connections.refused)
         return Response(text, media_type=metrics.CONTENT_TYPE, headers=HEADERS)
 
     async def status(_: Request) -> Response:
@@ -75,9 +75,9 @@ class _Static(StaticFiles):
 def server_of(page: Page, host: str, port: int) -> uvicorn.Server:
     """The server of a page at this address."""
     names = frozenset({"localhost", host, socket.gethostname()})
-    http, look = page.crowd.protocols()
+    http, look = page.connections.protocols()
     config = uvicorn.Config(
-        Doorkeeper(application(page), port, names),
+        SameOriginGuard(application(page), port, names),
         log_level="warning",
         access_log=False,
         http=http,
@@ -88,7 +88,7 @@ def server_of(page: Page, host: str, port: int) -> uvicorn.Server:
         backlog=_ACCEPTED,
         lifespan="off",
     )
-    logging.getLogger("uvicorn.error").addFilter(Rejections(page.crowd))
+    logging.getLogger("uvicorn.error").addFilter(Rejections(page.connections))
     return uvicorn.Server(config)
 
 

@@ -1,4 +1,4 @@
-"""A crowd before the page, and what it may shout: whoever comes and asks gets in, without a traceback."""
+"""Many connections to the page, and hostile bytes on them: every browser that asks is served."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tests.tools.page.served import Shown, served
 from tests.tools.page.test_page import UPGRADE, things
 from websockets.exceptions import ConnectionClosedError
 
-from followspot_page.crowd import MAX_FRAGMENTS, MAX_WAITING
+from followspot_page.connections import MAX_FRAGMENTS, MAX_WAITING
 from followspot_page.serving import MAX_HEARD
 
 CROWD = 300

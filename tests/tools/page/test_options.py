@@ -12,10 +12,9 @@ from followspot.errors import FollowspotError, InputError
 from followspot.graph.change import change_of
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
-from followspot_page import asked
-from followspot_page.asked import order_of
 from followspot_page.changing import sentence
 from followspot_page.hooks import checked, configure
+from followspot_page.options import order_of
 from followspot_page.showing import PageOrder, shown
 from followspot_page.taps import longest_side, shown_ports, tappings
 
@@ -31,7 +30,7 @@ def options(*given: str) -> argparse.Namespace:
 @pytest.fixture(autouse=True)
 def bundled(monkeypatch: pytest.MonkeyPatch) -> None:
     """Options are read alike whether the page's files are there or not."""
-    monkeypatch.setattr(asked, "check_bundle", lambda: None)
+    monkeypatch.setattr("followspot_page.options.check_bundle", lambda: None)
 
 
 @pytest.fixture(scope="module")

@@ -32,7 +32,7 @@ _COMPLAINTS = {
 """Log messages of the server about browsers, and the reasons they are counted under."""
 
 
-class Crowd:
+class Connections:
     """The connections of one page, and the number of refused ones by reason."""
 
     def __init__(self) -> None:
@@ -60,13 +60,15 @@ class Crowd:
 
     def protocols(self) -> tuple[type[asyncio.Protocol], type[asyncio.Protocol]]:
         """Protocol classes for HTTP and WebSockets, for the configuration of the server."""
-        return type("Http", (_Http,), {"crowd": self}), type("Look", (_Look,), {"crowd": self})
+        return type("Http", (_Http,), {"page_connections": self}), type(
+            "Look", (_Look,), {"page_connections": self}
+        )
 
 
 class _Http(H11Protocol):
     """A connection that must ask, and take its answer, in time."""
 
-    crowd: Crowd
+    page_connections: Connections
     _timer: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # as the base
@@ -95,11 +97,11 @@ class _Http(H11Protocol):
         """Restart the idle time."""
         self._rest()
         if not self.transport.is_closing():
-            self.crowd.enter(self, self.transport)
-            self._timer = self.loop.call_later(TIMEOUTS[reason], self.crowd.expel, self, reason)
+            self.page_connections.enter(self, self.transport)
+            self._timer = self.loop.call_later(TIMEOUTS[reason], self.page_connections.expel, self, reason)
 
     def _rest(self) -> None:
-        self.crowd.leave(self)
+        self.page_connections.leave(self)
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
@@ -108,26 +110,26 @@ class _Http(H11Protocol):
 class _Look(WebSocketsSansIOProtocol):
     """A WebSocket of a viewer."""
 
-    crowd: Crowd
+    page_connections: Connections
 
     def data_received(self, data: bytes) -> None:
         super().data_received(data)
         unread = self.transport.get_write_buffer_size()
         if len(self.frames) > MAX_FRAGMENTS or unread > MAX_UNREAD:
-            self.crowd.refused["flood"] += 1
+            self.page_connections.refused["flood"] += 1
             self.transport.abort()
 
 
 class Rejections(logging.Filter):
     """Counts the server's complaints about browsers and keeps them out of the terminal."""
 
-    def __init__(self, crowd: Crowd) -> None:
+    def __init__(self, connections: Connections) -> None:
         super().__init__()
-        self._crowd = crowd
+        self._connections = connections
 
     def filter(self, record: logging.LogRecord) -> bool:
         """False if the record is about a browser."""
         reason = _COMPLAINTS.get(str(record.msg))
         if reason is not None:
-            self._crowd.refused[reason] += 1
+            self._connections.refused[reason] += 1
         return reason is None and record.levelno >= logging.ERROR
