@@ -312,6 +312,7 @@ def test_a_sub_graph_on_another_host_begins_anew_with_another_inside(tmp_path: P
 @pytest.mark.thorough
 def test_two_workers_of_an_agent_go_on_with_another_inside_and_back(tmp_path: Path) -> None:
     there, back = files(tmp_path)
+    (tmp_path / "quick.yaml").write_text(QUICK.replace("term: 1000", "term: 1000, sleep: 0.01"))
     agent = near_agent("pc-left", tmp_path)
     (tmp_path / "apart.yaml").write_text(OTHER_WORKER.replace("STAGE", "hall/t"))
     options = ("--placement", str(tmp_path / "apart.yaml"), "--host", "pc-left", "--connect", agent.endpoint)
