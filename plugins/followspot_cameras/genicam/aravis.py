@@ -18,7 +18,7 @@ from gi.repository import Aravis, GLib  # noqa: E402  # the version is chosen be
 from followspot.messages import Array  # noqa: E402
 from followspot_cameras.camera_features import Feature  # noqa: E402
 from followspot_cameras.frame_numbers import SHORT  # noqa: E402
-from followspot_cameras.genicam.camera import CameraGone, CameraInfo, Picture  # noqa: E402
+from followspot_cameras.genicam.camera import CameraInfo, Picture, refused  # noqa: E402
 from followspot_cameras.genicam.camera_clock import Reading  # noqa: E402
 from followspot_cameras.genicam.clock_features import clock_features  # noqa: E402
 from followspot_cameras.genicam.pixel_codes import format_name  # noqa: E402
@@ -90,8 +90,8 @@ def _asked(ask: Callable[[], T]) -> T:
     try:
         return ask()
     except GLib.Error as error:
-        refused = error.domain == "arv-gc-error-quark"
-        raise (ValueError if refused else CameraGone)(error.message) from None
+        of_node_map = error.domain == "arv-gc-error-quark"
+        raise (ValueError if of_node_map else refused)(error.message) from None
 
 
 class AravisCamera:

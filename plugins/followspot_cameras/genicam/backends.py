@@ -30,7 +30,11 @@ def backend(name: str) -> Backend | None:
         return None
     try:
         return cast(Backend, importlib.import_module(f"followspot_cameras.genicam.{module}"))
-    except (ImportError, ValueError):  # gi is there, and knows no Aravis
+    except (
+        ImportError,
+        ValueError,
+        AttributeError,
+    ):  # gi is there, and knows no Aravis, or is another package
         return None
 
 

@@ -15,6 +15,13 @@ class CameraGone(ConnectionError):
     """The camera does not answer, or its stream has ended; the text says how that showed."""
 
 
+def refused(text: str) -> CameraGone:
+    """The error for what a camera or its backend says, in words that users know."""
+    if "access_denied" in text.lower().replace("-", "_"):
+        return CameraGone(f"another program controls it ({text})")
+    return CameraGone(text)
+
+
 @dataclass(frozen=True)
 class CameraInfo:
     """A camera that a backend found.

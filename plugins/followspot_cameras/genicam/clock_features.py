@@ -28,12 +28,15 @@ class ClockFeatures:
     value: str
     frequency: int
 
-    def read(self, execute: Callable[[str], None], read: Callable[[str], str]) -> Reading:
-        """A timed reading: the clock is latched between `before` and `after`."""
-        before = time.monotonic_ns()
-        execute(self.latch)
-        after = time.monotonic_ns()
-        return Reading(nanoseconds(int(read(self.value)), self.frequency), before, after)
+    def read(self, execute: Callable[[str], None], read: Callable[[str], str]) -> Reading | None:
+        """A timed reading: the clock is latched between `before` and `after`; None if the camera refuses."""
+        try:
+            before = time.monotonic_ns()
+            execute(self.latch)
+            after = time.monotonic_ns()
+            return Reading(nanoseconds(int(read(self.value)), self.frequency), before, after)
+        except ValueError:
+            return None
 
 
 def clock_features(names: Collection[str], read: Callable[[str], str]) -> ClockFeatures | None:
@@ -46,7 +49,10 @@ def clock_features(names: Collection[str], read: Callable[[str], str]) -> ClockF
 
 def frequency(names: Collection[str], read: Callable[[str], str]) -> int:
     """Units of the camera's time in a second; 10^9 if it does not say, as SFNC 2 has it."""
-    told = int(float(read(FREQUENCY))) if FREQUENCY in names else 0
+    try:
+        told = int(float(read(FREQUENCY))) if FREQUENCY in names else 0
+    except (ValueError, OverflowError):  # no number, or none that is finite
+        told = 0
     return told if told > 0 else SECOND
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 
 from followspot_cameras.camera_features import Value, as_text, set_features
 from followspot_cameras.genicam.camera import VisionCamera
@@ -22,7 +23,8 @@ def configure(camera: VisionCamera, wanted: Mapping[str, Value], origin: str) ->
         return
     names = camera.names()
     if STOP in names:
-        camera.execute(STOP)
+        with suppress(ValueError):  # a camera that cannot be told so locks nothing, or says that it does
+            camera.execute(STOP)
     for offset, size in OFFSETS.items():
         if {offset, size} <= wanted.keys() & set(names):
             _reset(camera, offset)
@@ -36,4 +38,5 @@ def _reset(camera: VisionCamera, offset: str) -> None:
     """Set an offset to the least that the camera takes, so that it does not limit the size."""
     known = camera.feature(offset)
     if known is not None and known.writable and known.low is not None:
-        camera.write(offset, as_text(int(known.low)))
+        with suppress(ValueError):  # what it limits will be told
+            camera.write(offset, as_text(int(known.low)))

@@ -47,7 +47,7 @@ def facts(info: CameraInfo, backend: Backend) -> Facts:
         return Facts(problem=str(error))
     try:
         return facts_of(camera)
-    except (CameraGone, ValueError) as error:
+    except (CameraGone, ValueError, OverflowError) as error:
         return Facts(problem=str(error))
     finally:
         camera.close()

@@ -14,7 +14,7 @@ from viva_genicam import GenApiError, GenicamError, TransportError
 
 from followspot_cameras.camera_features import Feature
 from followspot_cameras.frame_numbers import SHORT
-from followspot_cameras.genicam.camera import CameraGone, CameraInfo, Picture
+from followspot_cameras.genicam.camera import CameraGone, CameraInfo, Picture, refused
 from followspot_cameras.genicam.camera_clock import Reading
 from followspot_cameras.genicam.clock_features import ClockFeatures, clock_features, frequency, nanoseconds
 
@@ -91,10 +91,10 @@ def _asked(ask: Callable[[], T]) -> T:
     try:
         return ask()
     except GenApiError as error:
-        refused = not str(error).startswith(UNREACHABLE)
-        raise (ValueError if refused else CameraGone)(str(error)) from None
+        unreachable = str(error).startswith(UNREACHABLE)
+        raise (refused if unreachable else ValueError)(str(error)) from None
     except GenicamError as error:
-        raise CameraGone(str(error)) from None
+        raise refused(str(error)) from None
 
 
 class VivaCamera:

@@ -39,14 +39,15 @@ def viva_genicam(address: str, options: dict[str, Any]) -> Heard:
     drop = [(number, packet) for number, packet in options["drop"]]
     fake = FakeGigeCamera(*SIZE, options["fps"], address, packet_resend=False, drop_packets=drop)
     fake.start()
-    threading.Thread(target=relay, args=(address,), daemon=True).start()
+    for everybody in ("255.255.255.255", f"{address.rpartition('.')[0]}.255"):
+        threading.Thread(target=relay, args=(address, everybody), daemon=True).start()
     return lambda: {"software": fake.software_triggers(), "action": fake.actions()}
 
 
-def relay(address: str) -> None:
+def relay(address: str, everybody: str) -> None:
     """Ask the camera on behalf of those who ask everybody: it hears only what is sent to its own address."""
     here, there = (socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2))
-    here.bind(("255.255.255.255", PORT))
+    here.bind((everybody, PORT))
     there.bind((address, 0))
     there.settimeout(1.0)
     while True:

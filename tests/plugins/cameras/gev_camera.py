@@ -14,7 +14,7 @@ import sys
 import threading
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from tests.plugins.cameras.gvcp_camera import PORT, Camera
@@ -121,6 +121,10 @@ class GevCamera(Camera):
         self._stream = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.captured: list[tuple[int, int]] = []
         self.heard: Counter[str] = Counter()
+        self.claimed: tuple[int, int] | None = None
+        """Size that pictures claim, whatever they have, px."""
+        self.spoil: Callable[[int, int, bytes], bytes] = lambda number, place, packet: packet
+        """What becomes of a packet: its picture, its place, itself."""
 
     def clock(self, now: int) -> int:
         """Its time at a time since 1970, ns."""
@@ -175,14 +179,14 @@ class GevCamera(Camera):
         to = socket.inet_ntoa(struct.pack(">I", self.registers[STREAM_ADDRESS])), self.registers[STREAM_PORT]
         leader = struct.pack(">HHII", 0, 1, *divmod(stamp, 1 << 32))
         width, height = (self.registers[INTEGERS[name]] for name in ("Width", "Height"))
-        leader += struct.pack(">IIIIIHH", MONO8, width, height, 0, 0, 0, 0)
+        leader += struct.pack(">IIIIIHH", MONO8, *(self.claimed or (width, height)), 0, 0, 0, 0)
         picture = bytes([number % 200]) * (width * height)
         parts = [picture[at : at + PACKET] for at in range(0, len(picture), PACKET)]
         packets = [(1, leader), *((3, part) for part in parts), (2, struct.pack(">HHI", 0, 1, height))]
         for place, (kind, data) in enumerate(packets):
             if (number, place) not in self._drop:
                 head = struct.pack(">HHI", 0, number, kind << 24 | place)
-                self._stream.sendto(head + data, to)
+                self._stream.sendto(self.spoil(number, place, head + data), to)
 
     def end(self) -> None:
         self._ended.set()

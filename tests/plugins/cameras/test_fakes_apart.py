@@ -100,6 +100,16 @@ def test_a_software_trigger_reaches_both(
         assert heard[name]["software"] >= 40
 
 
+def test_an_action_command_reaches_both(hosts: Hosts, environment: dict[str, str]) -> None:
+    """viva-genicam's camera counts those with its keys; it has no features to be told others."""
+    if absent := apart.missing(environment, "viva-genicam"):
+        pytest.skip(absent)
+    there = {name: fake(hosts, environment, "viva-genicam", name, []) for name in CAMERAS}
+    sender = running(hosts, DESK, "action_sender.py", hosts.address(DESK), "5", env=environment, says="sent")
+    sender.communicate()
+    assert {name: told_by(camera)["action"] for name, camera in there.items()} == dict.fromkeys(CAMERAS, 5)
+
+
 @pytest.mark.parametrize("away", ["unplugged", "switched off"])
 @pytest.mark.parametrize("backend", ["aravis", "viva-genicam"])
 def test_a_camera_that_vanishes_and_returns_takes_part_again_within_three_seconds(

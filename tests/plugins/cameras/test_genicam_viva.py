@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -179,6 +180,24 @@ def test_a_serial_number_names_the_camera_and_another_is_not_in_sight(
         found = Genicam(context("color", SIZE), camera="VIVA-FAKE-001", interface="127.0.0.1")
         assert len(frames(found, 1)) == 1
         assert one_of(10, attempt)
+
+
+def test_a_camera_that_another_program_controls_is_waited_for(fake_camera: Callable[..., Any]) -> None:
+    warnings: list[str] = []
+    with fake_camera():
+        first, second = stage(), stage(found=context("color", SIZE, warn=warnings.append))
+        pictures = first.process()
+        next(pictures)
+        waiting = second.process()
+        taken = threading.Thread(target=lambda: next(waiting), daemon=True)
+        taken.start()
+        while not warnings:
+            next(pictures)
+        pictures.close()
+        taken.join(60)
+        waiting.close()
+    assert "another program controls it" in warnings[0]
+    assert "is back" in warnings[-1]
 
 
 class Seen(fs.Stage):
