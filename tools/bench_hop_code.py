@@ -8,12 +8,13 @@ ends stand in this process, one message is sent and read at a time, and nothing 
 `system calls` only sends and receives a datagram; `and messages` also makes and seals what is sent, and makes
 what is read: a compiled core of the ring that cost nothing would leave this; `bare ring` is the yardstick
 (`tools/benching/bare_ring.py`); `ring` is the whole. Instructions are counted by valgrind, if it is
-installed: those of a process with twice as many messages, less those of one with as many.
+installed: those of a process with so many messages, less those of one with none.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 import socket
@@ -49,7 +50,7 @@ Hop = Callable[[int], None]
 def main() -> None:
     """Count, measure, and print the table."""
     parser = options_of(__doc__)
-    parser.add_argument("--messages", type=int, default=300, help="of a count (default %(default)s)")
+    parser.add_argument("--messages", type=int, default=3000, help="of a count (default %(default)s)")
     parser.add_argument("--rounds", type=int, default=7, help="interleaved rounds (default %(default)s)")
     parser.add_argument("--only", nargs=2, metavar=("CASE", "SIZE"), help="run one case, to be counted")
     options = parser.parse_args()
@@ -160,7 +161,7 @@ def figures(size: str, messages: int, rounds: int) -> list[dict[str, Any]]:
     for hop in hops.values():
         run(hop, 50)
     times = [{case: timed(hop, messages) for case, hop in hops.items()} for _ in range(rounds)]
-    counted = {case: instructions(case, size, messages) for case in CASES}
+    counted = counts(size, messages)
     rows = []
     for case, hop in hops.items():
         calls, count, bare = called(hop), counted[case], counted["bare ring"]
@@ -197,13 +198,13 @@ def called(hop: Hop) -> Counter[str]:
     return found
 
 
-def instructions(case: str, size: str, messages: int) -> int | None:
-    """Instructions of one message; None without valgrind. System calls count until the kernel takes over."""
+def counts(size: str, messages: int) -> dict[str, int | None]:
+    """Instructions of one message in each case; None without valgrind. Those of the kernel do not count."""
     valgrind = shutil.which("valgrind")
     if not valgrind:
-        return None
-    once, twice = (executed(valgrind, case, size, count) for count in (messages, 2 * messages))
-    return round((twice - once) / messages)
+        return dict.fromkeys(CASES)
+    start = executed(valgrind, "ring", size, 0)
+    return {case: round((executed(valgrind, case, size, messages) - start) / messages) for case in CASES}
 
 
 def executed(valgrind: str, case: str, size: str, messages: int) -> int:
@@ -212,7 +213,8 @@ def executed(valgrind: str, case: str, size: str, messages: int) -> int:
         out = Path(folder) / "counts"
         command = [valgrind, "--tool=callgrind", f"--callgrind-out-file={out}", sys.executable, __file__]
         command += ["--only", case, size, "--messages", str(messages)]
-        subprocess.run(command, check=True, capture_output=True)
+        same = {**os.environ, "PYTHONHASHSEED": "0"}  # so that all start alike
+        subprocess.run(command, check=True, capture_output=True, env=same)
         (total,) = re.findall(r"^totals: (\d+)", out.read_text(encoding="utf-8"), re.MULTILINE)
         return int(total)
 
