@@ -35,6 +35,7 @@ ASKED = {
     "beside two others, realtime: 10": "realtime: 10",
 }
 _STAGES = "camera, color, infrared, verify, triangulate, fuse, bridge, track, save"
+FIGURES = ("p50_ms", "p95_ms", "p99_ms", "worst_ms")
 _BURN = "while True: pass"
 
 
@@ -59,7 +60,7 @@ def measure(asked: str, others: int, frames: int, folder: Path) -> dict[str, Any
         length = ("--frames", str(frames), "--out", str(folder))
         told = followspot("run", str(GRAPH), *PACED, "--placement", str(placement), *length)
     (path,) = (path for path in told["paths"] if path["to"] == "track")
-    figures = {name: path[name] for name in ("p50_ms", "p95_ms", "worst_ms")}
+    figures = {name: path[name] for name in FIGURES}
     return {**figures, "refused": [text for text in told["warnings"] if "not allowed" in text]}
 
 
@@ -76,7 +77,7 @@ def main() -> int:
                 found[name].append(measure(asked, 0 if name == "alone" else 2, args.frames, Path(folder)))
     rows = {
         name: {
-            **{key: median(run[key] for run in runs) for key in ("p50_ms", "p95_ms", "worst_ms")},
+            **{key: median(run[key] for run in runs) for key in FIGURES},
             "refused": runs[0]["refused"],
         }
         for name, runs in found.items()
@@ -86,7 +87,8 @@ def main() -> int:
         return 0
     print(f"camera -> track, ms, medians of {args.rounds} rounds of {args.frames} frames")
     for name, row in rows.items():
-        print(f"  {name:34} p50 {row['p50_ms']:7.1f}  p95 {row['p95_ms']:7.1f}  worst {row['worst_ms']:7.1f}")
+        cells = (f"{key.removesuffix('_ms')} {row[key]:7.1f}" for key in FIGURES)
+        print(f"  {name:34} {'  '.join(cells)}")
         for text in row["refused"]:
             print(f"    {text.splitlines()[0]}")
     return 0

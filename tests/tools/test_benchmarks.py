@@ -11,10 +11,13 @@ import pytest
 import yaml
 
 import bench_cost
+import bench_delay
 import bench_edges
 import bench_hop
+import bench_hop_code
 import bench_recorded_bytes
 import bench_replay
+from followspot.graph.compile import compile_graph
 from followspot.room_file import load, save
 
 EDGE_CASES = [
@@ -77,3 +80,25 @@ def test_every_way_to_store_pictures_gives_the_same_bits_and_rows_take_fewest_by
     found = bench_recorded_bytes.measure(bench_recorded_bytes.noisy(4), rounds=1)
     shares = {name: row["share"] for name, row in found.items()}
     assert shares["rows, zstd"] < 0.6 < shares["zstd alone"] < shares["lz4"] + 0.01
+
+
+def test_the_code_of_a_hop_is_counted_without_valgrind(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["bench_hop_code.py", "--messages", "5", "--rounds", "1", "--json"])
+    monkeypatch.setenv("PATH", "")
+    bench_hop_code.main()
+    rows = json.loads(capsys.readouterr().out)
+    calls = {(row["size"], row["case"]): row["python_calls"] for row in rows}
+    assert len(calls) == len(bench_hop_code.SIZES) * len(bench_hop_code.CASES)
+    for size in bench_hop_code.SIZES:
+        assert calls[size, "system calls"] == 0
+        assert calls[size, "bare ring"] < calls[size, "ring"]
+    assert {row["instructions"] for row in rows} == {None}
+
+
+def test_the_overlays_of_bench_delay_delay_the_forecast_of_detectors_alone(tmp_path: Path) -> None:
+    plan = compile_graph(bench_delay.overlay(tmp_path, 2))
+    delays = {e.to_stage.split("/")[0]: e.delay for e in plan.edges if e.from_port == "forecast"}
+    assert delays.pop("color") == delays.pop("infrared") == 2
+    assert set(delays.values()) == {1}

@@ -22,3 +22,4 @@ class PathLatency:
     worst_id: str
     budget_ms: Figure | None = None
     late: Count = 0
+    p99_ms: Figure = 0.0

@@ -61,6 +61,7 @@ def data(report: RunReport, scores: Mapping[str, Any]) -> dict[str, Any]:
                 "to": path.sink,
                 "p50_ms": round(path.p50_ms, 4),
                 "p95_ms": round(path.p95_ms, 4),
+                "p99_ms": round(path.p99_ms, 4),
                 "worst_ms": round(path.worst_ms, 4),
                 "worst_id": path.worst_id,
                 **({} if path.budget_ms is None else {"budget_ms": path.budget_ms, "late": path.late}),

@@ -68,7 +68,7 @@ class LatencyHistogram:
         return PathStatus(origin, sink, *quantiles, self.count, budget, self.late, recent)
 
     def summary(self, origin: str, sink: str) -> PathLatency:
-        """Median, 95th percentile and maximum of the path."""
+        """Median, 95th and 99th percentiles and maximum of the path."""
         return PathLatency(
             origin,
             sink,
@@ -79,6 +79,7 @@ class LatencyHistogram:
             self.worst_id,
             self.limit / 1e6 if self.limit else None,
             self.late,
+            self.quantile(0.99),
         )
 
 

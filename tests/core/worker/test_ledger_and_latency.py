@@ -84,7 +84,7 @@ def test_a_row_that_is_read_while_both_ends_count_never_accounts_for_more_than_w
 
 
 @settings(deadline=None)
-@given(st.lists(st.integers(1, 10**10), min_size=1, max_size=200), st.sampled_from([0.5, 0.95]))
+@given(st.lists(st.integers(1, 10**10), min_size=1, max_size=200), st.sampled_from([0.5, 0.95, 0.99]))
 def test_quantiles_are_within_two_percent(values: list[int], share: float) -> None:
     histogram = LatencyHistogram()
     for number, value in enumerate(values):
@@ -93,4 +93,6 @@ def test_quantiles_are_within_two_percent(values: list[int], share: float) -> No
     assert abs(histogram.quantile(share) - exact) <= 0.02 * exact + 1e-6
     summary = histogram.summary("camera", "save")
     assert summary.worst_ms == max(values) / 1e6
+    shares = {0.5: summary.p50_ms, 0.95: summary.p95_ms, 0.99: summary.p99_ms}
+    assert shares[share] == histogram.quantile(share)
     assert summary.worst_id == f"camera#{values.index(max(values))}"

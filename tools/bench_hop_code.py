@@ -1,0 +1,237 @@
+"""How much code a hop between two processes is: calls, instructions, and what no compiled core could save.
+
+    python tools/bench_hop_code.py
+    python tools/bench_hop_code.py --messages 400 --json
+
+At 60 messages a second the code of a hop is out of the caches whenever it runs, so its length decides. Both
+ends stand in this process, one message is sent and read at a time, and nothing sleeps. Cases run in turns:
+`system calls` only sends and receives a datagram; `and messages` also makes and seals what is sent, and makes
+what is read: a compiled core of the ring that cost nothing would leave this; `bare ring` is the yardstick
+(`tools/benching/bare_ring.py`); `ring` is the whole. Instructions are counted by valgrind, if it is
+installed: those of a process with so many messages, less those of one with none.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable
+from math import prod
+from pathlib import Path
+from statistics import median
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from benching.bare_ring import SMALL, BareReader, BareWriter, create
+from benching.edge_writer import DEPTH
+from followspot.messages import Header, Message, seal, stamped
+from followspot.tables import table
+from followspot.tracking import Frame
+from followspot.transport.ring.reader import RingReader
+from followspot.transport.ring.writer import RingWriter
+from scripting import options_of
+
+SIZES = {"1 kB": (18, 19, 3), "640x480": (480, 640, 3)}
+HEAD = 96
+"""Bytes of a datagram without its arrays, about those of the ring."""
+Hop = Callable[[int], None]
+"""Send and read the message of this number."""
+
+
+def main() -> None:
+    """Count, measure, and print the table."""
+    parser = options_of(__doc__)
+    parser.add_argument("--messages", type=int, default=3000, help="of a count (default %(default)s)")
+    parser.add_argument("--rounds", type=int, default=7, help="interleaved rounds (default %(default)s)")
+    parser.add_argument("--only", nargs=2, metavar=("CASE", "SIZE"), help="run one case, to be counted")
+    options = parser.parse_args()
+    if options.only:
+        case, size = options.only
+        run(CASES[case](SIZES[size]), options.messages)
+        return
+    rows = [row for size in SIZES for row in figures(size, options.messages, options.rounds)]
+    print(json.dumps(rows) if options.json else text(rows))
+
+
+def system_calls(shape: tuple[int, ...]) -> Hop:
+    """A datagram of the size that a message has."""
+    near, far = pair()
+    data = bytes(HEAD + prod(shape) * (prod(shape) <= SMALL))
+    buffer = [bytearray(HEAD + SMALL)]
+
+    def hop(_number: int) -> None:
+        far.send(data)
+        near.recvmsg_into(buffer, socket.CMSG_LEN(4), socket.MSG_CMSG_CLOEXEC)
+
+    return hop
+
+
+def and_messages(shape: tuple[int, ...]) -> Hop:
+    """The same, and what stages get in their hands at both ends."""
+    datagram, pixels = system_calls(shape), np.zeros(shape, np.uint8)
+
+    def hop(number: int) -> None:
+        made(pixels, number)
+        datagram(number)
+        read = object.__new__(Frame)
+        read.__dict__.update(camera="cam0", pixels=np.ndarray(shape, np.uint8, pixels), header=header(number))
+
+    return hop
+
+
+def bare_ring(shape: tuple[int, ...]) -> Hop:
+    """The yardstick."""
+    near, far = pair()
+    memory = create(shape)
+    writer, reader = BareWriter(far, memory, shape), BareReader(near, memory, shape)
+    own = np.zeros(shape, np.uint8)
+
+    def hop(_number: int) -> None:
+        writer.credit()
+        writer.send(own if own.nbytes <= SMALL else writer.loan(), time.monotonic_ns())
+        reader.poll()
+        reader.consumed()
+
+    return hop
+
+
+def ring(shape: tuple[int, ...]) -> Hop:
+    """The edge as it is: what is large is written in place."""
+    near, far = pair()
+    writer, reader = RingWriter([far], DEPTH), RingReader(near, Frame)
+    own = np.zeros(shape, np.uint8)
+
+    def hop(number: int) -> None:
+        writer.credit()
+        loan = writer.loan(shape, "u1")
+        writer.send(made(own if loan is None else loan, number))
+        del loan
+        count = sum(isinstance(token, Message) for token in reader.poll())
+        if not count:
+            raise RuntimeError("the message did not arrive")
+        reader.consumed(count)
+
+    return hop
+
+
+CASES: dict[str, Callable[[tuple[int, ...]], Hop]] = {
+    "system calls": system_calls,
+    "and messages": and_messages,
+    "bare ring": bare_ring,
+    "ring": ring,
+}
+
+
+def pair() -> tuple[socket.socket, socket.socket]:
+    """Both ends of a connection."""
+    near, far = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    near.setblocking(False)
+    far.setblocking(False)
+    return near, far
+
+
+def header(number: int) -> Header:
+    """That of a source."""
+    return Header("camera/cam0", number, number, time.monotonic_ns())
+
+
+def made(pixels: np.ndarray[Any, Any], number: int) -> Frame:
+    """A message as the worker sends it."""
+    return stamped(seal(Frame("cam0", pixels)), header(number))
+
+
+def run(hop: Hop, messages: int) -> None:
+    """So many messages, one by one."""
+    for number in range(messages):
+        hop(number)
+
+
+def figures(size: str, messages: int, rounds: int) -> list[dict[str, Any]]:
+    """A row for each case."""
+    hops = {case: build(SIZES[size]) for case, build in CASES.items()}
+    for hop in hops.values():
+        run(hop, 50)
+    times = [{case: timed(hop, messages) for case, hop in hops.items()} for _ in range(rounds)]
+    counted = counts(size, messages)
+    rows = []
+    for case, hop in hops.items():
+        calls, count, bare = called(hop), counted[case], counted["bare ring"]
+        row: dict[str, Any] = {
+            "size": size,
+            "case": case,
+            "python_calls": calls["call"],
+            "c_calls": calls["c_call"],
+        }
+        row["hot_us"] = median(found[case] for found in times)
+        row["hot_ratio"] = median(found[case] / found["bare ring"] for found in times)
+        row["instructions"] = count
+        row["instructions_ratio"] = count / bare if count and bare else None
+        rows.append(row)
+    return rows
+
+
+def timed(hop: Hop, messages: int) -> float:
+    """Processor time of a message whose code is in the caches, us."""
+    begun = time.process_time()
+    run(hop, messages)
+    return (time.process_time() - begun) * 1e6 / messages
+
+
+def called(hop: Hop) -> Counter[str]:
+    """Calls of one message, by kind; the hop itself and the end of the count are none of its."""
+    events: list[str] = []
+    sys.setprofile(lambda _frame, event, _argument: events.append(event))
+    hop(0)
+    sys.setprofile(None)
+    found = Counter(events)
+    found["call"] -= 1
+    found["c_call"] -= 1
+    return found
+
+
+def counts(size: str, messages: int) -> dict[str, int | None]:
+    """Instructions of one message in each case; None without valgrind. Those of the kernel do not count."""
+    valgrind = shutil.which("valgrind")
+    if not valgrind:
+        return dict.fromkeys(CASES)
+    start = executed(valgrind, "ring", size, 0)
+    return {case: round((executed(valgrind, case, size, messages) - start) / messages) for case in CASES}
+
+
+def executed(valgrind: str, case: str, size: str, messages: int) -> int:
+    """Instructions of a process that runs one case."""
+    with TemporaryDirectory() as folder:
+        out = Path(folder) / "counts"
+        command = [valgrind, "--tool=callgrind", f"--callgrind-out-file={out}", sys.executable, __file__]
+        command += ["--only", case, size, "--messages", str(messages)]
+        same = {**os.environ, "PYTHONHASHSEED": "0"}  # so that all start alike
+        subprocess.run(command, check=True, capture_output=True, env=same)
+        (total,) = re.findall(r"^totals: (\d+)", out.read_text(encoding="utf-8"), re.MULTILINE)
+        return int(total)
+
+
+def text(rows: list[dict[str, Any]]) -> str:
+    """The table for people."""
+    heads = ("size and case", "Python calls", "C calls", "hot us", "x bare", "instructions", "x bare")
+    cells = []
+    for row in rows:
+        counts = row["instructions"], row["instructions_ratio"]
+        known = (f"{counts[0]}", f"{counts[1]:.2f}") if counts[0] is not None else ("", "")
+        hot = f"{row['hot_us']:.1f}", f"{row['hot_ratio']:.2f}"
+        cells.append(
+            (f"{row['size']} {row['case']}", str(row["python_calls"]), str(row["c_calls"]), *hot, *known)
+        )
+    return table(heads, cells)
+
+
+if __name__ == "__main__":
+    main()
