@@ -79,6 +79,12 @@ def test_systemd_finds_the_unit_sound_and_hardened(tmp_path: Path) -> None:
         assert done.returncode == 0, done.stdout + done.stderr
 
 
+def test_workflows_are_what_github_takes() -> None:
+    schema = [sys.executable, "-m", "check_jsonschema", "--builtin-schema", "vendor.github-workflows"]
+    done = subprocess.run([*schema, *map(str, WORKFLOWS)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 @pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.stem)
 def test_workflows_ask_for_no_more_rights_than_they_need(path: Path) -> None:
     workflow = yaml.safe_load(path.read_text())
@@ -86,3 +92,5 @@ def test_workflows_ask_for_no_more_rights_than_they_need(path: Path) -> None:
     for name, job in workflow["jobs"].items():
         assert job.get("permissions", {}) == ({"id-token": "write"} if name == "publish" else {})
         assert all(("uses" in step) != ("run" in step) for step in job["steps"])
+        taken = [step for step in job["steps"] if step.get("uses", "").startswith("actions/checkout@")]
+        assert all(step["with"] == {"persist-credentials": False} for step in taken)

@@ -236,3 +236,40 @@ def pause_step_and_resume(chromium: Browser) -> None:
     assert chromium.ask(f"{places}.every((p, i, all) => {beside})")  # none overlaps
     chromium.ask(f"{toggle}.click()")
     chromium.wait("document.querySelector('#life').dataset.life === 'running'")
+
+
+@pytest.mark.thorough
+@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")
+def test_an_operator_finds_a_wrong_parameter_on_the_page_and_mends_it(tmp_path: Path) -> None:
+    """Nothing is tracked; the cards say that blobs are found and pairs are not; a reset brings the tracks."""
+    planted = (
+        "-q",
+        "--set",
+        "camera.realtime=true",
+        "--set",
+        "camera.frames=0",
+        "--set",
+        "color.similarity=1.0",
+    )
+    with watched(tmp_path / "out", *planted) as (process, url), browser(tmp_path / "chromium") as chromium:
+        chromium.open(url, 1280, 800)
+        chromium.wait("document.querySelectorAll('figure:not(.dark)').length === 6")
+        assert not chromium.ask("document.querySelectorAll('#legend li[data-state=tracked]').length")
+        card = "[...document.querySelectorAll('#pipeline button')].find(b => /^color/.test(b.innerText))"
+        chromium.ask(f"{card}.click()")
+        fields = "[...document.querySelectorAll('#detail .field')]"
+        field = f"{fields}.find(f => /^similarity/.test(f.innerText))"
+        chromium.wait(f"!!{field}")
+        value = f"{field}.querySelector('input[inputmode=decimal]')"
+        assert chromium.ask(f"{value}.value") == "1"
+        default = re.search(r"([\d.]+) by default", chromium.ask(f"{field}.innerText"))
+        assert default is not None
+        chromium.ask(
+            f"{value}.value = '{default[1]}'; {value}.dispatchEvent(new Event('change', {{bubbles: true}}))"
+        )
+        chromium.wait(f"{field}.querySelector('.answer').dataset.ok === 'true'")
+        chromium.wait("document.querySelectorAll('#legend li[data-state=tracked]').length === 3")
+        chromium.ask("document.querySelector('#over').click()")
+        chromium.wait("/color: .*similarity/.test(document.querySelector('.log').innerText)")
+        process.send_signal(signal.SIGINT)
+        process.wait(60)

@@ -105,7 +105,7 @@ function takeScene(scene: Scene): void {
   header.show(scene);
   pipeline.show(scene);
   tiles.from(scene.stages);
-  timeline.show(scene.stages);
+  timeline.show(scene.stages, scene.room.targets);
   recorder.show(scene.ports);
   player.show(scene.replay);
   runs.show(scene.others);
@@ -125,7 +125,7 @@ function takeRun(run: Run): void {
   faults.take(run.faults);
   news.replaceChildren(...[...clocks(run), ...run.news.slice(-NEWS)].map((line) => make("li", line)));
   pipeline.update(run);
-  timeline.take(run);
+  timeline.take(run, views.all());
   tiles.update(run.stages);
   sensors.update(run.stages);
   look();
@@ -143,6 +143,7 @@ function takeView(view: View): void {
   if (view.kind === "Tracks") {
     const tracks = together.take(view);
     legend.tracks(tracks);
+    timeline.tracks(tracks);
     room?.tracks(tracks);
   } else if (view.kind === "Poses") {
     fused ||= !view.camera;

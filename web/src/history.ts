@@ -1,5 +1,6 @@
 // The figures of the last minutes, of the run and of each stage, and what happened in them.
 import { largest, lossOf, slowest, stageOf } from "./figures.ts";
+import type { TrackColumns } from "./seen.ts";
 import type { Run } from "./told.ts";
 
 export const KEPT_MS = 5 * 60_000;
@@ -7,15 +8,19 @@ const APART_MS = 300; // at least between two samples: what a slow browser gets 
 const MARKS = 200; // kept at most
 
 export const FIGURES = ["rate", "age", "losses", "load"] as const;
-export type Figure = (typeof FIGURES)[number];
+export const TARGET_FIGURES = ["height", "sigma", "residual"] as const;
+export type Figure = (typeof FIGURES)[number] | (typeof TARGET_FIGURES)[number];
 export type Told = Pick<Run, "rate" | "stages" | "edges" | "paths" | "news" | "faults">;
 
-// rate: 1/s; age: ms, 95th percentile; losses: until now, from those told on 1/s; load: share of a processor.
-type Values = Record<Figure, number | null>;
+// rate: 1/s; age: ms, 95th percentile; losses: until now, from those told on 1/s; load: share of a processor;
+// height: of a target, m; sigma: the largest of the three that its track states, m; residual: see residualOf, px.
+type Values = Partial<Record<Figure, number | null>>;
+
+type Places = Pick<TrackColumns, "target" | "xyz" | "sigma">;
 
 interface Sample {
   time: number; // ms
-  of: Map<string, Values>; // by stage of the graph file, "" for the run
+  of: Map<string, Values>; // by stage of the graph file, "" for the run, or by targetKey
 }
 
 export interface Mark {
@@ -29,19 +34,39 @@ export interface Point {
   value: number | null;
 }
 
+export const targetKey = (target: number): string => `target ${target}`;
+
 export class History {
   readonly marks: Mark[] = [];
   private samples: Sample[] = [];
   private faults = new Map<string, string>();
   private news: string[] = [];
+  private places = new Map<string, Values>(); // of targets that were told of since the last sample
 
-  // members: the instances of each stage of the graph file.
-  take(time: number, run: Told, members: Map<string, Set<string>>): void {
+  // members: the instances of each stage of the graph file; residuals: of targets, px.
+  take(
+    time: number,
+    run: Told,
+    members: Map<string, Set<string>>,
+    residuals = new Map<number, number>(),
+  ): void {
     this.compare(time, run);
     if (time - (this.samples.at(-1)?.time ?? -APART_MS) < APART_MS) return;
     const of = new Map([["", ofRun(run)]]);
     for (const [group, names] of members) of.set(group, ofStage(run, names));
+    for (const [key, values] of this.places) of.set(key, values);
+    for (const [number, residual] of residuals) {
+      const key = targetKey(number);
+      of.set(key, { ...of.get(key), residual });
+    }
+    this.places.clear();
     this.samples = [...this.samples.filter((sample) => time - sample.time <= KEPT_MS), { time, of }];
+  }
+
+  tracks({ target, xyz, sigma }: Places): void {
+    target.forEach((number, i) => {
+      this.places.set(targetKey(number), { height: xyz[i][2], sigma: largest(sigma[i]) });
+    });
   }
 
   note(time: number, text: string, fault = false): void {

@@ -7,6 +7,7 @@ import {
   SpriteMaterial,
   type Texture,
 } from "three";
+import { named } from "./labels.ts";
 import { make } from "./make.ts";
 import { penOf } from "./tile.ts";
 
@@ -45,5 +46,5 @@ export function words(text: string, color: string, size: number): Sprite {
   const look = { transparent: true, depthWrite: false, sizeAttenuation: false };
   const sprite = new Sprite(new SpriteMaterial({ map: new CanvasTexture(canvas), ...look }));
   sprite.scale.set((size * canvas.width) / canvas.height, size, 1);
-  return sprite;
+  return named(sprite);
 }

@@ -1,6 +1,7 @@
 // The room in 3D: a dark stage, the cameras above it, and light where the targets are.
 import { Color, Fog, HemisphereLight, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
 import { Bones } from "./bones.ts";
+import { arrange } from "./labels.ts";
 import { glowTexture } from "./light.ts";
 import { Orbit } from "./orbit.ts";
 import { Person } from "./person.ts";
@@ -131,6 +132,7 @@ export class Room {
     }
     for (const { lines, heard } of this.skeletons.values())
       lines.visible = performance.now() - heard < GONE_MS;
+    arrange(this.scene, this.camera);
     this.renderer.render(this.scene, this.camera);
   }
 }

@@ -1,8 +1,19 @@
 // Plots of the last minutes, of the run or of one stage, with marks of what happened, and the log beside them.
 import { number } from "./figures.ts";
-import { FIGURES, type Figure, History, KEPT_MS, type Mark, type Point } from "./history.ts";
+import {
+  FIGURES,
+  type Figure,
+  History,
+  KEPT_MS,
+  type Mark,
+  type Point,
+  TARGET_FIGURES,
+  targetKey,
+} from "./history.ts";
 import { make } from "./make.ts";
-import type { Run, StageAbout } from "./told.ts";
+import { residualsOf } from "./residual.ts";
+import type { Drawn, TrackColumns } from "./seen.ts";
+import type { Run, StageAbout, TargetData } from "./told.ts";
 
 const SVG = "http://www.w3.org/2000/svg";
 const WIDTH = 300; // of a plot, in its own units
@@ -13,6 +24,9 @@ const TITLES: Record<Figure, [title: string, unit: string, factor: number]> = {
   age: ["age, 95 %", "ms", 1],
   losses: ["not delivered", "/s", 1],
   load: ["busiest instance", "%", 100],
+  height: ["height", "m", 1],
+  sigma: ["stated error, one sigma", "mm", 1000],
+  residual: ["from its blobs", "px", 1],
 };
 
 const LEAST_MS = 60_000; // shown
@@ -37,6 +51,7 @@ export function linesOf(points: Point[], now: number, span: number, top: number)
 export class Timeline {
   private readonly history = new History();
   private members = new Map<string, Set<string>>();
+  private targets: TargetData[] = [];
   private readonly choice = make("select");
   private readonly plots = make("div", "", { className: "plots" });
   private readonly log = make("ol", "", { className: "log" });
@@ -56,19 +71,28 @@ export class Timeline {
     };
   }
 
-  show(stages: StageAbout[]): void {
+  show(stages: StageAbout[], targets: TargetData[]): void {
+    this.targets = targets;
     const chosen = this.choice.value;
     this.members = new Map(stages.map(({ group }) => [group, new Set<string>()]));
     for (const { group, name } of stages) this.members.get(group)?.add(name);
-    const options = ["", ...this.members.keys()].map((value) =>
-      make("option", value || "the whole run", { value, selected: value === chosen }),
-    );
+    const names: [string, string][] = [
+      ["", "the whole run"],
+      ...[...this.members.keys()].map((name): [string, string] => [name, name]),
+      ...targets.map(({ name }, i): [string, string] => [targetKey(i), `target ${name}`]),
+    ];
+    const options = names.map(([value, text]) => make("option", text, { value, selected: value === chosen }));
     this.choice.replaceChildren(...options);
   }
 
-  take(run: Run): void {
-    this.history.take(Date.now(), run, this.members);
+  // views: the last of each port.
+  take(run: Run, views: Drawn[]): void {
+    this.history.take(Date.now(), run, this.members, residualsOf(views));
     this.draw();
+  }
+
+  tracks(tracks: TrackColumns): void {
+    this.history.tracks(tracks);
   }
 
   note(text: string): void {
@@ -79,8 +103,11 @@ export class Timeline {
     if (this.element.hidden) return;
     const now = Date.now();
     const { marks } = this.history;
+    const target = this.targets.some((_, i) => targetKey(i) === this.choice.value);
     this.plots.replaceChildren(
-      ...FIGURES.map((figure) => plotOf(figure, this.history.points(this.choice.value, figure), marks, now)),
+      ...(target ? TARGET_FIGURES : FIGURES).map((figure) =>
+        plotOf(figure, this.history.points(this.choice.value, figure), marks, now),
+      ),
     );
     const lines = marks.slice(-LINES).reverse();
     this.log.replaceChildren(...lines.map(lineOf));

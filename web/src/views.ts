@@ -31,6 +31,10 @@ export class Views<V extends Timed> {
     return reached;
   }
 
+  all(): V[] {
+    return [...this.ports.values()].flat();
+  }
+
   // The view of each port that is nearest to a moment, ms.
   at(time: number): V[] {
     return [...this.ports.values()].flatMap((past) => {

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { History, KEPT_MS } from "../src/history.ts";
+import { History, KEPT_MS, targetKey } from "../src/history.ts";
 import { columnsOf } from "../src/tiles.ts";
 import { linesOf, spanOf } from "../src/timeline.ts";
 import { edge } from "./run.ts";
@@ -31,6 +31,24 @@ test("losses are told a second, and what is too long ago is forgotten", () => {
   );
   history.take(KEPT_MS + 800, run(3), members);
   assert.equal(history.points("", "rate").length, 2);
+});
+
+test("height, stated error and residual of a target are kept with the sample that follows", () => {
+  const history = new History();
+  const places = (z: number) => ({
+    target: [1],
+    xyz: [[0, 0, z] as [number, number, number]],
+    sigma: [[0.1, 0.3, null]],
+  });
+  history.tracks(places(1));
+  history.tracks(places(1.5));
+  history.take(0, run(0), members, new Map([[1, 2.5]]));
+  history.take(500, run(0), members); // nothing was told of it
+  const values = (figure: "height" | "sigma" | "residual") =>
+    history.points(targetKey(1), figure).map(({ value }) => value);
+  assert.deepEqual(values("height"), [1.5, null]);
+  assert.deepEqual(values("sigma"), [0.3, null]);
+  assert.deepEqual(values("residual"), [2.5, null]);
 });
 
 test("faults are marked when they begin and end, however old they say they are, and news once", () => {

@@ -112,7 +112,7 @@ def test_a_file_that_exists_is_left_as_it_is(tmp_path: Path) -> None:
     [
         ((), "show.yaml", "nothing differs"),
         (("color.similarity=0.85",), "show.txt", "write NAME.yaml"),
-        (("color.similarity=0.85",), "nowhere/show.yaml", "cannot be written"),
+        (("color.similarity=0.85",), "nowhere/show.yaml", "nowhere cannot be written"),
     ],
 )
 def test_what_cannot_be_saved_is_told(

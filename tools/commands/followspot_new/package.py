@@ -65,6 +65,7 @@ def new_stage(
     project = package / "pyproject.toml"
     plugin = _plugin_of(project)
     words = _words(plugin, name)
+    texts: tuple[str, ...]
     if takes or gives:
         texts = (stub(words["class_name"], takes, gives), stub_test(plugin, name, words["class_name"]))
     else:
