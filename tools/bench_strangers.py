@@ -120,12 +120,13 @@ def tracked(room: Room, frames: int) -> tuple[PersonsScore, float]:
 
 
 def longest_false(poses: PoseTable, truth: PoseTruthTable) -> float:
-    """Longest time for which all poses of a number were farther than `REACH` from everybody, s."""
+    """Longest time in which a number had a pose in each frame, farther than `REACH` from everybody, s."""
     matches, period, longest = match(poses, truth), float(np.median(np.diff(truth.time))), 0.0
     for person in np.unique(poses.person):
         own = poses.person == person
         false = (matches.frame[own] != UNMATCHED) & (matches.apart[own] > REACH)
-        for run in np.split(np.arange(len(false)), np.flatnonzero(np.diff(false)) + 1):
+        ends = np.diff(false) | (np.diff(poses.time[own]) > 1.5 * period)
+        for run in np.split(np.arange(len(false)), np.flatnonzero(ends) + 1):
             if len(run) and false[run[0]]:
                 longest = max(longest, float(np.ptp(poses.time[own][run])) + period)
     return longest

@@ -69,6 +69,7 @@ class Appearance(Stage):
         self.people: list[Acquaintance] = []
         self.numbers = 0
         self.time = -1
+        self.pixels = np.empty((0, 0, 3), np.uint8)
 
     def process(self, frame: Frame, gradients: Gradients, boxes: Boxes) -> Appearances:
         now = frame.header.time
@@ -76,12 +77,12 @@ class Appearance(Stage):
         self.time = now
         self.illumination = self.illumination.after(frame.pixels, now)
         picture = pictured(self.camera, frame, gradients, self.illumination.light)
-        self.pixels = picture.colors.reshape(*frame.pixels.shape[:2], 3)
+        before, self.pixels = self.pixels, picture.colors.reshape(*frame.pixels.shape[:2], 3)
         self.scene = Scene.of(self.camera, self.pixels, self.background)
         mask = None if self.scene is None else self.scene.mask(STEP)
         detected = len(boxes.box)
         if self.scene is not None and mask is not None and self.params.foreground_boxes:
-            boxes = completed(boxes, self.scene, mask)
+            boxes = completed(boxes, self.scene, mask, before)
         upright = np.arange(len(boxes.box)) >= detected
         shown = np.ones(len(boxes.box)) if mask is None else shares(self.camera, mask, boxes.box)
         still = shown < STILL

@@ -3,7 +3,7 @@
 Feet tell the distance, and with it the height of the head's top; below the picture, they leave the height of
 people at large to tell the distance. What is as high and as broad as a person may be one. Where somebody left
 who was a part of the background, the background has the outline and the picture has none (a ghost; Cucchiara
-et al. 2003).
+et al. 2003). A door that was opened stays as it is; people who stand still sway.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ import numpy as np
 from followspot import Array
 from followspot.people import Boxes
 from followspot_persons.association import on_body
+from followspot_persons.background import foreground
+from followspot_persons.existence import RIGID
 from followspot_persons.floor_contact import BEFORE_AXIS
 from followspot_persons.foreground_box import LEVEL, STEP
 from followspot_persons.panorama import turn_of
@@ -36,9 +38,9 @@ HEAD = 0.12
 """Share of the height in which the head's top is sought."""
 
 
-def completed(boxes: Boxes, scene: Scene, mask: Array) -> Boxes:
-    """A detector's boxes, and those of people whom it misses. mask: (H / STEP, W / STEP) bool."""
-    found = foreground_people(scene, mask)
+def completed(boxes: Boxes, scene: Scene, mask: Array, before: Array) -> Boxes:
+    """A detector's boxes, and those of people whom it misses. mask, before: of :func:`foreground_people`."""
+    found = foreground_people(scene, mask, before)
     found = found[~on_body(found, boxes.box, turn_of(scene.camera))]
     none = np.zeros((len(found), boxes.torso.shape[1]))
     return Boxes(
@@ -50,15 +52,19 @@ def completed(boxes: Boxes, scene: Scene, mask: Array) -> Boxes:
     )
 
 
-def foreground_people(scene: Scene, mask: Array) -> Array:
-    """Upper bodies of what stands there like a person, (N, 4) px. mask: (H / STEP, W / STEP) bool."""
+def foreground_people(scene: Scene, mask: Array, before: Array) -> Array:
+    """Upper bodies of what stands there like a person, (N, 4) px.
+
+    mask: (H / STEP, W / STEP) bool, foreground; before: (H, W, 3) u1, the last picture.
+    """
     if not knows_floor(scene.camera):
         return np.empty((0, 4))
     closed = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_CLOSE, np.ones((5, 3), np.uint8))
     _, label, stats, _ = cv2.connectedComponentsWithStats(closed)
     rows = stats[:, [cv2.CC_STAT_TOP, cv2.CC_STAT_HEIGHT]]
     parts = [(label == i, int(top), int(height)) for i, (top, height) in enumerate(rows.tolist()) if i]
-    boxes = [_standing(scene, *part) for part in parts if part[2] * STEP >= SMALLEST]
+    large = [part for part in parts if part[2] * STEP >= SMALLEST and _moves(scene, part[0], before)]
+    boxes = [_standing(scene, *part) for part in large]
     return np.array([box for box in boxes if box is not None]).reshape(-1, 4)
 
 
@@ -83,6 +89,15 @@ def _standing(scene: Scene, part: Array, first: int, height: int) -> Array | Non
     tall = box[3] - box[1]
     body = part[first : first + max(1, round(tall / STEP))]
     return box if SLENDER <= body.sum(axis=1).mean() * STEP / tall <= BROAD else None
+
+
+def _moves(scene: Scene, part: Array, before: Array) -> bool:
+    """Whether a part, or its outline, has changed since the last picture."""
+    if before.shape != scene.pixels.shape:
+        return False
+    about = cv2.dilate(part.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    now, then = (pixels[::STEP, ::STEP][about] for pixels in (scene.pixels, before))
+    return bool(foreground(now, then, 1.0).mean() >= RIGID)
 
 
 def _left(scene: Scene, part: Array) -> bool:

@@ -43,3 +43,12 @@ def test_the_longest_false_person_is_told(false: tuple[int, ...], longest: float
     pose[list(false), 0] = 0.7
     found = PoseTable(time, np.ones(8, int), pose)
     assert bench_strangers.longest_false(found, truth) == pytest.approx(longest)
+
+
+def test_a_false_person_that_was_away_meanwhile_is_two_short_ones() -> None:
+    time = np.arange(8) * 0.5
+    there = np.zeros((8, 6))
+    truth = PoseTruthTable((1,), time, there[:, None], np.ones((8, 1)), np.zeros(2))
+    seen = np.array([1, 2, 6])
+    pose = there[seen] + [0.7, 0, 0, 0, 0, 0]
+    assert bench_strangers.longest_false(PoseTable(time[seen], np.ones(3, int), pose), truth) == 1.0

@@ -36,10 +36,17 @@ def figure(
     return pixels
 
 
-def seen(pixels: np.ndarray, background: np.ndarray = PLAIN, camera: Camera = CAMERA) -> np.ndarray:
-    """The upper bodies in a picture."""
+def seen(
+    pixels: np.ndarray,
+    background: np.ndarray = PLAIN,
+    camera: Camera = CAMERA,
+    before: np.ndarray | None = None,
+) -> np.ndarray:
+    """The upper bodies in a picture; before: the last one, in which they were some pixels aside."""
     scene = Scene(camera, pixels, background, 1.0)
-    return foreground_people(scene, scene.mask(STEP))
+    return foreground_people(
+        scene, scene.mask(STEP), np.roll(pixels, 6, axis=1) if before is None else before
+    )
 
 
 @pytest.mark.parametrize(("x", "y", "height"), [(3.5, 0.0, 1.7), (4.0, 0.6, 1.85), (4.5, -0.5, 1.55)])
@@ -90,6 +97,13 @@ def test_a_place_that_somebody_left_is_nobody():
     assert len(seen(figure(3.5, 0.9), figure(3.5, -0.6))) == 1
 
 
+def test_what_does_not_move_is_no_person():
+    """A door that was opened, a coat on its stand."""
+    assert len(seen(figure(3.5), before=figure(3.5))) == 0
+    assert len(seen(figure(3.5), before=figure(3.5, 0.02))) == 1
+    assert len(seen(figure(3.5), before=PLAIN[:100])) == 0
+
+
 def test_a_camera_that_was_never_placed_sees_nobody_on_the_floor():
     nowhere = replace(CAMERA, translation=np.zeros(3))
     assert len(seen(figure(1.8, width=0.1), camera=nowhere)) == 0
@@ -100,9 +114,9 @@ def test_whom_the_detector_finds_is_not_found_twice():
     scene, found = Scene(CAMERA, pixels, PLAIN, 1.0), seen(pixels)
     none = np.zeros((1, 16))
     detected = Boxes("c", found, np.array([3.0]), none, none)
-    assert completed(detected, scene, scene.mask(STEP)).score.tolist() == [3.0]
+    assert completed(detected, scene, scene.mask(STEP), PLAIN).score.tolist() == [3.0]
     elsewhere = replace(detected, box=found + np.array([100.0, 0, 100, 0]))
-    assert completed(elsewhere, scene, scene.mask(STEP)).score.tolist() == [3.0, SCORE]
+    assert completed(elsewhere, scene, scene.mask(STEP), PLAIN).score.tolist() == [3.0, SCORE]
 
 
 @pytest.mark.parametrize(("on", "numbers"), [(True, [1]), (False, [])])

@@ -100,6 +100,14 @@ def test_recall_is_at_the_score_that_a_share_of_all_windows_exceeds():
     assert (scores > 89.0).sum() == 10
 
 
+def test_mistakes_in_hard_backgrounds_are_not_hidden_by_easy_ones():
+    hard, easy = recipe.Searched(np.arange(100.0), 10_000), recipe.Searched(np.arange(50.0), 10**6)
+    none = np.zeros(0)
+    trial = recipe.Trial(None, none, none, None, None, none, none, {"hard": hard, "easy": easy})
+    assert figures.threshold_at([trial], 1e-3) == 89.0
+    assert figures.threshold_at([trial, trial], 1e-3) == 89.0
+
+
 def test_trust_finds_how_wrong_the_network_is_on_strangers():
     true = RNG.integers(0, DIRECTIONS, 4000)
     said = np.where(RNG.random(4000) < 0.12, RNG.integers(0, DIRECTIONS, 4000), true)

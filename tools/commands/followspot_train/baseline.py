@@ -9,7 +9,7 @@ import numpy as np
 
 from followspot import Array
 from followspot_persons.people_detector import STRIDE, UPPER, WINDOW, people_hog
-from followspot_train.figures import score_at, share
+from followspot_train.figures import by_folder, score_at
 from followspot_train.linear import sizes
 from followspot_train.pictures import Pictures
 
@@ -32,9 +32,7 @@ def recall(pictures: Pictures, rate: float) -> dict[str, Any]:
     least = score_at(np.concatenate(scores), searched, rate)
     weights = np.ravel(cv2.HOGDescriptor.getDefaultPeopleDetector())
     hit = np.array([_score(hog, weights, p.pixels, p.box) > least for p in pictures.persons], bool)
-    known = np.array([person.body >= 0 for person in pictures.persons], bool)
-    kinds = ("rooms", known), ("streets", ~known)
-    return {name: {"recall": share(hit[rows])} for name, rows in kinds if rows.any()}
+    return by_folder(hit, [person.folder for person in pictures.persons])
 
 
 def _score(hog: cv2.HOGDescriptor, weights: Array, pixels: Array, box: Array) -> float:

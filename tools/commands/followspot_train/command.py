@@ -55,7 +55,7 @@ def told_figures(trials: Sequence[Trial], pictures: Pictures) -> dict[str, Any]:
     return {
         "persons": len(pictures.persons),
         "backgrounds": len(pictures.backgrounds),
-        "windows": sum(trial.searched for trial in trials),
+        "windows": sum(s.windows for trial in trials for s in trial.backgrounds.values()),
         "found": figures.recall(trials, pictures.persons, figures.RATE),
         "found_at_threshold": figures.recall(trials, pictures.persons, figures.THRESHOLD_RATE),
         "torso": figures.headings(trials, "torso"),

@@ -42,6 +42,8 @@ class Person:
     place: str
     torso: float = float("nan")
     head: float = float("nan")
+    folder: str = ""
+    """The folder that the picture is from, as it was given."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +52,7 @@ class Background:
 
     pixels: Array
     place: str
+    folder: str = ""
 
 
 @dataclass(frozen=True)
@@ -84,7 +87,9 @@ def _with_boxes(folder: Path) -> Pictures:
                 raise _mistake(text, "columns: file, body, room, torso_heading, head_pan, ...") from None
     rooms = sorted({person.place for person in persons})
     backgrounds = [
-        Background(_picture(file), room) for room in rooms for file in sorted(folder.glob(f"neg_{room}*"))
+        Background(_picture(file), room, str(folder))
+        for room in rooms
+        for file in sorted(folder.glob(f"neg_{room}*"))
     ]
     return Pictures(tuple(persons), tuple(backgrounds))
 
@@ -97,17 +102,19 @@ def _person(folder: Path, row: dict[str, str]) -> Person:
     across, top = MIDDLE
     box = np.array([across - UPPER / 3, top, across + UPPER / 3, top + UPPER])
     pixels = _picture(folder / name)
-    return Person(pixels, box, int(row["body"]), row["room"], torso, torso + float(row["head_pan"]))
+    head = torso + float(row["head_pan"])
+    return Person(pixels, box, int(row["body"]), row["room"], torso, head, str(folder))
 
 
 def _pedestrians(folder: Path) -> Pictures:
     positive, negative = _files(folder / "pos"), _files(folder / "neg")
     persons = [
-        Person(_picture(file), PEDESTRIAN, -1, f"street{PLACES * i // len(positive)}")
+        Person(_picture(file), PEDESTRIAN, -1, f"street{PLACES * i // len(positive)}", folder=str(folder))
         for i, file in enumerate(positive)
     ]
     backgrounds = [
-        Background(_picture(file), f"street{PLACES * i // len(negative)}") for i, file in enumerate(negative)
+        Background(_picture(file), f"street{PLACES * i // len(negative)}", str(folder))
+        for i, file in enumerate(negative)
     ]
     return Pictures(tuple(persons), tuple(backgrounds))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ from followspot import Array
 from followspot_persons.hog.cells import looks
 from followspot_persons.hog.model import DIRECTIONS, HogModel, Judgement, judge
 from followspot_train import linear, network
-from followspot_train.pictures import Pictures
+from followspot_train.pictures import Background, Pictures
 from followspot_train.windows import Windows, exact, found, missed
 
 VIEWS, MISSES = 14, 5
@@ -47,6 +47,14 @@ class Split:
 
 
 @dataclass(frozen=True, eq=False)
+class Searched:
+    """Held-out backgrounds of one folder: scores of the windows that were proposed, of so many windows."""
+
+    scores: Array
+    windows: int
+
+
+@dataclass(frozen=True, eq=False)
 class Trial:
     """The answers of a model for held-out pictures."""
 
@@ -61,10 +69,8 @@ class Trial:
     """For windows as a search finds them, with the true directions below."""
     torso: Array
     head: Array
-    background: Array
-    """Scores of all windows of held-out backgrounds that were proposed."""
-    searched: int
-    """Number of searched background windows."""
+    backgrounds: Mapping[str, Searched]
+    """By folder."""
 
 
 def material(pictures: Pictures, above: int, rng: np.random.Generator, tell: Tell) -> Material:
@@ -76,22 +82,22 @@ def material(pictures: Pictures, above: int, rng: np.random.Generator, tell: Tel
 
 
 def splits(pictures: Pictures) -> Iterator[Split]:
-    """Each fold holds out every fourth body, and a room and a street: strangers in strange places."""
-    bodies = np.array([person.body for person in pictures.persons])
-    places = np.array([person.place for person in pictures.persons])
-    rooms = sorted(set(places[bodies >= 0]))
-    streets = sorted(set(places[bodies < 0]))
+    """Each fold holds out every fourth body and one place of each folder: strangers in strange places."""
+    persons = pictures.persons
+    folders = sorted({person.folder for person in persons})
     for fold in range(FOLDS):
-        held_bodies = sorted(set(bodies[bodies >= 0]))[fold::FOLDS]
-        held_places = [kind[fold % len(kind)] for kind in (rooms, streets) if kind]
-        known_body = (bodies < 0) | ~np.isin(bodies, held_bodies)
-        known_place = ~np.isin(places, held_places)
-        strange_body = (bodies < 0) | np.isin(bodies, held_bodies)
-        yield Split(
-            np.flatnonzero(known_body & known_place),
-            np.flatnonzero(strange_body & ~known_place),
-            frozenset(held_places),
-        )
+        bodies, places = set[tuple[str, int]](), set[str]()
+        for folder in folders:
+            own = [person for person in persons if person.folder == folder]
+            numbers = sorted({person.body for person in own if person.body >= 0})
+            rooms = sorted({person.place for person in own})
+            bodies |= {(folder, number) for number in numbers[fold::FOLDS]}
+            places.add(rooms[fold % len(rooms)])
+        there = np.array([person.place in places for person in persons])
+        learnt = ~there & [(person.folder, person.body) not in bodies for person in persons]
+        met = {(persons[i].folder, persons[i].body) for i in np.flatnonzero(learnt) if persons[i].body >= 0}
+        strange = [(person.folder, person.body) not in met for person in persons]
+        yield Split(np.flatnonzero(learnt), np.flatnonzero(there & strange), frozenset(places))
 
 
 def learn(material: Material, split: Split, rng: np.random.Generator, tell: Tell) -> HogModel:
@@ -126,11 +132,8 @@ def attempt(material: Material, split: Split, model: HogModel) -> Trial:
     pictures = material.pictures
     alone = material.exact.where(split.held)
     among = material.found.where(np.isin(material.found.owner, split.held))
-    scores, searched = [np.zeros(0)], 0
-    for background in (b for b in pictures.backgrounds if b.place in split.held_places):
-        windows, count = linear.passing(background.pixels, model.linear, material.above)
-        scores.append(judge(model, looks(windows)).score)
-        searched += count
+    held = [b for b in pictures.backgrounds if b.place in split.held_places]
+    folders = sorted({b.folder for b in held})
     return Trial(
         model,
         alone.owner,
@@ -139,9 +142,17 @@ def attempt(material: Material, split: Split, model: HogModel) -> Trial:
         judge(model, among.looks),
         among.torso,
         among.head,
-        np.concatenate(scores),
-        searched,
+        {name: _searched([b for b in held if b.folder == name], model, material.above) for name in folders},
     )
+
+
+def _searched(backgrounds: Sequence[Background], model: HogModel, above: int) -> Searched:
+    scores, count = [np.zeros(0)], 0
+    for background in backgrounds:
+        windows, searched = linear.passing(background.pixels, model.linear, above)
+        scores.append(judge(model, looks(windows)).score)
+        count += searched
+    return Searched(np.concatenate(scores), count)
 
 
 def everything(pictures: Pictures) -> Split:
