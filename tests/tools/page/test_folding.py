@@ -31,7 +31,7 @@ stages:
 LABEL = "querySelector('b').firstChild.textContent"
 SEEN = "[...document.querySelectorAll('#pipeline li > button')].filter((b) => b.checkVisibility())"
 CARDS = f"{SEEN}.map((b) => b.{LABEL})"
-INNER = "camera color infrared verify triangulate associate fuse bridge track save".split()
+INNER = ["camera", "color", "infrared", "verify", "triangulate", "associate", "fuse", "bridge", "track", "save"]
 
 
 Opened = tuple[Shown, Browser]
