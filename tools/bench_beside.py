@@ -34,7 +34,7 @@ ASKED = {
     "beside two others, nice: -10": "nice: -10",
     "beside two others, realtime: 10": "realtime: 10",
 }
-_STAGES = "camera, color, infrared, verify, triangulate, fuse, bridge, track, save"
+_STAGES = "camera, color, infrared, verify, triangulate, associate, fuse, bridge, track, save"
 FIGURES = ("p50_ms", "p95_ms", "p99_ms", "worst_ms")
 _BURN = "while True: pass"
 

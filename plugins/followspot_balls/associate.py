@@ -14,7 +14,14 @@ from followspot_balls.evidence import appearing
 from followspot_balls.existence import Existence, Rules, Seen, followed, restored, sought
 from followspot_balls.finite import finite_candidates, finite_forecast
 from followspot_balls.hypotheses import Hypotheses, MotionPrior, hypotheses
-from followspot_balls.likelihood import Model, ball_ratio, coincidences, information, precision
+from followspot_balls.likelihood import (
+    Model,
+    ball_ratio,
+    coincidences,
+    information,
+    precision,
+    reflector_ratio,
+)
 from followspot_balls.search import lost_targets, tracked_targets
 from followspot_balls.triangulate import alike
 from followspot_balls.view_evidence import ViewEvidence, Views
@@ -67,8 +74,8 @@ class Associate(Stage):
     A frame that speaks against a tracked target, by blobs that hardly fit, leaves it no candidates.
 
     If only poor targets are weighed, the fusion weighs those that are sought, and a poor frame alone ends no
-    track: its log-odds do. Depth cameras measure more than views weigh: where there are any, all candidates
-    stay.
+    track: its log-odds against a reflector do, for colour tells whose ball it is. Depth cameras measure more
+    than views weigh: where there are any, all candidates stay.
     """
 
     advice = "lower confirmation_odds, or give the room more cameras that see each place"
@@ -143,7 +150,10 @@ class Associate(Stage):
         known = information(views.jacobian, precision(views.likely, views.ratio))
         chance = coincidences(known, self.color, 1 / found.variance)
         rank = ball_ratio(views.ratio, self.color, chance, self.params.other_probability)
-        evidence = ball_ratio(views.ratio, self.color, chance, 1.0)
+        if self.poor:
+            evidence = reflector_ratio(views.ratio, self.color, chance)
+        else:
+            evidence = ball_ratio(views.ratio, self.color, chance, 1.0)
         fit = np.maximum(views.ratio, 0.0).sum(axis=1) + chance[0]
         complete = np.zeros(len(found.target), bool)
         if lost.any():

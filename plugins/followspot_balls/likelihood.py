@@ -140,3 +140,13 @@ def ball_ratio(views: Array, color: Array, chance: Array, other: float) -> Array
     colored, infrared = views[:, color].sum(axis=1), views[:, ~color].sum(axis=1)
     either = np.log(other) + np.logaddexp(-infrared - chance[1], -colored - chance[2])
     return np.asarray(-np.logaddexp(either, -infrared - colored - chance[0]))
+
+
+def reflector_ratio(views: Array, color: Array, chance: Array) -> Array:
+    """Log-likelihood ratio of a ball against a reflector, which infrared cameras alone show: (M,).
+
+    That of :func:`ball_ratio` where cameras of one kind are all there are.
+    """
+    if color.all() or not color.any():
+        return ball_ratio(views, color, chance, 1.0)
+    return np.asarray(views[:, color].sum(axis=1) + chance[2])

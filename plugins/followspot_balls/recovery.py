@@ -15,7 +15,14 @@ from followspot import Array, Field, Room, StageParams
 from followspot.tracking import Candidates, Forecast, Positions
 from followspot_balls.associate_params import AssociateParams
 from followspot_balls.hypotheses import Hypotheses
-from followspot_balls.likelihood import Model, ball_ratio, coincidences, information, precision
+from followspot_balls.likelihood import (
+    Model,
+    ball_ratio,
+    coincidences,
+    information,
+    precision,
+    reflector_ratio,
+)
 from followspot_balls.search import lost_targets, tracked_targets
 from followspot_balls.view_evidence import ViewEvidence, Views
 
@@ -115,7 +122,9 @@ class Recovery:
         """The log-likelihood ratios of hypotheses from their views, as of :meth:`ratios`: (2, M)."""
         known = information(views.jacobian, precision(views.likely, views.ratio))
         chance = coincidences(known, self.color, 1 / found.variance)
-        ratio = ball_ratio(views.ratio, self.color, chance, 1.0)
-        if self.color.all() or not self.color.any():
-            return np.array([ratio, ratio])
-        return np.array([ratio, views.ratio[:, self.color].sum(axis=1) + chance[2]])
+        return np.array(
+            [
+                ball_ratio(views.ratio, self.color, chance, 1.0),
+                reflector_ratio(views.ratio, self.color, chance),
+            ]
+        )

@@ -22,12 +22,13 @@ def test_the_tracker_of_glowing_balls_compiles_with_every_placement(placement: s
         "infrared",
         "verify",
         "triangulate",
+        "associate",
         "fuse",
         "bridge",
         "track",
         "save",
     }
-    assert sum(edge.delay for edge in plan.edges) == 10
+    assert sum(edge.delay for edge in plan.edges) == 11
 
 
 def test_half_of_the_cameras_move_to_another_worker() -> None:

@@ -66,7 +66,7 @@ def test_the_whole_demo_without_delays_has_a_mistake_for_each_edge(tmp_path: Pat
         if "in: {" in line and "forecast: track.forecast" in line
     ]
     assert lines == expected
-    assert len(lines) == 6
+    assert len(lines) == 7
     assert all(m.remedy == "delay it: {from: track.forecast, delay: 1}" for m in caught.value.mistakes)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,7 @@ from tests.plugins.balls.scene import blobs_of, forecast_at, make_room
 
 from followspot.messages import Array, seal
 from followspot.stage import Context
-from followspot.tracking import Blobs, Candidates, Forecast
+from followspot.tracking import MISSING, TRACKED, Blobs, Candidates, Forecast
 from followspot_balls.associate import Associate
 from followspot_balls.hypotheses import hypotheses
 from followspot_balls.triangulate import Triangulate
@@ -24,7 +25,9 @@ COLOR, INFRARED = ("cam0", "cam2"), ("cam1", "cam3")
 EVERYWHERE = (*COLOR, *INFRARED)
 
 
-def views(shown: dict[Place, tuple[str, ...]], targets: list[list[bool]] | None = None) -> tuple[Blobs, ...]:
+def views(
+    shown: Mapping[Place, tuple[str, ...]], targets: list[list[bool]] | None = None
+) -> tuple[Blobs, ...]:
     """Blobs of places in those cameras that show them. Infrared blobs may be anyone's."""
     made = []
     for name, camera in ROOM.cameras.items():
@@ -35,7 +38,7 @@ def views(shown: dict[Place, tuple[str, ...]], targets: list[list[bool]] | None 
     return tuple(made)
 
 
-def stage(**params: float) -> Associate:
+def stage(**params: float | str) -> Associate:
     made = Associate(Context(room=ROOM), **params)
     made.setup()
     return made
@@ -169,7 +172,13 @@ def test_a_frame_that_speaks_against_a_track_by_blobs_that_hardly_fit_leaves_it_
         seal(replace(b, xy=b.xy + np.array(off.get(b.camera, (0.0, 0.0))), area=np.full(len(b.area), 2.0)))
         for b in two
     )
-    for rule, left in (({}, 0), ({"least_evidence": -100.0}, 1), ({"least_fit": -100.0}, 1)):
+    rules: tuple[tuple[dict[str, float | str], int], ...] = (
+        ({}, 0),
+        ({"least_evidence": -100.0}, 1),
+        ({"least_fit": -100.0}, 1),
+        ({"weighed": "poor"}, 1),
+    )
+    for rule, left in rules:
         associate = stage(**rule)
         for _ in range(5):
             associated(associate, views({BALL: EVERYWHERE}), there)
@@ -230,6 +239,77 @@ def test_unknown_numbers_spoil_nothing() -> None:
         assert np.isfinite(left).all()
         assert np.isfinite([one.odds for one in associate.existence]).all()
         assert np.isfinite(associate.shown).all()
+
+
+def test_a_light_on_the_ray_of_the_last_view_does_not_take_the_ball_along() -> None:
+    """cam0 and cam1 see the ball, cam2 a light on the ray from cam1 through it; then cam0 is covered."""
+    eye = ROOM.cameras["cam1"].center
+    ray = np.array(BALL) - eye
+    light: Place = tuple(BALL + 0.22 * ray / np.linalg.norm(ray))
+    for weighed in ("poor", "all"):
+        associate, there = stage(weighed=weighed), forecast_at([BALL, (-1, 0, 0.5)])
+        for _ in range(8):
+            found = red(associated(associate, views({BALL: ("cam0", "cam1"), light: ("cam2",)}), there))
+            assert found == pytest.approx(np.array([BALL]), abs=1e-6)
+        before = candidates_of(views({BALL: ("cam1",), light: ("cam2",)}), there)
+        assert np.linalg.norm(red(before) - BALL, axis=1) == pytest.approx([0.22], abs=1e-3)
+        assert not len(red(associate.process(before, there)))
+
+
+def test_three_candidates_at_the_forecast_settle_where_a_target_is() -> None:
+    """Then the fusion chooses among all candidates; fewer leave it those of the likeliest place."""
+    beside = (BALL[0] - 0.12, BALL[1] + 0.05, BALL[2])
+    there = forecast_at([BALL, (-1, 0, 0.5)])
+    for cameras, settled in ((("cam0", "cam1", "cam3"), True), (("cam0", "cam1"), False)):
+        twice = candidates_of(views({BALL: cameras, beside: ("cam0", "cam1")}), there)
+        assert len(red(twice)) > len(red(stage(weighed="all").process(twice, there)))
+        left = stage(weighed="poor").process(twice, there)
+        assert (left is twice) == settled
+        assert np.linalg.norm(red(left) - BALL, axis=1).min() < 1e-6
+
+
+def test_what_settles_a_place_is_near_the_forecast_and_shows_its_colour() -> None:
+    associate = stage(weighed="poor")
+    found = candidates_of(views({BALL: ("cam0", "cam1", "cam3")}))
+    colorless = seal(replace(found, labelled=np.zeros_like(found.labelled)))
+    exact, aside = forecast_at([BALL, (-1, 0, 0.5)]), (BALL[0] + 0.05, BALL[1], BALL[2])
+    assert associate.settled(found, exact).tolist() == [True, False]
+    assert associate.settled(colorless, exact).tolist() == [False, False]
+    for sigma, settled in ((0.01, False), (0.02, True)):
+        assert associate.settled(found, forecast_at([aside, (-1, 0, 0.5)], sigma))[0] == settled
+
+
+def test_of_sought_targets_all_candidates_stay_if_poor_ones_are_weighed() -> None:
+    associate = stage(weighed="poor")
+    paint = candidates_of(views({PATCH: COLOR}))
+    assert associate.process(paint, None) is paint
+    tracked = forecast_at([BALL, (-1, 0, 0.5)])
+    for _ in range(4):
+        associated(associate, views({BALL: INFRARED}), tracked)
+    assert associate.existence[0].odds < 0
+    missing = seal(replace(tracked, state=np.array([MISSING, TRACKED], np.uint8)))
+    assert associate.process(paint, missing) is paint
+    assert associate.existence[0].odds == 0
+
+
+def test_a_poor_track_on_a_reflector_goes_silent_and_one_in_its_colour_stays() -> None:
+    """No frame alone ends it. What colour cameras alone show may be a ball on the floor."""
+    for cameras, ends in ((INFRARED, True), (COLOR, False)):
+        associate, there = stage(weighed="poor"), forecast_at([PATCH, (-1, 0, 0.5)])
+        left = [len(red(associated(associate, views({PATCH: cameras}), there))) for _ in range(30)]
+        assert left[0] == 1
+        assert (0 in left) == ends
+        assert not ends or (left.index(0) <= 15 and not any(left[left.index(0) :]))
+
+
+def test_depth_cameras_leave_all_candidates_as_they_are() -> None:
+    reflector, there = candidates_of(views({PATCH: INFRARED})), forecast_at([PATCH, (-1, 0, 0.5)])
+    for kind in ("depth", "color"):
+        cameras = {n: replace(c, kind=kind if n == "cam0" else c.kind) for n, c in ROOM.cameras.items()}
+        associate = Associate(Context(room=replace(ROOM, cameras=cameras)), weighed="poor")
+        associate.setup()
+        left = [len(associate.process(reflector, there).xyz) for _ in range(30)]
+        assert (left[-1] > 0) == (kind == "depth")
 
 
 def test_nothing_seen_is_nothing_found_and_the_state_comes_back() -> None:

@@ -17,6 +17,7 @@ from followspot_balls.likelihood import (
     information,
     likeliest,
     precision,
+    reflector_ratio,
     view_ratios,
 )
 
@@ -153,3 +154,10 @@ def test_paint_and_reflectors_explain_the_views_of_their_kind_by_their_own_chanc
     chance = np.array([[-5.0], [-1.0], [-3.0]])
     assert ball_ratio(np.array([[9.0, 9, -1, -1]]), COLOR, chance, 1.0) == pytest.approx(-3.0, abs=1e-3)
     assert ball_ratio(np.array([[-1.0, -1, 9, 9]]), COLOR, chance, 1.0) == pytest.approx(-5.0, abs=1e-3)
+
+
+def test_against_a_reflector_colour_cameras_alone_tell_a_ball_if_there_are_any() -> None:
+    views, chance = np.array([[2.0, 1.0, -4.0, -5.0]]), np.array([[-0.5], [-0.25], [-0.125]])
+    assert reflector_ratio(views, COLOR, chance) == pytest.approx([2.875])
+    for color in (np.ones(4, bool), np.zeros(4, bool)):
+        assert reflector_ratio(views, color, chance) == pytest.approx([-6.5])

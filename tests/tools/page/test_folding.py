@@ -31,7 +31,18 @@ stages:
 LABEL = "querySelector('b').firstChild.textContent"
 SEEN = "[...document.querySelectorAll('#pipeline li > button')].filter((b) => b.checkVisibility())"
 CARDS = f"{SEEN}.map((b) => b.{LABEL})"
-INNER = ["camera", "color", "infrared", "verify", "triangulate", "fuse", "bridge", "track", "save"]
+INNER = [
+    "camera",
+    "color",
+    "infrared",
+    "verify",
+    "triangulate",
+    "associate",
+    "fuse",
+    "bridge",
+    "track",
+    "save",
+]
 
 
 Opened = tuple[Shown, Browser]

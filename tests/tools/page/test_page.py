@@ -200,6 +200,7 @@ def test_a_parameter_is_set_and_a_stage_swapped_from_the_page(page: Shown) -> No
             "infrared",
             "verify",
             "triangulate",
+            "associate",
             "fuse",
             "bridge",
             "track",

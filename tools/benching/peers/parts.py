@@ -122,17 +122,18 @@ class Fusion:
         self._told = Told(order)
         self.cameras = list(plan.room.cameras)
         by_name = {stage.group: stage for stage in plan.stages}
-        names = ("verify", "triangulate", "fuse", "bridge", "track")
+        names = ("verify", "triangulate", "associate", "fuse", "bridge", "track")
         self._stages: list[Any] = [_made(plan, by_name[name]) for name in names]
         self.forecast: Forecast | None = None
 
     def fuse(self, blobs: Sequence[Blobs]) -> Forecast:
         """Track the targets of one frame set; blobs: in the order of the cameras. Returns the forecast."""
-        verify, triangulate, fuse, bridge, track = self._stages
+        verify, triangulate, associate, fuse, bridge, track = self._stages
         before, header = self.forecast, blobs[0].header
         pairs = _sent(verify.process(blobs, before), header)
         candidates = _sent(triangulate.process(pairs, before), header)
-        positions = _sent(fuse.process(candidates, before), header)
+        likely = _sent(associate.process(candidates, before), header)
+        positions = _sent(fuse.process(likely, before), header)
         bridged = _sent(bridge.process(positions, blobs, before), header)
         found = track.process(bridged)
         self._told.tracks(_sent(found.tracks, header))
