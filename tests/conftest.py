@@ -1,8 +1,11 @@
 """Tests import what they share by its path: ``from tests.integration.hosts import Hosts``."""
 
 import gc
+import os
 import sys
 from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # called stages give the bits of workers
 
 import hypothesis
 import pytest

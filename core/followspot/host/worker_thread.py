@@ -10,6 +10,7 @@ import threading
 from followspot.control.pipe import Channel, ChannelClosed
 from followspot.control.worker_orders import ORDERS
 from followspot.log.collector import collecting
+from followspot.worker.blas_limit import ONE_BLAS_THREAD
 from followspot.worker.main import WorkerMain
 
 
@@ -41,7 +42,7 @@ class WorkerThread:
     def _run(self) -> None:
         code = 1
         try:
-            with collecting(self.main.log):
+            with ONE_BLAS_THREAD, collecting(self.main.log):
                 self.main.live()
             code = 0
         except ChannelClosed:

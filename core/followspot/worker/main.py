@@ -34,6 +34,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.ship import plan_from_data
 from followspot.log.collector import LogCollector, collecting
 from followspot.plugins.registry import use_plugin_files
+from followspot.worker.blas_limit import ONE_BLAS_THREAD
 from followspot.worker.build import Builder, NoLinks, build_worker
 from followspot.worker.clock import Clock
 from followspot.worker.edge_links import EdgeLinks, rows_of, uses_zenoh
@@ -276,7 +277,7 @@ def run_worker(descriptor: int) -> int:
     channel = Channel(socket.socket(fileno=descriptor), ORDERS)
     worker = WorkerMain(channel)
     try:
-        with collecting(worker.log):
+        with collecting(worker.log), ONE_BLAS_THREAD:
             worker.live()
     except ChannelClosed:
         return 1
