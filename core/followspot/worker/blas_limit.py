@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from threading import Lock
+from typing import Any
 
 from threadpoolctl import threadpool_limits
 
@@ -20,7 +21,7 @@ class BlasLimit:
     def __init__(self) -> None:
         self._guard = Lock()
         self._workers = 0
-        self._limits: threadpool_limits | None = None
+        self._limits: Any = None
         self._before: str | None = None
 
     def __enter__(self) -> None:
