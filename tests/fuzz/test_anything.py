@@ -23,7 +23,7 @@ from followspot.control.tapping import PlaceTaps
 from followspot.document import parse
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.load import load
-from followspot.graph.ship import plan_from_data
+from followspot.graph.plan_data import plan_from_data
 from followspot.messages import Header, InvalidMessage, Message, seal, stamped
 from followspot.room_form import room_of
 from followspot.security.request_guard import Asked, Rejected, RequestGuard

@@ -26,7 +26,7 @@ from tests.tools.page.bundled import bundle
 from websockets.sync.client import ClientConnection, connect
 
 from followspot.graph.compile import compile_graph
-from followspot.operator.report import RunReport
+from followspot.operator.reporting.report import RunReport
 from followspot.worker.ledger import EdgeCount
 from followspot_dashboard.gate import SOCKET, make_gate
 from followspot_page.taps import shown_ports, tappings

@@ -11,7 +11,7 @@ from tests.integration.running import STAGES, Finished, finish, run, start, wait
 
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
-from followspot.operator.truth import room_truth
+from followspot.operator.reporting.truth import room_truth
 
 GRAPHS = Path(__file__).parents[2] / "graphs"
 FPS = 0.01

@@ -21,8 +21,8 @@ from tests.integration.hosts import Agent, near_agent
 from tests.integration.running import STAGES, Finished, finished, start, wait_until, workers, write_graph
 from tests.tools.page.bundled import bundle
 
-from followspot.operator import remote_host
 from followspot.operator.attach import Attachment, attached
+from followspot.operator.remote import remote_host
 from followspot.transport.zenoh.network import Network
 
 LIVE = """

@@ -18,13 +18,13 @@ from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import UNKNOWN
-from followspot.worker.input_queue import UNCHANGED, InputQueue
-from followspot.worker.join import Join
+from followspot.worker.inputs.input_queue import UNCHANGED, InputQueue
+from followspot.worker.inputs.join import Join
 from followspot.worker.ledger import DROPPED, LATE, UNMATCHED, EdgeCount, Ledger
 from followspot.worker.output_port import OutputPort
 from followspot.worker.pace import Pace
+from followspot.worker.runners.stage_runner import StageRunner
 from followspot.worker.scheduler import Worker
-from followspot.worker.stage_runner import StageRunner
 
 NEAR, LEFT, RIGHT, LOOSE = EDGES = range(4)
 """Edges: one within the worker, two over a ring that they share, one that drops, over a ring of its own."""

@@ -23,8 +23,8 @@ from followspot.stage import Context, Source, Stage
 from followspot.tracking import LOST, Forecast, Frame, Positions, Tracks
 from followspot.worker.build import build_worker
 from followspot.worker.ledger import Ledger
-from followspot.worker.source import SourceRunner
-from followspot.worker.stage_runner import StageRunner
+from followspot.worker.runners.source import SourceRunner
+from followspot.worker.runners.stage_runner import StageRunner
 from followspot.worker.wiring import RunOptions, Wiring
 
 Shots = Mapping[str, Sequence[Frame]]

@@ -19,7 +19,7 @@ from followspot.control.plan_transfer import packed, unpacked
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
-from followspot.graph.ship import plan_from_data
+from followspot.graph.plan_data import plan_from_data
 from followspot.security.grants import Grants
 from followspot.security.request_guard import FORMAT, Asked, RequestGuard
 from followspot.transport.host_registry import read_host_registry

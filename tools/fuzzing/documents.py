@@ -22,10 +22,10 @@ import yaml
 
 from followspot.cli.main import main
 from followspot.errors import FollowspotError
-from followspot.graph import show
 from followspot.graph.compile import compile_graph
+from followspot.graph.drawing import text as show
 from followspot.graph.plan import Plan
-from followspot.graph.ship import plan_from_data, plan_to_data
+from followspot.graph.plan_data import plan_from_data, plan_to_data
 from followspot.operator.launch import run_plan
 from followspot.plugins.registry import load_stage
 from followspot.worker.wiring import RunOptions

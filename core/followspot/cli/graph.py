@@ -36,12 +36,12 @@ def _run(args: argparse.Namespace) -> int:
       followspot graph graphs/show.yaml --origin               which file says what
       followspot graph graphs/show.yaml --parameters           what graph, room and --set change
     """
-    from followspot.graph import show
     from followspot.graph.compose.flat import flat_text
     from followspot.graph.compose.origin import origin_text
-    from followspot.graph.given import given_text
+    from followspot.graph.drawing import text as show
     from followspot.graph.load import composed_graph
-    from followspot.graph.ship import plan_to_data
+    from followspot.graph.parameter_origin import given_text
+    from followspot.graph.plan_data import plan_to_data
 
     if args.parameters:
         print(given_text(checked_of(args)), end="")

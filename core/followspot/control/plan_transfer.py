@@ -10,7 +10,7 @@ from typing import Any
 from followspot.errors import FollowspotError
 from followspot.graph.parameters import path_parameters
 from followspot.graph.plan import Plan, PlannedStage
-from followspot.graph.ship import plan_from_data, plan_to_data
+from followspot.graph.plan_data import plan_from_data, plan_to_data
 from followspot.plugins.registry import load_stage
 from followspot.security.grants import Grants
 from followspot.stage_params import PathIn, PathOut

@@ -8,8 +8,8 @@ from typing import Literal
 from followspot.graph.check import Checked
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.cycles import cyclic, successors, topological
-from followspot.graph.given import kept, origins
 from followspot.graph.instances import CheckedStage
+from followspot.graph.parameter_origin import kept, origins
 from followspot.graph.placement import Placed
 from followspot.graph.plan import (
     DEPTHS,

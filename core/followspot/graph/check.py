@@ -8,18 +8,18 @@ from typing import Any
 
 from followspot.document import Node, child
 from followspot.errors import Mistake, Place, did_you_mean
+from followspot.graph.camera_kind import gives_picture
+from followspot.graph.checks.files import check_files
+from followspot.graph.checks.left_out import unserved_wires
+from followspot.graph.checks.reproducibility import risks
+from followspot.graph.checks.warnings import warnings
 from followspot.graph.connections import CheckedEdge, check_cycles, check_lagged_cycles, check_types, connect
 from followspot.graph.expand import Expanded
-from followspot.graph.file_check import check_files
 from followspot.graph.instances import CheckedStage, Instance
 from followspot.graph.parameters import output_paths, validated
-from followspot.graph.picture_form import gives_picture
-from followspot.graph.reproducibility import risks
 from followspot.graph.sampling import sampled_cycles
 from followspot.graph.subgraph_ports import subgraph_ports
 from followspot.graph.subgraph_use import SubgraphUse
-from followspot.graph.unserved import unserved_wires
-from followspot.graph.warnings import warnings
 from followspot.plugins.hooks import load_scorers
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.ports import ports

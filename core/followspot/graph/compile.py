@@ -9,12 +9,12 @@ from pathlib import Path
 from followspot.errors import FollowspotError, InputError, Mistake, Place
 from followspot.graph.arrange import EdgeChoice, plan
 from followspot.graph.check import Checked, check
+from followspot.graph.checks.interfaces import check_interface
+from followspot.graph.distinct_mistakes import told_once
 from followspot.graph.expand import expand
-from followspot.graph.interface_check import check_interface
 from followspot.graph.load import Loaded, load
 from followspot.graph.placement import Placed, place
 from followspot.graph.plan import Plan, Written
-from followspot.graph.told_once import told_once
 from followspot.graph.tune import tuned
 from followspot.plugins.registry import use_plugin_files
 

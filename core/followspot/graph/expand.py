@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from followspot.document import Node, child
 from followspot.errors import Mistake, Place
 from followspot.graph.absent import absent, lack
+from followspot.graph.camera_kind import source_for
 from followspot.graph.declaration import ROOM_SOURCE, StageDeclaration
 from followspot.graph.instances import ANY, Groups, Instance, Wire
 from followspot.graph.load import Loaded
-from followspot.graph.picture_form import source_for
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.graph.wiring import Wiring
 from followspot.room import Member, Room

@@ -11,10 +11,10 @@ from types import MappingProxyType
 from followspot.document import Node, child, read
 from followspot.errors import InputError, Mistake, Place, did_you_mean
 from followspot.form import Form, is_name, kind_of
-from followspot.graph.auto import Measured, auto, check_measured, cores_here, unkept
-from followspot.graph.auto_placement import AIMS
+from followspot.graph.auto_placement.costs import MEASURE, read_costs
+from followspot.graph.auto_placement.measured import Measured, auto, check_measured, cores_here, unkept
+from followspot.graph.auto_placement.search import AIMS
 from followspot.graph.budget import Budget, read_budgets
-from followspot.graph.costs import MEASURE, read_costs
 from followspot.graph.expand import Expanded
 from followspot.graph.names import enclosing
 from followspot.graph.plan import PlannedWorker

@@ -30,8 +30,8 @@ from followspot.control.swap import ChangeOrder
 from followspot.control.worker_orders import RELAYED
 from followspot.control.zenoh_rpc import RpcClient, RpcServer, agents
 from followspot.errors import FollowspotError
-from followspot.graph.change import with_stages
-from followspot.graph.ship import plan_from_data, plan_to_data
+from followspot.graph.change.stages import with_stages
+from followspot.graph.plan_data import plan_from_data, plan_to_data
 from followspot.host.agent_run import AgentRun
 from followspot.host.agent_runs import AgentRuns
 from followspot.host.clocks.host import HostClock, read_clock

@@ -20,7 +20,7 @@ from followspot.control.observation import GetHostStatus, GetLog, GetStates
 from followspot.control.swap import ChangeOrder, ChangeStatus
 from followspot.control.worker_orders import RELAYED, SetClock
 from followspot.graph.plan import MAX_NEW_EDGES, Plan
-from followspot.graph.ship import plan_from_data
+from followspot.graph.plan_data import plan_from_data
 from followspot.host.clocks.host import HostClock, reference
 from followspot.host.hot_swap import HostSwaps
 from followspot.host.ledger_file import ledger_memory

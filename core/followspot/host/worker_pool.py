@@ -15,10 +15,10 @@ from followspot.control.swap import ChangeStatus
 from followspot.control.worker_messages import Change, Log, State
 from followspot.control.worker_orders import BuildWorker, TakeRing
 from followspot.errors import FollowspotError
-from followspot.graph.change import with_stages
-from followspot.graph.move import host_workers
+from followspot.graph.change.move import host_workers
+from followspot.graph.change.stages import with_stages
 from followspot.graph.plan import MAX_NEW_EDGES, Plan, PlannedStage
-from followspot.graph.ship import plan_from_data, plan_to_data
+from followspot.graph.plan_data import plan_from_data, plan_to_data
 from followspot.host.rings import RingEnd, Rings
 from followspot.host.worker_process import WorkerProcess
 from followspot.host.worker_starts import WorkerStarts

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from followspot.control.progress import OnProgress, Progress
 from followspot.operator.launch import run_plan
-from followspot.operator.report import RunReport
-from followspot.operator.scored import scored_file
-from followspot.operator.truth import (
+from followspot.operator.reporting.report import RunReport
+from followspot.operator.reporting.scored import scored_file
+from followspot.operator.reporting.truth import (
     room_truth,
     run_scores,
 )

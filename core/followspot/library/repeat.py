@@ -21,13 +21,13 @@ from followspot.ports import InputSpec, ports
 from followspot.stage import Context, Stage
 from followspot.transport.codec import unpack
 from followspot.worker.build import RUNNERS
-from followspot.worker.deferred_runner import DeferredRunner
-from followspot.worker.error_policy import StageError
+from followspot.worker.inputs.recorded_join import RecordedFiring, RecordedJoin
 from followspot.worker.journal import Checkpoint, NotedInput
-from followspot.worker.lagged_runner import LaggedRunner
 from followspot.worker.output_port import OutputPort
-from followspot.worker.recorded_join import RecordedFiring, RecordedJoin
-from followspot.worker.stage_runner import StageRunner
+from followspot.worker.runners.deferred_runner import DeferredRunner
+from followspot.worker.runners.error_policy import StageError
+from followspot.worker.runners.lagged_runner import LaggedRunner
+from followspot.worker.runners.stage_runner import StageRunner
 
 __all__ = ["Checkpoint", "Given", "Repetition", "Unrepeatable", "checkpoint_in", "held_in", "missing_in"]
 

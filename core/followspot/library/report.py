@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from followspot.library.table import Table
-from followspot.operator import summary
-from followspot.operator.report import RunReport
-from followspot.operator.silence import Silence
+from followspot.operator.reporting import summary
+from followspot.operator.reporting.report import RunReport
+from followspot.operator.reporting.silence import Silence
 from followspot.scoring import Score
 from followspot.worker.ledger import COUNTS, SOURCE_LOSSES
 

@@ -25,10 +25,10 @@ from followspot.library.subscribed import Subscribed
 from followspot.library.subscription import Subscription
 from followspot.operator.coordinator import Coordinator
 from followspot.operator.launch import prepared
-from followspot.operator.report import RunReport
+from followspot.operator.reporting.report import RunReport
+from followspot.operator.reporting.truth import run_scores
 from followspot.operator.run_dispatcher import run_dispatcher
 from followspot.operator.run_requests import Surroundings
-from followspot.operator.truth import run_scores
 from followspot.transport.zenoh.network import Network
 from followspot.worker.wiring import RunOptions
 

@@ -14,14 +14,14 @@ from followspot.control.lifecycle import GetOrder, ListedRun, ListRuns, StopRun
 from followspot.control.progress import OnProgress
 from followspot.control.zenoh_rpc import RpcClient, agents
 from followspot.errors import FollowspotError, InputError
-from followspot.graph.change import with_stages
+from followspot.graph.change.stages import with_stages
 from followspot.graph.plan import Plan
-from followspot.graph.ship import plan_from_data
+from followspot.graph.plan_data import plan_from_data
 from followspot.operator.chosen import Listed, chosen, names
 from followspot.operator.coordinator import Coordinator, order_of
 from followspot.operator.discovery import Agents, await_named, discovered_hosts, operator_session
-from followspot.operator.remote_host import RemoteHost
-from followspot.operator.report import RunReport
+from followspot.operator.remote.remote_host import RemoteHost
+from followspot.operator.reporting.report import RunReport
 from followspot.operator.run_dispatcher import run_dispatcher
 from followspot.operator.run_handle import RunHandle
 from followspot.operator.run_requests import Surroundings

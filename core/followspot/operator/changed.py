@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from followspot.graph.change import Change
-from followspot.graph.move import anew
-from followspot.graph.not_taken import not_taken_over
+from followspot.graph.change.move import anew
+from followspot.graph.change.stages import Change
+from followspot.graph.change.subgraph_change import BY_A_CHANGE
+from followspot.graph.change.values_left import not_taken_over
 from followspot.graph.plan import Plan, PlannedStage
-from followspot.graph.subgraph_change import BY_A_CHANGE
 
 
 @dataclass(frozen=True)

@@ -17,13 +17,13 @@ from followspot.control.worker_orders import EndSensors
 from followspot.errors import FollowspotError
 from followspot.graph.frame_count import accompanying_sources
 from followspot.graph.plan import Plan
-from followspot.graph.ship import plan_to_data
+from followspot.graph.plan_data import plan_to_data
 from followspot.host.clocks.host import reference
 from followspot.log.merged import MergedLog
 from followspot.log.record import Level, LogPage
 from followspot.log.run_log import OnLog
 from followspot.operator.budgets import BudgetWatch
-from followspot.operator.report import RunReport
+from followspot.operator.reporting.report import RunReport
 from followspot.operator.run_status import RunStatus
 from followspot.operator.run_view import RunView
 from followspot.operator.sensor_end import order_at_end, order_at_start

@@ -16,7 +16,7 @@ from followspot.errors import InputError, Mistake
 from followspot.graph.plan import Plan
 from followspot.host.clocks.host import HostClock
 from followspot.host.local_host import LocalHost
-from followspot.operator.remote_host import RemoteHost
+from followspot.operator.remote.remote_host import RemoteHost
 from followspot.transport.zenoh.network import Network
 from followspot.transport.zenoh.session import close_session, connected, locators
 

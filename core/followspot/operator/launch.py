@@ -16,7 +16,7 @@ from followspot.graph.plan import Plan
 from followspot.host.local_host import LocalHost
 from followspot.log.run_log import OnLog
 from followspot.operator.coordinator import Coordinator, order_of
-from followspot.operator.report import RunReport
+from followspot.operator.reporting.report import RunReport
 from followspot.operator.run_dispatcher import run_dispatcher
 from followspot.operator.run_requests import Surroundings
 from followspot.transport.zenoh.network import Network

@@ -10,11 +10,11 @@ from followspot.control.dispatch import Dispatcher
 from followspot.control.lifecycle import StopRun
 from followspot.control.observation import GetLog
 from followspot.control.worker_orders import RELAYED
-from followspot.graph.ship import plan_to_data
+from followspot.graph.plan_data import plan_to_data
+from followspot.operator.change.hot_swap import change_stages
+from followspot.operator.change.move import move_stages
 from followspot.operator.coordinator import Coordinator
-from followspot.operator.hot_swap import change_stages
 from followspot.operator.marks import Marks
-from followspot.operator.move import move_stages
 from followspot.operator.run_requests import (
     ChangeStages,
     ExchangeMarks,

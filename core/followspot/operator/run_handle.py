@@ -16,7 +16,7 @@ from followspot.control.tapping import PlaceTaps, RemoveTaps, Tapping
 from followspot.control.worker_orders import HoldSources
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
-from followspot.graph.ship import plan_from_data
+from followspot.graph.plan_data import plan_from_data
 from followspot.log.record import LogPage
 from followspot.operator.changed import Changed, Moved
 from followspot.operator.marking import kept, mark

@@ -12,7 +12,7 @@ from followspot.control.worker_report import WorkerReport
 from followspot.graph.plan import Plan
 from followspot.host.heartbeat import SILENCE
 from followspot.operator.budgets import missed, overruns
-from followspot.operator.report import RunReport, merge, summed
+from followspot.operator.reporting.report import RunReport, merge, summed
 from followspot.operator.run_status import RunStatus, SeenHost, faults
 from followspot.worker.ledger import COLUMNS, Ledger
 

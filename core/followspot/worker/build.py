@@ -19,19 +19,19 @@ from followspot.ports import Giving, InputSpec
 from followspot.stage import Context, SourceLoss
 from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.token import ABSENT
-from followspot.worker.deferred_runner import DeferredRunner
-from followspot.worker.input_queue import UNCHANGED, InputQueue
-from followspot.worker.join import Join, JoinInput
-from followspot.worker.lagged_runner import LaggedRunner
+from followspot.worker.inputs.input_queue import UNCHANGED, InputQueue
+from followspot.worker.inputs.join import Join, JoinInput
+from followspot.worker.inputs.sampled_input import NearestInput, NewestInput, SampledInput, WindowInput
 from followspot.worker.ledger import LOST, Ledger
-from followspot.worker.live_source import LiveSourceRunner
 from followspot.worker.output_port import OutputPort
-from followspot.worker.outputs_runner import OutputsRunner
 from followspot.worker.pace import Pace
-from followspot.worker.sampled_input import NearestInput, NewestInput, SampledInput, WindowInput
+from followspot.worker.runners.deferred_runner import DeferredRunner
+from followspot.worker.runners.lagged_runner import LaggedRunner
+from followspot.worker.runners.live_source import LiveSourceRunner
+from followspot.worker.runners.outputs_runner import OutputsRunner
+from followspot.worker.runners.source import SourceRunner
+from followspot.worker.runners.stage_runner import StageRunner
 from followspot.worker.scheduler import Worker
-from followspot.worker.source import SourceRunner
-from followspot.worker.stage_runner import StageRunner
 from followspot.worker.wiring import RunOptions, Wiring
 
 RUNNERS: Mapping[Giving, type[StageRunner]] = {

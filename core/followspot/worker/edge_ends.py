@@ -10,8 +10,8 @@ from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import END
-from followspot.worker.input_queue import InputQueue
-from followspot.worker.stage_runner import StageRunner
+from followspot.worker.inputs.input_queue import InputQueue
+from followspot.worker.runners.stage_runner import StageRunner
 
 
 class EdgeEnds:

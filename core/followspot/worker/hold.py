@@ -9,9 +9,9 @@ from followspot.control.dispatch import Handlers
 from followspot.control.stage_status import StageStatus
 from followspot.control.worker_orders import HoldSources
 from followspot.transport.token import END
-from followspot.worker.live_source import LiveSourceRunner
-from followspot.worker.source import SourceRunner
-from followspot.worker.stage_runner import StageRunner
+from followspot.worker.runners.live_source import LiveSourceRunner
+from followspot.worker.runners.source import SourceRunner
+from followspot.worker.runners.stage_runner import StageRunner
 
 
 class SourceHold:

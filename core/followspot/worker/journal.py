@@ -20,10 +20,10 @@ from followspot.firing import FIRINGS, Firing
 from followspot.messages import Header, Message, seal, stamped
 from followspot.stage import Stage
 from followspot.transport.codec import pack
-from followspot.worker.input_queue import InputQueue
-from followspot.worker.join import Join, JoinInput
+from followspot.worker.inputs.input_queue import InputQueue
+from followspot.worker.inputs.join import Join, JoinInput
+from followspot.worker.inputs.sampled_input import NearestInput, NewestInput, WindowInput
 from followspot.worker.output_port import OutputPort
-from followspot.worker.sampled_input import NearestInput, NewestInput, WindowInput
 
 Role = Literal["member", "window", "sampled"]
 _INTERVAL = 1_000_000_000

@@ -31,28 +31,28 @@ from followspot.control.worker_orders import (
     TakeRing,
 )
 from followspot.errors import FollowspotError
-from followspot.graph.ship import plan_from_data
+from followspot.graph.plan_data import plan_from_data
 from followspot.log.collector import LogCollector, collecting
 from followspot.plugins.registry import use_plugin_files
 from followspot.worker.blas_limit import ONE_BLAS_THREAD
 from followspot.worker.build import Builder, NoLinks, build_worker
+from followspot.worker.change.hot_swap import HotSwap
+from followspot.worker.change.rewiring import Rewiring
+from followspot.worker.change.trial import try_out
 from followspot.worker.clock import Clock
 from followspot.worker.edge_links import EdgeLinks, rows_of, uses_zenoh
-from followspot.worker.host_reporter import HostReporter
-from followspot.worker.hot_swap import HotSwap
 from followspot.worker.ledger import Ledger
 from followspot.worker.orders import Orders
 from followspot.worker.os_scheduling import apply_scheduling
-from followspot.worker.report import Warnings, missing, worker_report
-from followspot.worker.rewiring import Rewiring
+from followspot.worker.reporting.host_reporter import HostReporter
+from followspot.worker.reporting.report import Warnings, missing, worker_report
+from followspot.worker.runners.stage_runner import StageRunner
 from followspot.worker.scheduler import Worker
-from followspot.worker.stage_runner import StageRunner
-from followspot.worker.taps import WorkerTaps
-from followspot.worker.trial import try_out
+from followspot.worker.taps.worker_taps import WorkerTaps
 from followspot.worker.wiring import RunOptions, Wiring
 
 if TYPE_CHECKING:
-    from followspot.worker.published_ports import PublishedPort
+    from followspot.worker.taps.published_ports import PublishedPort
 
 _REMINDER = 0.5
 """Seconds between two announcements, at the barrier, that the ends of edges here exist."""
@@ -178,7 +178,7 @@ class WorkerMain:
         assert self.worker is not None
         assert self.links is not None
         if self.links.session is not None:
-            from followspot.worker.published_ports import published
+            from followspot.worker.taps.published_ports import published
 
             self.published = published(self.links, self.worker, self.worker.runners)
         answer = self.reporter.send_change
@@ -232,7 +232,7 @@ class WorkerMain:
         for runner in new:
             self.warnings.begin(runner.name)
         if self.links.session is not None:
-            from followspot.worker.published_ports import published
+            from followspot.worker.taps.published_ports import published
 
             self.published += published(self.links, self.worker, new)
 

@@ -11,7 +11,7 @@ from followspot.stage import SourceLoss
 from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.edge import PortWriter
 from followspot.transport.token import ABSENT, END, UNKNOWN, Watermark
-from followspot.worker.input_queue import InputQueue
+from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.ledger import (
     AWAY,
     FILLED,
@@ -77,7 +77,7 @@ class OutputPort:
         self.counts = True
         """Whether `send` counts messages as produced; a live source counts them in its thread."""
         self.taps: tuple[Callable[[Message], None], ...] = ()
-        """Called with every message; see `followspot.worker.tapping`."""
+        """Called with every message; see `followspot.worker.taps.port_taps`."""
         self.filled = False
         """Whether a message that was sent had rows."""
         self.watermark = -END

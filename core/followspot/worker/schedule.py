@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from heapq import heappop, heappush
 
-from followspot.worker.batch_group import BatchGroup, batch_groups
-from followspot.worker.input_queue import InputQueue
-from followspot.worker.stage_runner import StageRunner
+from followspot.worker.inputs.input_queue import InputQueue
+from followspot.worker.runners.batch_group import BatchGroup, batch_groups
+from followspot.worker.runners.stage_runner import StageRunner
 
 _FIRINGS = 32
 """Most firings before the worker looks at what other workers sent."""

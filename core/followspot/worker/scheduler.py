@@ -18,15 +18,15 @@ from followspot.control.lifecycle import StopRun
 from followspot.control.progress import Progress
 from followspot.transport.edge import PortWriter
 from followspot.transport.wakeup_event import WakeupEvent
-from followspot.worker.deferred_runner import DeferredRunner
 from followspot.worker.edge_ends import EdgeEnds
-from followspot.worker.error_policy import StageError
-from followspot.worker.input_queue import InputQueue
-from followspot.worker.live_source import LiveSourceRunner
+from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.pace import Pace
+from followspot.worker.runners.deferred_runner import DeferredRunner
+from followspot.worker.runners.error_policy import StageError
+from followspot.worker.runners.live_source import LiveSourceRunner
+from followspot.worker.runners.stage_runner import StageRunner
 from followspot.worker.schedule import Schedule
 from followspot.worker.sources import Sources
-from followspot.worker.stage_runner import StageRunner
 from followspot.worker.stuck import StuckError
 
 _LONGEST_SLEEP_MS = 100

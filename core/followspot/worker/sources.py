@@ -9,9 +9,9 @@ from followspot.control.dispatch import Handlers
 from followspot.control.worker_orders import EndSensors
 from followspot.transport.token import END
 from followspot.worker.hold import SourceHold
-from followspot.worker.live_source import LiveSourceRunner
-from followspot.worker.source import SourceRunner
-from followspot.worker.stage_runner import StageRunner
+from followspot.worker.runners.live_source import LiveSourceRunner
+from followspot.worker.runners.source import SourceRunner
+from followspot.worker.runners.stage_runner import StageRunner
 
 _watermark = attrgetter("watermark")
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from followspot.errors import FollowspotError
 from followspot.transport.token import END
-from followspot.worker.stage_runner import StageRunner
+from followspot.worker.runners.stage_runner import StageRunner
 
 
 class StuckError(FollowspotError):

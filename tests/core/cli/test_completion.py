@@ -14,7 +14,7 @@ from followspot.cli.main import main
 from followspot.control.dispatch import Dispatcher
 from followspot.control.unix_socket import serve_requests
 from followspot.graph.compile import compile_graph
-from followspot.graph.ship import plan_to_data
+from followspot.graph.plan_data import plan_to_data
 from followspot.operator.run_requests import GetPlan
 
 ROOT = Path(__file__).parents[3]

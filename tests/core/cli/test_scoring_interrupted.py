@@ -10,7 +10,7 @@ import pytest
 from followspot.cli.main import main
 from followspot.graph.compile import compile_graph
 from followspot.library import execute
-from followspot.operator.report import RunReport, merge
+from followspot.operator.reporting.report import RunReport, merge
 from followspot.worker.ledger import Ledger
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"

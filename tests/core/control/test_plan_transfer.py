@@ -13,7 +13,7 @@ from followspot.control.plan_transfer import packed, unpacked
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedWorker
-from followspot.graph.ship import plan_from_data
+from followspot.graph.plan_data import plan_from_data
 from followspot.room import Room, Sensor, StageUse
 from followspot.security.grants import Grants
 from followspot.testing import tiny_room

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tests.core.graph.files import GRAPH, ROOM, TOY
 
-from followspot.graph.change import change_of
+from followspot.graph.change.stages import change_of
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedStage
 

@@ -12,9 +12,9 @@ from tests.core.graph.test_placement import HERE
 
 from followspot.errors import InputError
 from followspot.graph import placement
-from followspot.graph.auto_placement import Choice, Unit, choose, explained
+from followspot.graph.auto_placement.pipeline_model import HOP_WAIT, HOP_WORK, PipelineModel
+from followspot.graph.auto_placement.search import Choice, Unit, choose, explained
 from followspot.graph.compile import compile_graph
-from followspot.graph.pipeline_model import HOP_WAIT, HOP_WORK, PipelineModel
 from followspot.graph.plan import Plan
 
 CAMERAS = tuple(f"cam{number}" for number in range(4))

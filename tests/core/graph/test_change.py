@@ -10,7 +10,7 @@ from tests.core.graph.composed import planned as composed
 from tests.core.graph.files import TOY, write
 
 from followspot.errors import InputError
-from followspot.graph.change import with_stages
+from followspot.graph.change.stages import with_stages
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 

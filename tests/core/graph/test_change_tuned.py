@@ -10,7 +10,7 @@ from tests.core.graph.files import ROOM, TOY
 from tests.core.graph.test_subgraphs import SHARED
 
 from followspot.errors import InputError
-from followspot.graph.change import change_of
+from followspot.graph.change.stages import change_of
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.operator.changed import changed, with_change

@@ -13,7 +13,7 @@ from tests.core.graph.test_subgraphs import MIDDLE, NESTED, SHARED, TWO
 from followspot.cli.main import main
 from followspot.document import dump, parse, plain
 from followspot.graph.compile import compile_graph
-from followspot.graph.ship import plan_to_data
+from followspot.graph.plan_data import plan_to_data
 
 
 def printed(capsys: pytest.CaptureFixture[str], *words: object) -> str:

@@ -10,7 +10,7 @@ from tests.core.graph.files import ROOM, TOY, write
 from followspot.errors import InputError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
-from followspot.graph.ship import plan_from_data, plan_to_data
+from followspot.graph.plan_data import plan_from_data, plan_to_data
 from followspot.room import Member
 from followspot.stage import Context, Stage
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from followspot.errors import InputError
+from followspot.graph.change.move import anew, moved
 from followspot.graph.compile import compile_graph
-from followspot.graph.move import anew, moved
 from followspot.graph.plan import Plan
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"

@@ -10,9 +10,9 @@ from tests.core.graph.files import TOY
 from tests.core.graph.test_subgraphs import MIDDLE, NESTED, SHARED
 
 from followspot.errors import InputError
-from followspot.graph import show
+from followspot.graph.change.move import moved
 from followspot.graph.compile import compile_graph
-from followspot.graph.move import moved
+from followspot.graph.drawing import text as show
 from followspot.graph.names import subgraphs
 from followspot.graph.output_ports import chosen_ports, output_ports
 

@@ -14,7 +14,7 @@ from followspot.cli.main import main
 from followspot.errors import InputError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
-from followspot.graph.ship import plan_to_data
+from followspot.graph.plan_data import plan_to_data
 
 ROOM = files.ROOM.replace("    host: pc-left\n", "")
 ZONES = ROOM.replace("    kind: color\n", "    kind: color\n    tags: {zone: hall}\n").replace(

@@ -10,7 +10,7 @@ from tests.core.graph.files import ROOM, TOY
 
 from followspot.errors import InputError
 from followspot.graph.compile import compile_graph
-from followspot.graph.ship import plan_to_data
+from followspot.graph.plan_data import plan_to_data
 
 BARE = "extends: graph.yaml\n"
 

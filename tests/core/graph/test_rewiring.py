@@ -13,10 +13,10 @@ from tests.core.graph.test_subgraph_in_place import NESTED, WING, after, by_name
 from tests.core.graph.test_subgraphs import EACH, SHARED, TWO, ZONED
 
 from followspot.errors import FollowspotError, InputError
-from followspot.graph.change import change_of
-from followspot.graph.difference import only_worker
+from followspot.graph.change.difference import only_worker
+from followspot.graph.change.stages import change_of
 from followspot.graph.plan import Plan, PlannedWorker
-from followspot.graph.ship import plan_to_data
+from followspot.graph.plan_data import plan_to_data
 from followspot.host.worker_pool import WorkerPool
 
 SMOOTHED = TRACKER.replace("outputs: {tracks: track.tracks", "outputs: {tracks: second.tracks") + (

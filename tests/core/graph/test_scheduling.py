@@ -10,10 +10,10 @@ from tests.core.graph.test_placement import HERE
 
 from followspot.errors import InputError
 from followspot.graph.compile import compile_graph
+from followspot.graph.drawing.text import text
 from followspot.graph.plan import Plan
+from followspot.graph.plan_data import plan_from_data, plan_to_data
 from followspot.graph.scheduling import Scheduling
-from followspot.graph.ship import plan_from_data, plan_to_data
-from followspot.graph.show import text
 
 
 def planned(folder: Path, said: str) -> Plan:

@@ -9,7 +9,7 @@ from tests.core.graph.composed import TRACKER, planned, write
 from tests.core.graph.test_subgraphs import EACH, SHARED, ZONED
 
 from followspot.errors import InputError
-from followspot.graph.change import change_of
+from followspot.graph.change.stages import change_of
 from followspot.graph.plan import Plan
 from followspot.operator.changed import with_change
 

@@ -14,12 +14,12 @@ import pytest
 from tests.core.graph.files import TOY, write
 
 from followspot.errors import FollowspotError
-from followspot.graph import show
 from followspot.graph.compile import compile_graph
-from followspot.graph.outline import outline
+from followspot.graph.drawing import text as show
+from followspot.graph.drawing.outline import outline
+from followspot.graph.drawing.svg_layout import HEIGHT, Layout, Point, layout
 from followspot.graph.plan import Plan
-from followspot.graph.ship import plan_from_data, plan_to_data
-from followspot.graph.svg_layout import HEIGHT, Layout, Point, layout
+from followspot.graph.plan_data import plan_from_data, plan_to_data
 
 GRAPHS = Path(__file__).parents[3] / "graphs"
 

@@ -14,10 +14,10 @@ from tests.core.graph.test_subgraphs import EACH, SHARED, TWO, ZONED
 
 from followspot.control.plan_transfer import packed
 from followspot.errors import InputError
-from followspot.graph.change import change_of
+from followspot.graph.change.stages import change_of
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedWorker
-from followspot.graph.ship import plan_from_data, plan_to_data
+from followspot.graph.plan_data import plan_from_data, plan_to_data
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.operator.changed import with_change
 

@@ -13,7 +13,7 @@ from tests.core.graph.test_subgraphs import MIDDLE, NESTED, SHARED
 from followspot.errors import InputError
 from followspot.graph.output_ports import chosen_ports, output_ports, port_names
 from followspot.graph.plan import Plan
-from followspot.graph.ship import plan_from_data, plan_to_data
+from followspot.graph.plan_data import plan_from_data, plan_to_data
 from followspot.library.subscribed import Subscribed
 from followspot_watch.tap_subscriber import tapped_ports
 

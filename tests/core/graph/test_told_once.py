@@ -9,7 +9,7 @@ from tests.core.graph.composed import planned
 from tests.core.graph.files import ROOM
 
 from followspot.errors import InputError, Mistake, Place
-from followspot.graph.told_once import told_once
+from followspot.graph.distinct_mistakes import told_once
 
 MAIN = """\
 graph: main

@@ -24,7 +24,7 @@ from followspot.host.clocks.host import HostClock
 from followspot.log.record import LogPage, LogRecord
 from followspot.messages import MAX_TIME
 from followspot.operator.attach import find_runs
-from followspot.operator.remote_host import RemoteHost
+from followspot.operator.remote.remote_host import RemoteHost
 from followspot.ranges import MAX_EXACT
 from followspot.transport.keys import agent_key, request_key
 from followspot.transport.zenoh.edge import locators, open_session
@@ -182,8 +182,8 @@ def test_an_invalid_page_of_a_log_is_rejected(agent: tuple[Agent, RpcClient], pa
 def test_ended_workers_that_are_no_longer_listed_use_bounded_memory(
     agent: tuple[Agent, RpcClient], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("followspot.operator.remote_host._POLL_PERIOD", 0.0)
-    monkeypatch.setattr("followspot.operator.remote_host._MAX_ENDED_WORKERS", 50)
+    monkeypatch.setattr("followspot.operator.remote.remote_host._POLL_PERIOD", 0.0)
+    monkeypatch.setattr("followspot.operator.remote.remote_host._MAX_ENDED_WORKERS", 50)
     there, client = agent
     host = watched(there, client)
     there.workers = 20

@@ -15,7 +15,7 @@ from followspot.graph.compile import compile_graph
 from followspot.plugins.registry import load_stage
 from followspot.transport.zenoh.edge import open_session
 from followspot.worker.edge_links import EdgeLinks
-from followspot.worker.taps import WorkerTaps
+from followspot.worker.taps.worker_taps import WorkerTaps
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
 GRAPH = """

@@ -15,7 +15,7 @@ import pytest
 
 import followspot as fs
 from followspot.graph.compile import compile_graph
-from followspot.graph.ship import plan_to_data
+from followspot.graph.plan_data import plan_to_data
 from followspot.tracking import Blobs, Tracks
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"

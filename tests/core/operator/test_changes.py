@@ -13,14 +13,14 @@ from followspot.control.move import MoveOrder
 from followspot.control.observation import GetStates
 from followspot.control.swap import ChangeOrder, ChangeStatus
 from followspot.errors import FollowspotError
-from followspot.graph.change import Change
+from followspot.graph.change.move import moved
+from followspot.graph.change.stages import Change
 from followspot.graph.compile import compile_graph
-from followspot.graph.move import moved
 from followspot.graph.plan import Plan, PlannedStage
-from followspot.graph.ship import plan_from_data
+from followspot.graph.plan_data import plan_from_data
 from followspot.host.hot_swap import HostChange
-from followspot.operator.hot_swap import change_hosts
-from followspot.operator.move import move_hosts
+from followspot.operator.change.hot_swap import change_hosts
+from followspot.operator.change.move import move_hosts
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
 GRAPH = """

@@ -15,8 +15,8 @@ from followspot.control.host import HostLost, HostRefused, HostStatus, RunOrder,
 from followspot.control.lifecycle import EndWorkers, FindRun, PrepareRun, StartRun, StopRun
 from followspot.control.observation import GetHostStatus, GetLog
 from followspot.log.record import LogPage, LogRecord
-from followspot.operator import remote_host
-from followspot.operator.remote_host import RemoteHost
+from followspot.operator.remote import remote_host
+from followspot.operator.remote.remote_host import RemoteHost
 
 
 @dataclass

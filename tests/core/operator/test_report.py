@@ -8,11 +8,11 @@ from types import SimpleNamespace
 from followspot.control.worker_report import WorkerReport
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
-from followspot.operator.report import merge
+from followspot.operator.reporting.report import merge
 from followspot.transport.token import Invalid
-from followspot.worker.input_queue import InputQueue
+from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.ledger import AWAY, DELIVERED, INVALID, PRODUCED, Ledger
-from followspot.worker.report import missing
+from followspot.worker.reporting.report import missing
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
 

@@ -12,8 +12,8 @@ from followspot.control.host import HostStatus, WorkerStatus
 from followspot.control.worker_report import WorkerReport
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedWorker
-from followspot.operator import summary
-from followspot.operator.report import RunReport, merge, summed
+from followspot.operator.reporting import summary
+from followspot.operator.reporting.report import RunReport, merge, summed
 from followspot.operator.run_view import RunView
 from followspot.worker.ledger import COLUMNS, DELIVERED, PRODUCED, SOURCE_LOSSES
 

@@ -8,12 +8,12 @@ from pathlib import Path
 from followspot.control.tapping import Tapping
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
-from followspot.operator.report import RunReport, merge
+from followspot.operator.reporting.report import RunReport, merge
 from followspot.worker.build import build_worker
 from followspot.worker.edge_links import EdgeLinks, ring_edges, socket_pair
 from followspot.worker.ledger import Ledger
-from followspot.worker.report import Warnings, worker_report
-from followspot.worker.tapping import tap, taps_of
+from followspot.worker.reporting.report import Warnings, worker_report
+from followspot.worker.taps.port_taps import tap, taps_of
 from followspot.worker.wiring import RunOptions, Wiring
 
 

@@ -15,15 +15,15 @@ from followspot.graph.compile import compile_graph
 from followspot.messages import Header, stamped
 from followspot.ports import ports
 from followspot.transport.token import END
-from followspot.worker import deferred_runner
-from followspot.worker.deferred_runner import DeferredRunner
-from followspot.worker.error_policy import StageError
-from followspot.worker.input_queue import InputQueue
-from followspot.worker.join import Join, JoinInput
+from followspot.worker.inputs.input_queue import InputQueue
+from followspot.worker.inputs.join import Join, JoinInput
 from followspot.worker.ledger import Ledger
 from followspot.worker.output_port import OutputPort
-from followspot.worker.outputs_runner import MAX_OUTPUTS, OutputsRunner
-from followspot.worker.stage_runner import StageRunner
+from followspot.worker.runners import deferred_runner
+from followspot.worker.runners.deferred_runner import DeferredRunner
+from followspot.worker.runners.error_policy import StageError
+from followspot.worker.runners.outputs_runner import MAX_OUTPUTS, OutputsRunner
+from followspot.worker.runners.stage_runner import StageRunner
 
 STAGES = Path(__file__).parents[2] / "stages" / "rates.py"
 

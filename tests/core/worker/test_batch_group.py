@@ -11,7 +11,7 @@ import pytest
 from tests.core.worker.solo import Solo
 
 from followspot.graph.compile import compile_graph
-from followspot.operator.report import RunReport
+from followspot.operator.reporting.report import RunReport
 from followspot.plugins.registry import load_stage
 
 ALIKE = Path(__file__).parents[2] / "stages" / "alike.py"

@@ -20,8 +20,8 @@ from followspot.worker.build import build_worker
 from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.latency import MOST_PATHS, OTHERS
 from followspot.worker.ledger import Ledger
+from followspot.worker.reporting.stage_status import paths_now, stages_now
 from followspot.worker.scheduler import Worker
-from followspot.worker.stage_status import paths_now, stages_now
 from followspot.worker.wiring import RunOptions, Wiring
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"

@@ -14,8 +14,8 @@ from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.host.local_host import LocalHost
 from followspot.host.worker_thread import WorkerThread
+from followspot.operator.change.hot_swap import change_stages
 from followspot.operator.coordinator import Coordinator
-from followspot.operator.hot_swap import change_stages
 from followspot.operator.launch import local_run
 from followspot.operator.run_requests import ChangeStages
 from followspot.plugins.registry import load_stage

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from followspot.messages import Header, Message, stamped
 from followspot.transport.token import END, Watermark
-from followspot.worker.input_queue import InputQueue
-from followspot.worker.join import Join, JoinInput
+from followspot.worker.inputs.input_queue import InputQueue
+from followspot.worker.inputs.join import Join, JoinInput
+from followspot.worker.inputs.sampled_input import NearestInput, NewestInput, SampledInput, WindowInput
 from followspot.worker.ledger import PRODUCED, Ledger
-from followspot.worker.sampled_input import NearestInput, NewestInput, SampledInput, WindowInput
 
 MS = 1_000_000
 

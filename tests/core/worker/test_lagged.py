@@ -16,8 +16,8 @@ from followspot.graph.compile import compile_graph
 from followspot.messages import Header
 from followspot.ports import ports
 from followspot.transport.token import END
-from followspot.worker.error_policy import StageError
-from followspot.worker.lagged_runner import LaggedRunner
+from followspot.worker.runners.error_policy import StageError
+from followspot.worker.runners.lagged_runner import LaggedRunner
 
 STAGES = Path(__file__).parents[2] / "stages" / "rates.py"
 

@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from followspot import Context, Message, Source, Stage, at
-from followspot.worker.input_queue import InputQueue
-from followspot.worker.join import Join
+from followspot.worker.inputs.input_queue import InputQueue
+from followspot.worker.inputs.join import Join
 from followspot.worker.ledger import EdgeCount, Ledger
-from followspot.worker.live_source import LiveSourceRunner
 from followspot.worker.output_port import OutputPort
+from followspot.worker.runners.live_source import LiveSourceRunner
 
 
 class Note(Message):

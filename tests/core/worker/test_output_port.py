@@ -12,7 +12,7 @@ from followspot.messages import Header, Message
 from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
-from followspot.worker.input_queue import InputQueue
+from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.ledger import Ledger
 from followspot.worker.output_port import OutputPort
 

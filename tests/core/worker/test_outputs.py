@@ -11,7 +11,7 @@ from followspot import Header, Message, at
 from followspot.graph.compile import compile_graph
 from followspot.messages import InvalidMessage, stamped
 from followspot.operator.launch import local_run
-from followspot.operator.report import RunReport
+from followspot.operator.reporting.report import RunReport
 from followspot.outputs import WrongOutput, check_returned, check_yielded
 from followspot.plugins.registry import load_stage
 from followspot.ports import OutputSpec

@@ -10,9 +10,9 @@ from followspot.control.progress import Progress
 from followspot.graph.compile import compile_graph
 from followspot.messages import Header, Message, stamped
 from followspot.operator.launch import local_run
-from followspot.operator.report import RunReport
-from followspot.worker.input_queue import InputQueue
-from followspot.worker.join import Join, JoinInput
+from followspot.operator.reporting.report import RunReport
+from followspot.worker.inputs.input_queue import InputQueue
+from followspot.worker.inputs.join import Join, JoinInput
 from followspot.worker.ledger import Ledger
 from followspot.worker.wiring import RunOptions
 

@@ -15,14 +15,14 @@ from followspot.control.progress import Progress
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker
+from followspot.operator.change.hot_swap import change_stages
 from followspot.operator.coordinator import Coordinator
-from followspot.operator.hot_swap import change_stages
 from followspot.operator.launch import local_run
-from followspot.operator.report import RunReport
+from followspot.operator.reporting.report import RunReport
 from followspot.operator.run_requests import ChangeStages
 from followspot.plugins.registry import use_plugin_files
 from followspot.room import Room
-from followspot.worker import deferred_runner
+from followspot.worker.runners import deferred_runner
 from followspot.worker.wiring import RunOptions
 
 STAGES = Path(__file__).parents[2] / "stages" / "rates.py"

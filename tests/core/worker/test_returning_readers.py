@@ -8,12 +8,12 @@ import time
 from followspot import Context, Message, Source, Stage, at
 from followspot.transport.token import END, Token, Watermark
 from followspot.transport.zenoh.edge import ZenohReader, ZenohWriter, open_session
-from followspot.worker.join import Join
+from followspot.worker.inputs.join import Join
 from followspot.worker.ledger import Ledger
 from followspot.worker.output_port import OutputPort
 from followspot.worker.pace import Pace
+from followspot.worker.runners.source import SourceRunner
 from followspot.worker.scheduler import Worker
-from followspot.worker.source import SourceRunner
 
 
 class Note(Message):

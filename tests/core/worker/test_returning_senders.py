@@ -9,13 +9,13 @@ from followspot.messages import Header, seal, stamped
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import ABSENT, END, Watermark
-from followspot.worker.input_queue import InputQueue
-from followspot.worker.join import Join, JoinInput
+from followspot.worker.inputs.input_queue import InputQueue
+from followspot.worker.inputs.join import Join, JoinInput
 from followspot.worker.ledger import UNMATCHED, Ledger
 from followspot.worker.output_port import OutputPort
 from followspot.worker.pace import Pace
+from followspot.worker.runners.stage_runner import StageRunner
 from followspot.worker.scheduler import Worker
-from followspot.worker.stage_runner import StageRunner
 
 DEPTH = 4
 

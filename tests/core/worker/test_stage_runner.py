@@ -11,9 +11,9 @@ from followspot.graph.compile import compile_graph
 from followspot.messages import Header, stamped
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.token import ABSENT
-from followspot.worker.error_policy import recover
-from followspot.worker.input_queue import InputQueue
+from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.ledger import Ledger
+from followspot.worker.runners.error_policy import recover
 from followspot.worker.wiring import Wiring
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"

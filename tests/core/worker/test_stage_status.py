@@ -14,7 +14,7 @@ from followspot.graph.compile import compile_graph
 from followspot.messages import Message
 from followspot.operator.launch import local_run
 from followspot.operator.run_requests import GetStatus
-from followspot.worker.stage_status import Idleness, stages_now
+from followspot.worker.reporting.stage_status import Idleness, stages_now
 from followspot.worker.wiring import RunOptions
 
 STAGES = Path(__file__).parents[2] / "stages" / "ticks.py"

@@ -13,8 +13,8 @@ from followspot import Message, Stage
 from followspot.control import tapping as requested
 from followspot.control.tapping import Tapping
 from followspot.graph.compile import compile_graph
-from followspot.worker import tapping
-from followspot.worker.tapping import Tap
+from followspot.worker.taps import port_taps as tapping
+from followspot.worker.taps.port_taps import Tap
 
 STAGES = Path(__file__).parents[2] / "stages" / "ticks.py"
 GRAPH = """\

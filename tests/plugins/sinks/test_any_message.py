@@ -14,7 +14,7 @@ from tests.core.graph.composed import changed_stages
 import followspot as fs
 from followspot import Context, FollowspotError, Header, Room, Target
 from followspot.cli.main import main
-from followspot.graph.change import with_stages
+from followspot.graph.change.stages import with_stages
 from followspot.graph.compile import compile_graph
 from followspot.messages import stamped
 from followspot.tracking import Forecast, Tracks

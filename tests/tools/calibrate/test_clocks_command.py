@@ -15,7 +15,7 @@ from followspot.cli.main import main
 from followspot.graph.compile import compile_graph
 from followspot.messages import Array
 from followspot.operator.launch import run_plan
-from followspot.operator.truth import run_scores
+from followspot.operator.reporting.truth import run_scores
 from followspot.room import StageUse
 from followspot.worker.wiring import RunOptions
 from followspot_calibrate.clocks.command import with_offsets

@@ -21,7 +21,7 @@ from followspot.control.unix_socket import serve_requests
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
-from followspot.graph.ship import plan_to_data
+from followspot.graph.plan_data import plan_to_data
 from followspot.messages import Header, Message, stamped
 from followspot.operator.changed import Changed, ChangedStage
 from followspot.operator.run_requests import (

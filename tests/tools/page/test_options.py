@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from followspot.errors import FollowspotError, InputError
-from followspot.graph.change import change_of
+from followspot.graph.change.stages import change_of
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot_page.changing import sentence

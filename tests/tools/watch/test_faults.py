@@ -18,7 +18,7 @@ from followspot.control.host import WorkerStatus
 from followspot.control.stage_status import PathStatus, StageStatus
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
-from followspot.graph.ship import plan_to_data
+from followspot.graph.plan_data import plan_to_data
 from followspot.operator.run_handle import RunHandle
 from followspot.operator.run_requests import GetPlan, GetStatus
 from followspot.operator.run_status import RunStatus, SeenHost

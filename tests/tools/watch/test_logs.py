@@ -16,7 +16,7 @@ from followspot.control.observation import GetLog
 from followspot.control.unix_socket import serve_requests
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
-from followspot.graph.ship import plan_to_data
+from followspot.graph.plan_data import plan_to_data
 from followspot.log.file import LogFile
 from followspot.log.record import LogPage, LogRecord
 from followspot.log.run_log import RunLog

@@ -15,9 +15,9 @@ from typing import Annotated, Any, Literal, get_args
 import pydantic
 
 from followspot.errors import FollowspotError
+from followspot.graph.change.replacement import misfits
 from followspot.graph.parameters import path_parameters
 from followspot.graph.plan import Plan, PlannedStage
-from followspot.graph.replacement import misfits
 from followspot.plugins.description import describe
 from followspot.plugins.registry import PluginError, catalogue, load_stage
 from followspot.ports import ports

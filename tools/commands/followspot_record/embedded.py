@@ -12,7 +12,7 @@ import pydantic
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.graph.parameters import output_paths
 from followspot.graph.plan import Plan, PlannedStage
-from followspot.graph.ship import plan_from_data
+from followspot.graph.plan_data import plan_from_data
 from followspot.plugins.registry import load_stage, use_plugin_files
 from followspot_record.played import here
 from followspot_record.record import PLAN

@@ -8,7 +8,7 @@ import pydantic
 
 from followspot import Network
 from followspot.graph.plan import Plan
-from followspot.graph.ship import plan_from_data, plan_to_data
+from followspot.graph.plan_data import plan_from_data, plan_to_data
 
 
 def _plan(given: Any) -> Plan:

@@ -20,7 +20,7 @@ from followspot.firing import is_firings
 from followspot.graph.load import composed_graph
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker, nearest_kind
-from followspot.graph.ship import plan_to_data
+from followspot.graph.plan_data import plan_to_data
 from followspot.plugins.registry import catalogue, load_stage
 from followspot_record.firings import facts_of_firings, firing_types
 

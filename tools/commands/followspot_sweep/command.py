@@ -19,7 +19,7 @@ from threading import Lock
 from followspot.cli.graph_options import output_folder
 from followspot.cli.trial_options import check_rooms, planned
 from followspot.errors import InputError
-from followspot.graph.ship import plan_to_data
+from followspot.graph.plan_data import plan_to_data
 from followspot_sweep.axes import Axis, Point, points, read_axes
 from followspot_sweep.idle import idle
 from followspot_sweep.plot import draw

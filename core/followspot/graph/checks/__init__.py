@@ -1,0 +1,1 @@
+"""Single checks of a graph: files, interfaces, reproducibility, and warnings."""

@@ -1,0 +1,175 @@
+"""What a graph can never do although it is valid: warnings, which do not stop a run."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, reduce
+from operator import or_
+
+from followspot.document import Node, child
+from followspot.errors import Mistake
+from followspot.graph.connections import CheckedEdge
+from followspot.graph.cycles import Successors, successors, topological
+from followspot.graph.distinct_mistakes import told_once
+from followspot.graph.expand import Expanded
+from followspot.graph.instances import CheckedStage, Instance
+from followspot.ports import ports
+from followspot.room import Camera, Member, Room, Sensor
+from followspot.stage import Stage
+
+MOST_NAMED = 6
+"""Most cameras that a warning names."""
+FIRING = ("plain", "joined")
+"""Kinds of inputs whose messages let a stage fire."""
+
+
+@dataclass(frozen=True)
+class Flow:
+    """The checked stages, and all edges by the instances at their ends."""
+
+    stages: Mapping[str, CheckedStage]
+    edges: Sequence[CheckedEdge]
+
+    @cached_property
+    def after(self) -> Successors:
+        """The instances that each feeds, except those that it feeds sampled or delayed."""
+        ends = [(e.wire.source.name, e.wire.target.name) for e in self.edges if not e.held]
+        return successors(self.stages, ends)
+
+    @cached_property
+    def order(self) -> Sequence[str]:
+        """All instances, each after those that feed it."""
+        return topological(self.after)
+
+    @cached_property
+    def groups(self) -> Mapping[str, list[CheckedStage]]:
+        """The instances of each stage of the graph file."""
+        found: dict[str, list[CheckedStage]] = defaultdict(list)
+        for checked in self.stages.values():
+            found[checked.instance.declared.name].append(checked)
+        return found
+
+
+def warnings(
+    stages: Sequence[CheckedStage], edges: Sequence[CheckedEdge], expanded: Expanded
+) -> list[Mistake]:
+    """Everything in a graph without mistakes that can never come to anything, at its place."""
+    room = expanded.room
+    flow = Flow({checked.instance.name: checked for checked in stages}, edges)
+    found = [
+        *_unread(flow, expanded),
+        *_unused(flow, room, expanded.room_node),
+        *_never(flow),
+        *_foreseen(flow, room),
+    ]
+    return [replace(mistake, warning=True) for mistake in told_once(found)]
+
+
+def _unread(flow: Flow, expanded: Expanded) -> Iterator[Mistake]:
+    """Stages with outputs that feed nothing, or that feed nothing for some cameras."""
+    read = {edge.wire.source.name for edge in flow.edges}
+    for name, group in flow.groups.items():
+        idle = [one.instance for one in group if one.instance.name not in read]
+        if not idle or name in expanded.offered or not ports(group[0].stage).outputs:
+            continue
+        declared = group[0].instance.declared
+        if len(idle) == len(group):
+            text = f'no stage reads what stage "{name}" ({idle[0].uses}) gives'
+            yield Mistake(declared.place, text, "feed a stage or a sink from it, or remove it")
+        else:
+            members = _listed([one.member for one in idle if one.member], expanded.room)
+            text = f'no stage reads what stage "{name}" gives for {members}'
+            place = declared.each.place if declared.each is not None else declared.place
+            yield Mistake(place, text, "add a stage for these, or narrow its each")
+
+
+def _unused(flow: Flow, room: Room, node: Node | None) -> Iterator[Mistake]:
+    """Cameras that no stage serves, in a graph that serves other cameras; sensors likewise."""
+    served = {checked.instance.member for checked in flow.stages.values()} - {None}
+    for kind, names in (("cameras", room.cameras), ("sensors", room.sensors)):
+        idle = [member for name in names if (member := Member(kind, name)) not in served]
+        if idle and any(member.set == kind for member in served if member):
+            entry = child(child(node, kind), idle[0].name)
+            text = f"no stage serves {_listed(idle, room)}"
+            place = entry.key if entry is not None else None
+            yield Mistake(place, text, f"each: {kind} serves all {kind} of the room")
+
+
+def _camera(instance: Instance) -> str:
+    """The name of the camera that an instance serves, empty if it serves none."""
+    return instance.member.name if instance.member and instance.member.set == "cameras" else ""
+
+
+def _listed(members: Sequence[Member], room: Room) -> str:
+    """For example: cameras cam1 (infrared), cam3 (infrared)."""
+    kinds: Mapping[str, Mapping[str, Camera | Sensor]] = {"cameras": room.cameras, "sensors": room.sensors}
+    shown = [m.name + (f" ({kinds[m.set][m.name].kind})" if m.set in kinds else "") for m in members]
+    more = f" and {len(shown) - MOST_NAMED} more" if len(shown) > MOST_NAMED else ""
+    return f"{members[0].noun}{'s' * (len(shown) > 1)} {', '.join(shown[:MOST_NAMED])}{more}"
+
+
+def _never(flow: Flow) -> Iterator[Mistake]:
+    """Stages that never fire, unless one that feeds them is named already."""
+    into: dict[str, list[CheckedEdge]] = defaultdict(list)
+    for edge in flow.edges:
+        if edge.kind in FIRING and not edge.held:
+            into[edge.wire.target.name].append(edge)
+    firing = _firing(flow, into)
+    for name, group in flow.groups.items():
+        still = [one.instance.name for one in group if one.instance.name not in firing]
+        if still and not any(edge.wire.source.name not in firing for i in still for edge in into[i]):
+            text = f'stage "{name}" never fires: all its inputs are sampled or delayed'
+            remedy = "feed it without a delay from a source, or from a stage that a source feeds"
+            yield Mistake(group[0].instance.declared.place, text, remedy)
+
+
+def _firing(flow: Flow, into: Mapping[str, Sequence[CheckedEdge]]) -> set[str]:
+    """Instances that messages of a source can reach at every required input that fires.
+
+    into: edges that are neither sampled nor delayed, by their target.
+    """
+    found: set[str] = set()
+    for name in flow.order:
+        stage = flow.stages[name].stage
+        if ports(stage).source or _fed(stage, into[name], found):
+            found.add(name)
+    return found
+
+
+def _fed(stage: type[Stage], edges: Sequence[CheckedEdge], firing: set[str]) -> bool:
+    """Whether some sender of a port fires, and one of every port that the stage cannot do without."""
+    live = {edge.wire.port for edge in edges if edge.wire.source.name in firing}
+    required = {port.name for port in ports(stage).inputs if port.required}
+    return bool(live) and required & {edge.wire.port for edge in edges} <= live
+
+
+def _foreseen(flow: Flow, room: Room) -> Iterator[Mistake]:
+    """What the stages themselves know of the room and of the cameras that reach them."""
+    reach = _cameras(flow, list(room.cameras))
+    for group in flow.groups.values():
+        first = group[0]
+        seen = reduce(or_, (reach[one.instance.name] for one in group))
+        cameras = [camera for bit, camera in enumerate(room.cameras.values()) if seen >> bit & 1]
+        for mistake in _said(first, room, cameras):
+            yield replace(mistake, place=mistake.place or first.instance.declared.place)
+
+
+def _said(checked: CheckedStage, room: Room, cameras: Sequence[Camera]) -> list[Mistake]:
+    """The result of `check_room`; that it fails is a warning itself."""
+    try:
+        return list(checked.stage.check_room(checked.stage.Params(**checked.params), room, cameras))
+    except Exception as error:  # the code of a plugin may do anything
+        text = f"{checked.instance.uses}.check_room failed: {type(error).__name__}: {error}"
+        return [Mistake(None, text, "tell the author of the plugin")]
+
+
+def _cameras(flow: Flow, cameras: Sequence[str]) -> dict[str, int]:
+    """The cameras whose messages each instance gets, its own included, as bits in the order of the room."""
+    bit = {name: 1 << number for number, name in enumerate(cameras)}
+    reach = {name: bit.get(_camera(one.instance), 0) for name, one in flow.stages.items()}
+    for source in flow.order:
+        for target in flow.after[source]:
+            reach[target] |= reach[source]
+    return reach

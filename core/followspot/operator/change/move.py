@@ -1,0 +1,117 @@
+"""Move on all hosts of a run: the workers that must restart leave first, then start at their new places."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from followspot.control.host import Host, WorkerStatus
+from followspot.control.move import MoveOrder
+from followspot.control.observation import GetStates
+from followspot.errors import FollowspotError
+from followspot.graph.change.move import anew, moved
+from followspot.graph.plan import Plan
+from followspot.graph.plan_data import plan_to_data
+from followspot.operator.changed import Moved
+from followspot.operator.run_requests import MoveStages
+
+if TYPE_CHECKING:
+    from followspot.operator.coordinator import Coordinator
+
+_TIMEOUT = 60.0
+"""Seconds that workers have to leave, and again to be running."""
+_POLL_INTERVAL = 0.02
+"""Seconds between two polls of the hosts."""
+
+
+def move_stages(run: Coordinator, request: MoveStages) -> Moved:
+    """Move stages of a live run to another worker or host. Safe from any thread.
+
+    Workers whose stages or kinds of edges change restart from the state of their stages. Messages in flight
+    to and from them are lost and counted. Raises InputError for mistakes in the request, FollowspotError if a
+    host refuses or a worker cannot start at its new place.
+    """
+    with run.one_change():
+        new = moved(run.plan, request.stages, request.place, run.others.names() if run.others else ())
+        report = Moved.of(run.name, run.plan, new)
+        if report.stages:
+            run.join({worker.host for worker in new.workers} - {host.name for host in run.hosts})
+            move_hosts(run.plan, new, run.hosts)
+            run.plan = replace(new, notes=(*new.notes, f"while it ran: {report.text}"))
+        return report
+
+
+def move_hosts(
+    old: Plan, new: Plan, hosts: Sequence[Host], leaving: set[str] | None = None, *, fresh: bool = False
+) -> None:
+    """Bring a run from the old plan to the new one. Safe beside the thread that attends the hosts.
+
+    leaving: the workers that restart, None for those with stages that move; fresh: whether stages that are
+    another plugin stage in the new plan begin without the state of the old ones.
+    Raises FollowspotError if a host refuses the new plan, before any worker has left; or if a worker cannot
+    begin at its new place: then all go back to their old places.
+    """
+    for host in hosts:
+        host.ask(MoveOrder(plan=plan_to_data(new), trial=True))
+    leaving = anew(old, new) if leaving is None else leaving
+    try:
+        _replace(old, new, hosts, leaving, fresh=fresh)
+    except FollowspotError:
+        _replace(new, old, hosts, leaving)
+        raise
+
+
+def _replace(old: Plan, new: Plan, hosts: Sequence[Host], leaving: set[str], *, fresh: bool = False) -> None:
+    """Let the workers that must restart leave, and start them at their new places."""
+    for host in hosts:
+        host.ask(MoveOrder(leaving=tuple(sorted(leaving))))
+    _await_absent(leaving, hosts)
+    states = {stage: state for host in hosts for stage, state in host.ask(GetStates()).items()}
+    uses = {stage.name: stage.uses for stage in old.stages}
+    taken = {s.name for s in new.stages if uses.get(s.name) == s.uses or not (fresh and s.name in uses)}
+    states = {stage: state for stage, state in states.items() if stage in taken}
+    before = {worker.name: worker.restarts for worker in _workers(hosts)}
+    for host in hosts:
+        own = {stage: state for stage, state in states.items() if new.host_of_stage(stage) == host.name}
+        host.ask(MoveOrder(plan=plan_to_data(new), states=own))
+    _await_running(leaving & {worker.name for worker in new.workers}, hosts, before)
+
+
+def _await_absent(workers: set[str], hosts: Sequence[Host]) -> None:
+    """Wait until all these workers are absent. Raises FollowspotError after a timeout."""
+    for _ in _polls("workers did not leave"):
+        if all(worker.phase == "absent" for worker in _workers(hosts) if worker.name in workers):
+            return
+
+
+def _await_running(workers: set[str], hosts: Sequence[Host], before: Mapping[str, int]) -> None:
+    """Wait until all these workers run again. Raises FollowspotError if one dies while it starts.
+
+    before: the number of restarts of each worker before the move.
+    """
+    begun: dict[str, int] = {}
+    for _ in _polls("workers did not begin at their new places"):
+        there = {worker.name: worker for worker in _workers(hosts) if worker.name in workers}
+        fresh = [w for w in there.values() if w.restarts > before.get(w.name, -1)]
+        for worker in fresh:
+            again = worker.restarts > begun.setdefault(worker.name, worker.restarts)
+            if again or worker.phase in ("absent", "over"):
+                why = worker.report.error if worker.report is not None else "it dies"
+                raise FollowspotError(f"worker {worker.name} cannot begin at its new place: {why}")
+        if len(fresh) == len(workers) and all(worker.phase == "running" for worker in fresh):
+            return
+
+
+def _workers(hosts: Sequence[Host]) -> Iterator[WorkerStatus]:
+    return (worker for host in hosts for worker in host.status().workers)
+
+
+def _polls(problem: str) -> Iterator[None]:
+    """Yield once per poll. Raises FollowspotError after a timeout."""
+    deadline = time.monotonic() + _TIMEOUT
+    while time.monotonic() < deadline:
+        yield
+        time.sleep(_POLL_INTERVAL)
+    raise FollowspotError(f"{problem} within {_TIMEOUT:.0f} s")

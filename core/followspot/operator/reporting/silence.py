@@ -1,0 +1,150 @@
+"""Where a run fell silent: the stages that got messages and never gave any, and what follows from that."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from followspot.firing import FIRINGS
+from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
+from followspot.operator.reporting.scored import class_of
+from followspot.ports import Ports, ports
+from followspot.worker.ledger import EdgeCount
+
+Counted = tuple[PlannedEdge, EdgeCount]
+Port = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Silence:
+    """A port that never gave a message with rows, although all that feeds its stage did.
+
+    stage: as in the graph file; instances: those of it that were silent, empty if all were; after: stages
+    that gave it something; got, unused: messages that came to its inputs, and those that no firing used;
+    gave: its messages, all of them empty; sinks: those that got nothing for that reason; advice: what helps.
+    """
+
+    stage: str
+    uses: str
+    port: str
+    instances: tuple[str, ...]
+    after: tuple[str, ...]
+    got: int
+    unused: int
+    gave: int
+    sinks: tuple[str, ...]
+    advice: str
+
+    def __str__(self) -> str:
+        members = [name.removeprefix(f"{self.stage}/") for name in self.instances]
+        of = f" of {', '.join(members)}" if members else ""
+        text = f'stage "{self.stage}" ({self.uses}) gave nothing at {self.port}{of}'
+        if self.after:
+            text += f": {_quoted(self.after)} gave it {self.got + self.unused} messages"
+            text += f", of which {self.unused} were late or unmatched" if self.unused else ""
+            text += f"; all {self.gave} that it gave were empty" if self.gave else "; it gave none"
+        return text + (f". So {_quoted(self.sinks)} got nothing" if self.sinks else "")
+
+
+def silences(plan: Plan, edges: Sequence[Counted]) -> tuple[Silence, ...]:
+    """The silent ports that come first on the ways from sources to sinks, in the order of the plan."""
+    found = _Run(plan, edges)
+    silent: dict[Port, list[PlannedStage]] = defaultdict(list)
+    for stage in plan.stages:
+        for port in found.silent_ports(stage.name):
+            if found.is_fed(stage.name):
+                silent[stage.group, port].append(stage)
+    return tuple(found.silence(port, stages) for (_, port), stages in silent.items())
+
+
+class _Run:
+    """The edges of a run by the stages at their ends."""
+
+    def __init__(self, plan: Plan, edges: Sequence[Counted]) -> None:
+        self.plan = plan
+        self.stages = {stage.name: stage for stage in plan.stages}
+        self.classes = {stage.uses: class_of(stage) for stage in plan.stages}
+        self.out: Mapping[str, list[Counted]] = defaultdict(list)
+        self.firing: Mapping[str, list[Counted]] = defaultdict(list)
+        for edge, count in edges:
+            if not {edge.from_stage, edge.to_stage} <= self.stages.keys():
+                continue  # it left the graph while it ran
+            self.out[edge.from_stage].append((edge, count))
+            if not edge.delay and self._fires(edge):
+                self.firing[edge.to_stage].append((edge, count))
+
+    def _fires(self, edge: PlannedEdge) -> bool:
+        found = self._ports(edge.to_stage)
+        port = found.input(edge.to_port) if found is not None else None
+        return port is not None and port.fires
+
+    def _ports(self, stage: str) -> Ports | None:
+        kind = self.classes[self.stages[stage].uses]
+        return None if kind is None else ports(kind)
+
+    def silent_ports(self, stage: str) -> Iterator[str]:
+        """The ports of a stage on whose edges no message had rows."""
+        for port in dict.fromkeys(edge.from_port for edge, _ in self.out[stage]):
+            filled = any(count.filled for edge, count in self.out[stage] if edge.from_port == port)
+            if port != FIRINGS and not filled:
+                yield port
+
+    def is_fed(self, stage: str) -> bool:
+        """Whether every connected input that fires got a message with rows; true of sources."""
+        into = self.firing[stage]
+        filled = {edge.to_port for edge, count in into if count.filled}
+        return filled == {edge.to_port for edge, _ in into}
+
+    def silence(self, port: str, stages: Sequence[PlannedStage]) -> Silence:
+        """The silence of a port of instances of one stage."""
+        first = stages[0]
+        whole = sum(stage.group == first.group for stage in self.plan.stages) == len(stages)
+        into = [counted for stage in stages for counted in self.firing[stage.name]]
+        out = [
+            counted for stage in stages for counted in self.out[stage.name] if counted[0].from_port == port
+        ]
+        after = (self.stages[edge.from_stage].group for edge, count in into if count.filled)
+        given = {edge.from_stage: count.produced for edge, count in out}
+        return Silence(
+            stage=first.group,
+            uses=first.uses,
+            port=port,
+            instances=() if whole else tuple(stage.name for stage in stages),
+            after=tuple(dict.fromkeys(after)),
+            got=sum(count.delivered for _, count in into),
+            unused=sum(count.late + count.unmatched for _, count in into),
+            gave=sum(given.values()),
+            sinks=self.starved([(stage.name, port) for stage in stages]),
+            advice=self.advice(first.uses, bool(into)),
+        )
+
+    def starved(self, ports: Sequence[Port]) -> tuple[str, ...]:
+        """The sinks behind silent ports that got no message with rows."""
+        found: dict[str, None] = {}
+        queue = list(ports)
+        seen = set(queue)
+        for name, port in queue:
+            for edge, _ in self.out[name]:
+                end = edge.to_stage
+                if edge.from_port != port:
+                    continue
+                if not self.out[end] and not any(count.filled for _, count in self.firing[end]):
+                    found[self.stages[end].group] = None
+                more = [(end, silent) for silent in self.silent_ports(end) if (end, silent) not in seen]
+                seen.update(more)
+                queue += more
+        return tuple(found)
+
+    def advice(self, uses: str, fed: bool) -> str:
+        """What the author of a stage advises, else where to look."""
+        kind = self.classes[uses]
+        if kind is not None and kind.advice:
+            return kind.advice
+        if not fed:
+            return "`followspot doctor` looks at every camera"
+        return f"`followspot echo` shows what it gets, `followspot plugins {uses}` lists its parameters"
+
+
+def _quoted(names: Sequence[str]) -> str:
+    return ", ".join(f'"{name}"' for name in names)

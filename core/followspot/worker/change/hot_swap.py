@@ -1,0 +1,170 @@
+"""Hot swap: what is new is built beside the stages that work, and put in between two firings."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+from followspot.control.swap import ChangeOrder, ChangeStatus
+from followspot.errors import FollowspotError
+from followspot.worker.change.joint_change import JointChange
+from followspot.worker.change.replacement import Replacement, discarded, dry_run, prepared, take_over
+from followspot.worker.change.rewiring import Rewiring
+from followspot.worker.scheduler import Rest, Worker
+
+_REST_TIMEOUT = 20.0
+"""Seconds in which the stages of a replay must come to rest before its graph changes."""
+_LIVE_REST_TIMEOUT = 2.0
+"""Seconds after which a live graph changes all the same, if it is never between two sets of messages."""
+Answer = Callable[[ChangeStatus], None]
+"""Called with what became of a step, from any thread."""
+Rewire = Callable[[dict[str, Any]], Rewiring]
+"""Builds what a plan, in JSON types, adds to the worker. Raises FollowspotError."""
+TryOut = Callable[[dict[str, Any]], None]
+"""Sets up the same, and closes it again. Raises FollowspotError."""
+
+
+class HotSwap:
+    """The change that a worker is in: at most one at a time.
+
+    What is new is built in a thread beside the work; the rest happens between two firings.
+    """
+
+    def __init__(
+        self,
+        worker: Worker,
+        answer: Answer,
+        rewire: Rewire,
+        try_out: TryOut,
+        caught_up: Callable[[], bool] = lambda: True,
+    ) -> None:
+        """caught_up: see `JointChange`."""
+        self.worker = worker
+        self._joint = JointChange(worker, caught_up, answer, self._give_up)
+        self.answer = answer
+        self._rewire = rewire
+        self._try_out = try_out
+        self._id = ""
+        self._built: Sequence[Replacement] = ()
+        self._rewiring: Rewiring | None = None
+
+    def obey(self, order: ChangeOrder) -> None:
+        """Do one step; call between two firings, in the worker's thread."""
+        if order.step in ("hold", "rest", "go_on") or self._joint.holds:
+            self._obey_together(order)
+        elif order.step in ("try", "build"):
+            self._give_up()
+            self._id = order.id
+            step = self._build if order.step == "build" else self._try_aside
+            threading.Thread(target=step, args=(order,), name="replacements", daemon=True).start()
+        elif order.id == self._id and order.step == "take_over":
+            self._take_over(order)
+        elif order.id == self._id:
+            self._give_up()
+
+    def _obey_together(self, order: ChangeOrder) -> None:
+        """Do one step of a change in several workers."""
+        if order.id != self._id:
+            self.answer(ChangeStatus(order.id, "failed", "another change is under way", order.turn))
+        elif order.step == "discard":
+            self._give_up()
+        else:
+            self._joint.obey(order, self._rewiring)
+        if order.id == self._id and order.step == "take_over":
+            self._rewiring = None
+
+    def close(self) -> None:
+        """Discard what was built: the worker has ended."""
+        self._give_up()
+
+    def _try_aside(self, order: ChangeOrder) -> None:
+        try:
+            self._try_out(order.plan or {})
+        except FollowspotError as error:
+            self.answer(ChangeStatus(order.id, "failed", str(error), order.turn))
+        else:
+            self.answer(ChangeStatus(order.id, "done", turn=order.turn))
+
+    def _build(self, order: ChangeOrder) -> None:
+        built: Sequence[Replacement] = ()
+        rewiring: Rewiring | None = None
+        try:
+            if order.plan is None:
+                built = prepared(self.worker, order.stages)
+            else:
+                rewiring = self._rewire(order.plan)
+        except FollowspotError as error:
+            self.answer(ChangeStatus(order.id, "failed", str(error), order.turn))
+            return
+        if order.id != self._id:
+            _discard(built, rewiring)
+            return
+        self._built, self._rewiring = built, rewiring
+        self.worker.between_firings(partial(self._try_on, order))
+
+    def _try_on(self, order: ChangeOrder) -> None:
+        """Find out whether the replacements can carry on, before any worker lets one take over."""
+        if order.id != self._id:
+            return
+        try:
+            if not order.fresh:
+                dry_run(self._built)
+                if self._rewiring is not None:
+                    self._rewiring.try_on()
+        except FollowspotError as error:
+            self._built, self._rewiring = (), None
+            self.answer(ChangeStatus(order.id, "failed", str(error), order.turn))
+        else:
+            self.answer(ChangeStatus(order.id, "built", turn=order.turn))
+
+    def _take_over(self, order: ChangeOrder) -> None:
+        if self._rewiring is not None:
+            patience = _LIVE_REST_TIMEOUT if self._rewiring.wiring.live else _REST_TIMEOUT
+            deadline = time.monotonic() + patience
+            act, rewiring = partial(self._rewire_at, order), self._rewiring
+            self.worker.sources.hold.align(self.worker.sources.hold.newest + rewiring.window)
+            self.worker.at_rest(Rest(act, deadline, rewiring.calm))
+            return
+        built, self._built, self._id = self._built, (), ""
+        try:
+            take_over(self.worker, built, fresh=order.fresh)
+        except FollowspotError as error:
+            self.answer(ChangeStatus(order.id, "failed", str(error)))
+        else:
+            self.answer(ChangeStatus(order.id, "done"))
+
+    def _rewire_at(self, order: ChangeOrder, rests: bool) -> None:
+        """Put new stages and edges in. rests: whether all that the sources sent has been processed."""
+        rewiring = self._rewiring
+        if rewiring is None or order.id != self._id:
+            self.worker.sources.hold.set_free()
+            return
+        self._rewiring, self._id = None, ""
+        try:
+            if not (rests or rewiring.wiring.live):
+                rewiring.discard()
+                raise FollowspotError(f"the stages did not come to rest within {_REST_TIMEOUT:.0f} s")
+            rewiring.leave()
+            rewiring.take_over(fresh=order.fresh)
+            rewiring.close_old()
+        except FollowspotError as error:
+            self.answer(ChangeStatus(order.id, "failed", str(error)))
+        else:
+            self.answer(ChangeStatus(order.id, "done"))
+        finally:
+            self.worker.sources.hold.set_free()
+
+    def _give_up(self) -> None:
+        self._joint.release()
+        built, self._built, self._id = self._built, (), ""
+        rewiring, self._rewiring = self._rewiring, None
+        _discard(built, rewiring)
+
+
+def _discard(built: Sequence[Replacement], rewiring: Rewiring | None) -> None:
+    discarded(built)
+    if rewiring is not None:
+        rewiring.discard()

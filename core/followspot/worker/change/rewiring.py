@@ -1,0 +1,250 @@
+"""Stages and edges that come and go in a worker while it runs: built beside those that work, then connected.
+
+Stages that stay keep their state, their outputs and what waits for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
+
+from followspot.errors import FollowspotError
+from followspot.graph.plan import PlannedEdge, PlannedStage
+from followspot.plugins.registry import load_stage
+from followspot.ports import ports
+from followspot.worker.build import Builder, Links
+from followspot.worker.change.remote_ends import RemoteEnds
+from followspot.worker.change.replacement import Replacement, discarded, dry_run, prepared
+from followspot.worker.inputs.input_queue import InputQueue
+from followspot.worker.inputs.join import Join
+from followspot.worker.inputs.sampled_input import NearestInput
+from followspot.worker.ledger import COLUMNS, Ledger
+from followspot.worker.runners.error_policy import StageError
+from followspot.worker.runners.live_source import LiveSourceRunner
+from followspot.worker.runners.stage_runner import StageRunner
+from followspot.worker.scheduler import Worker
+from followspot.worker.taps.port_taps import taps_at
+from followspot.worker.wiring import RunOptions, Wiring
+
+
+class Rewiring:
+    """What becomes of a worker: the stage runners that come, those that stay, and those that go.
+
+    wiring, links: of the new plan; ledger: with rows for its edges; rewired: gets the new stages once they
+    have taken over.
+    """
+
+    def __init__(
+        self,
+        worker: Worker,
+        wiring: Wiring,
+        name: str,
+        ledger: Ledger,
+        options: RunOptions,
+        links: Links,
+        rewired: Callable[[Sequence[StageRunner]], None] = lambda new: None,
+    ) -> None:
+        """Build and set up all that is new, in any thread, while the worker works on.
+
+        Raises FollowspotError with the reason; what was built is closed then.
+        """
+        self.worker = worker
+        self.wiring = wiring
+        self._rewired = rewired
+        self._builder = Builder(wiring, name, ledger, replace(options, resumed=True), links)
+        self._builder.pace = worker.pace
+        present = {runner.name: runner for runner in worker.runners}
+        self._stays = {
+            stage.name: present[stage.name]
+            for stage in self._builder.mine
+            if stage.name in present and _can_stay(present[stage.name], stage)
+        }
+        self.gone = [runner for runner in worker.runners if runner.name not in self._stays]
+        self._queues = {queue.row // COLUMNS: queue for runner in worker.runners for queue in _queues(runner)}
+        self.replacements: list[Replacement] = []
+        self.new: list[StageRunner] = []
+        self._ends: RemoteEnds | None = None
+        try:
+            self._build()
+            self._ends = RemoteEnds(worker, self._builder, self._stays)
+        except FollowspotError:
+            self.discard()
+            raise
+
+    def try_on(self) -> None:
+        """Find out whether replacements can carry on from the stages that work. Raises FollowspotError."""
+        try:
+            dry_run(self.replacements)
+        except FollowspotError:
+            self.discard()
+            raise
+
+    @property
+    def window(self) -> int:
+        """The widest window, ns, in which an input of a stage that comes or goes matches messages."""
+        joins = [runner.join for runner in (*self.gone, *self.new)]
+        matched = [queue for join in joins if len(join.members) > 1 for queue in join.members]
+        near = [one for join in joins for one in join.sampled if isinstance(one, NearestInput)]
+        return max((queue.window for queue in (*matched, *(one.queue for one in near))), default=0)
+
+    def calm(self) -> bool:
+        """Whether no join of a stage that goes waits for the rest of a set: a live source has yet to give it.
+        In a replay, what it has is all that comes.
+        """
+        return not (
+            self.wiring.live and any(queue.messages for runner in self.gone for queue in runner.join.members)
+        )
+
+    def leave(self, names: Collection[str] | None = None) -> None:
+        """Let stages that go give what waits for partners that will not come any more; call at rest.
+
+        names: of the stages, in this worker or not; None for all that go.
+        """
+        for runner in self.gone:
+            if names is None or runner.name in names:
+                runner.leave()
+                self.worker.drain()
+
+    def take_over(self, *, fresh: bool) -> None:
+        """Put the new stages and edges in; call at rest, in the worker's thread, after `leave`.
+
+        fresh: begin replacements without checkpoints. Raises FollowspotError if one cannot restore that of
+        the stage before: the old stages and edges are there then.
+        """
+        if not fresh:
+            self.try_on()
+        self._close_those_that_go()
+        for found in self.replacements:
+            found.take_over()
+        runners = []
+        for rank, stage in enumerate(self._builder.mine):
+            runner = self._stays.get(stage.name) or next(new for new in self.new if new.name == stage.name)
+            runner.rank = rank
+            if stage.name in self._stays:
+                self._reconnect(runner, stage)
+            runners.append(runner)
+        assert self._ends is not None
+        self._ends.exchange({runner.name: runner for runner in self.new})
+        self._builder.runners = runners
+        self._builder.schedule(self.worker)
+        self.worker.rearrange(runners)
+        self._rewired(self.new)
+
+    def close_old(self) -> None:
+        """Close the ends of edges that left: all workers have the new plan."""
+        if self._ends is not None:
+            self._ends.close_old()
+
+    def discard(self) -> None:
+        """Close what was built."""
+        self._builder.links.forget()
+        discarded(self.replacements)
+        for runner in self.new:
+            runner.retire(runner.stage)
+        self.replacements, self.new = [], []
+
+    def _build(self) -> None:
+        builder = self._builder
+        for stage in builder.mine:
+            for number in self.wiring.into[stage.name]:
+                builder.queues[number] = self._queues.get(number) or builder.queue(number)
+        for rank, stage in enumerate(builder.mine):
+            if stage.name not in self._stays:
+                self._add(rank, stage)
+        changed = [
+            stage
+            for stage in builder.mine
+            if stage.name in self._stays and not is_same(self._stays[stage.name], stage)
+        ]
+        self.replacements = prepared(self.worker, changed)
+
+    def _add(self, rank: int, stage: PlannedStage) -> None:
+        """Build and set up a new stage. Raises FollowspotError."""
+        try:
+            runner = self._builder.runner(rank, stage)
+            self.new.append(runner)
+            runner.setup()
+        except StageError as error:
+            why = error.__cause__ or error
+            text = f"stage {stage.name} ({stage.uses}) cannot be built: {type(why).__name__}: {why}"
+            raise FollowspotError(text) from error
+
+    def _close_those_that_go(self) -> None:
+        for runner in self.gone:
+            _discard_sampled(runner.join, ())
+            _end_taps(runner)
+            try:
+                runner.stop() if isinstance(runner, LiveSourceRunner) else runner.close()
+            except StageError as error:
+                runner.stage.context.warn(f"the stage left the graph and did not close: {error}")
+
+    def _reconnect(self, runner: StageRunner, stage: PlannedStage) -> None:
+        """Give a stage that stays the inputs and readers of the new plan."""
+        wiring = self.wiring
+        runner.on_error = stage.on_error
+        runner.deadline = wiring.deadline[stage.name] if wiring.live and runner.join.ports else None
+        readers = {}
+        for port, output in runner.outputs:
+            output.lateness = wiring.lateness[stage.name]
+            numbers = [n for n in wiring.out_of[stage.name] if wiring.plan.edge(n).from_port == port]
+            local = [self._builder.queues[n] for n in numbers if wiring.plan.edge(n).kind == "reference"]
+            for queue in local:
+                if queue not in output.queues:
+                    queue.watermark = output.announced
+            readers[port] = local
+        runner.reconnect(readers)
+        if runner.join.ports:
+            for number in wiring.into[stage.name]:
+                self._adapt(self._builder.queues[number], wiring.plan.edge(number))
+            join = self._builder.join(stage)
+            join.carry_on(runner.join)
+            _discard_sampled(runner.join, [queue for one in join.sampled for queue in one.queues])
+            runner.join = join
+
+    def _adapt(self, queue: InputQueue, edge: PlannedEdge) -> None:
+        """Let a queue know what the new plan says of its stream."""
+        queue.lateness = self.wiring.lateness[edge.from_stage]
+        queue.answers = self.wiring.circular(edge)
+        queue.window = self.wiring.tolerance(edge)
+
+
+def _discard_sampled(join: Join, kept: Collection[InputQueue]) -> None:
+    """Discard what waits at sampled inputs for a firing that does not come; not in the queues that stay."""
+    for sampled in join.sampled:
+        for queue in sampled.queues:
+            if queue not in kept:
+                queue.clear(sampled.column)
+
+
+def _end_taps(runner: StageRunner) -> None:
+    """Close the taps of a stage that goes."""
+    taps = list(taps_at(runner))
+    if taps:
+        runner.stage.context.warn("the stage left the graph: subscriptions and views of its ports end")
+    for tap in taps:
+        tap.detach()
+        tap.close()
+
+
+def _can_stay(runner: StageRunner, stage: PlannedStage) -> bool:
+    """Whether the stage, or a replacement in the same runner, can do what the plan says."""
+    before, after = ports(type(runner.stage)), ports(load_stage(stage.uses))
+    alike = (before.source, before.gives, type(runner.stage).live) == (
+        after.source,
+        after.gives,
+        load_stage(stage.uses).live,
+    )
+    given = {(port.name, port.type) for port in before.outputs}
+    same = given == {(port.name, port.type) for port in after.outputs}
+    return alike and same and runner.stage.context.member == stage.member
+
+
+def is_same(runner: StageRunner, stage: PlannedStage) -> bool:
+    """Whether the stage that works is the planned one already."""
+    now = runner.stage
+    return type(now) is load_stage(stage.uses) and now.params == type(now).Params(**stage.params)
+
+
+def _queues(runner: StageRunner) -> list[InputQueue]:
+    """The queues of all edges into a stage."""
+    return [*runner.join.members, *(queue for sampled in runner.join.sampled for queue in sampled.queues)]

@@ -1,0 +1,281 @@
+"""When a stage fires: the join of its inputs by capture time and watermark.
+
+A join begins with the earliest message. It is complete when every member has a message in the window, or a
+watermark beyond the window. A member whose messages lie closer together than the window gives the one nearest
+to the join, and one that has just given such messages is waited for until that one is known. The rule reads
+the streams alone and no clock, so any placement fires the same messages together. Only the deadline of a live
+join depends on the time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from followspot.messages import Message
+from followspot.ports import InputSpec
+from followspot.transport.token import ABSENT, END
+from followspot.worker.inputs.input_queue import InputQueue
+from followspot.worker.inputs.sampled_input import SampledInput
+from followspot.worker.ledger import LATE, UNMATCHED
+
+
+@dataclass(frozen=True)
+class JoinInput:
+    """One parameter of `process` and the edges that feed it: members of the join, or one sampled input.
+
+    An optional input without an edge has neither; the stage gets None, or an empty tuple.
+    """
+
+    name: str
+    joined: bool
+    """Whether its argument is a tuple."""
+    members: tuple[InputQueue, ...] = ()
+    sampled: SampledInput | None = None
+
+
+class Join:
+    """The inputs of one stage.
+
+    lateness: ns after a firing's time within which nothing else fires (the window, plus the lateness of the
+    inputs); lag: see :meth:`relieve`, None in a live run, where full edges drop.
+    """
+
+    def __init__(self, ports: Sequence[JoinInput], *, lateness: int, lag: int | None = None) -> None:
+        self.ports = tuple(ports)
+        self.members = tuple(queue for port in ports for queue in port.members)
+        self.sampled = tuple(port.sampled for port in ports if port.sampled is not None)
+        self.required = tuple(queue for port in ports if not port.joined for queue in port.members)
+        self.free = tuple(queue for queue in self.members if not queue.answers)
+        """Members that do not depend on what the stage gives."""
+        self.dropping = tuple(queue for queue in self.members if queue.keep is not None)
+        """Members that keep only their newest messages."""
+        self.only = self.members[0] if len(self.members) == len(self.ports) == 1 else None
+        """The single member of the commonest stage, which fires for each message as it is."""
+        self.lateness = lateness
+        self.lag = lag
+        self.closed = -END - 1
+        """Capture time, ns, up to which everything was fired or discarded; before all times at first."""
+        self.in_time = UNMATCHED
+        """Ledger column of messages after their window closed: `LATE` once a deadline closed one."""
+        self._reach = 0
+        """Window of the member that is earliest, ns."""
+
+    def read_by(self, inputs: Sequence[InputSpec]) -> Join:
+        """The same inputs for a stage that declares these ports, perhaps in another order; the only input of
+        one stage is that of the other, whatever their names are.
+        """
+        known = {port.name: port for port in self.ports}
+        if len(inputs) == len(self.ports) == 1:
+            known = {inputs[0].name: self.ports[0]}
+        arranged = [
+            replace(known.get(p.name) or JoinInput(p.name, joined=False), joined=p.several) for p in inputs
+        ]
+        join = Join(arranged, lateness=self.lateness, lag=self.lag)
+        join.closed, join.in_time, join._reach = self.closed, self.in_time, self._reach
+        return join
+
+    def carry_on(self, old: Join) -> None:
+        """Go on from where the former join of the stage is; sampled inputs of the same edges stay."""
+        self.closed, self.in_time, self._reach = old.closed, old.in_time, old._reach
+        known = {port.name: port for port in old.ports if port.sampled is not None}
+        kept = []
+        for port in self.ports:
+            was = known.get(port.name)
+            same = (
+                was is not None
+                and was.sampled is not None
+                and port.sampled is not None
+                and was.sampled.queues == port.sampled.queues
+            )
+            kept.append(was if same and was is not None else port)
+        self.ports = tuple(kept)
+        self.sampled = tuple(port.sampled for port in self.ports if port.sampled is not None)
+
+    def ready(self, *, overdue: bool = False) -> int | None:
+        """Capture time, ns, of the next firing, or None while it is not certain.
+
+        overdue: the deadline of a live join has passed: fire with the members that are there.
+        Discards messages that lack a required partner, and counts them as unmatched.
+        """
+        if len(self.members) == 1:
+            messages = self.members[0].messages
+            if not messages:
+                return None
+            time = messages[0].header.time
+            return self._sampled_ready(time, overdue) if self.sampled else time
+        while True:
+            first = self._first()
+            if first is None:
+                return None
+            time = first.messages[0].header.time
+            self._reach = first.window
+            if not self._certain(time):
+                if not overdue:
+                    return None
+                self.in_time = LATE
+                if not self._all_required(time):
+                    self._close(time)
+                    continue
+            elif not self._all_required(time):
+                first.discard(UNMATCHED)
+                continue
+            far = self._far(time)
+            if far is None:
+                return self._sampled_ready(time, overdue)
+            if len(far.messages) > 1:
+                far.discard(UNMATCHED)
+            elif not overdue:
+                return None
+            else:
+                return self._sampled_ready(time, overdue)
+
+    def take(self, time: int) -> tuple[list[object], list[Message]]:
+        """The arguments of the firing at `time` in the order of the ports, and the messages that fired."""
+        self.closed = time + self.lateness
+        if self.only is not None:
+            message = self.only.take()
+            return [(message,) if self.ports[0].joined else message], [message]
+        arguments: list[object] = []
+        fired: list[Message] = []
+        for port in self.ports:
+            if port.sampled is not None:
+                arguments.append(port.sampled.sample(time))
+                continue
+            if not (port.members or port.joined):
+                arguments.append(None)
+                continue
+            found = self._taken(port.members, time)
+            fired += found
+            arguments.append(tuple(found) if port.joined else found[0])
+        return arguments, fired
+
+    def gives(self, queue: InputQueue, time: int) -> bool:
+        """Whether a member gives its first message to the firing at this time, ns; ask before `take`."""
+        return queue is self.only or self._has(queue, time)
+
+    def relieve(self) -> None:
+        """Let the senders of full edges go on where the stage waits for another input.
+
+        Before that input goes on, no firing takes anything. So messages up to the next possible firing take
+        no room, nor do those within `lag`, ns, by which streams of the graph may trail each other: the
+        largest sum, along any path, of the times that joins look ahead. So no rates and no depths stop a
+        replay: of the sources that full edges hold back, the one furthest behind would have to wait for
+        another that is further behind.
+        """
+        if self.only is not None or self.lag is None:
+            return
+        earliest = self.watermark()
+        for sampled in self.sampled:
+            sampled.relieve(earliest, self.lag)
+        for queue in self.members:
+            if len(queue.messages) >= queue.depth:
+                queue.excuse(earliest + self.lag)
+
+    def watermark(self) -> int:
+        """The watermark of the stage: nothing fires earlier than this capture time, ns.
+
+        `END` if the stage will not fire again; `ABSENT` if all inputs that have not ended are absent.
+        """
+        earliest = END
+        for queue in self.members:
+            next_at = queue.messages[0].header.time if queue.messages else queue.watermark
+            if next_at < earliest:  # cheaper than min()
+                earliest = next_at
+        return max(earliest, self.closed + 1) if earliest < ABSENT else earliest
+
+    def waiting_since(self) -> int | None:
+        """When the oldest message that waits for others entered the graph, ns; None if none waits."""
+        return min(
+            (queue.messages[0].header.entered for queue in self.members if queue.messages), default=None
+        )
+
+    def _first(self) -> InputQueue | None:
+        """The member with the earliest message after all closed windows; None if there is none."""
+        first, earliest = None, END
+        for queue in self.members:
+            if queue.messages and queue.messages[0].header.time <= self.closed:
+                queue.discard_until(self.closed, self.in_time)
+            if queue.messages and queue.messages[0].header.time < earliest:
+                first, earliest = queue, queue.messages[0].header.time
+        return first
+
+    def _certain(self, time: int) -> bool:
+        """Whether every member has a message, or a watermark beyond its window from `time`, ns, on."""
+        reach = self._reach
+        for queue in self.members:  # asked for every firing; all() costs twice as much
+            if not queue.messages:
+                window = queue.window
+                if queue.watermark <= time + (window if window > reach else reach):
+                    return False
+        return True
+
+    def _all_required(self, time: int) -> bool:
+        """Whether every required member has a message in its window from `time`, ns, on."""
+        for queue in self.required:  # noqa: SIM110  # likewise
+            if not self._has(queue, time):
+                return False
+        return True
+
+    def _has(self, queue: InputQueue, time: int) -> bool:
+        """Whether a member has a message in its window from `time`, ns, on."""
+        window, reach = queue.window, self._reach
+        limit = time + (window if window > reach else reach)
+        return bool(queue.messages) and queue.messages[0].header.time <= limit
+
+    def _far(self, time: int) -> InputQueue | None:
+        """A member whose next message is nearer to the join than its first, or may be; None if there is none.
+
+        The join is where the latest of the first messages is. Only messages that follow each other within
+        twice the window can be such; a member whose last two lie further apart is not waited for, nor is one
+        that depends on the result of this firing.
+        """
+        if not self._frequent():
+            return None
+        heads = [(q.messages[0].header.time, q) for q in self.members if self._has(q, time)]
+        pivot = max([head for head, _ in heads])
+        for head, queue in heads:
+            reach = max(queue.window, self._reach)
+            if queue.answers or head == pivot or head - queue.left_at > 2 * reach:
+                continue
+            if len(queue.messages) == 1:
+                if queue.watermark < 2 * pivot - head:
+                    return queue
+            elif abs((following := queue.messages[1].header.time) - pivot) < pivot - head:
+                others = min([other for other, member in heads if member is not queue])
+                if following - others <= reach:
+                    return queue
+        return None
+
+    def _frequent(self) -> bool:
+        """Whether a member that is asked now sends so often that the choice is open; few do."""
+        reach = self._reach
+        for queue in self.free:
+            if queue.messages:
+                window = queue.window if queue.window > reach else reach
+                if queue.messages[0].header.time - queue.left_at <= 2 * window:
+                    return True
+        return False
+
+    def _sampled_ready(self, time: int, overdue: bool) -> int | None:
+        for sampled in self.sampled:
+            if not sampled.ready(time) and (sampled.patient or not overdue):
+                return None
+        return time
+
+    def _close(self, time: int) -> None:
+        """Discard the messages of this window: a required partner did not come before the deadline."""
+        for queue in self.members:
+            queue.discard_until(time + max(queue.window, self._reach), UNMATCHED)
+        self.closed = time + self.lateness
+
+    def _taken(self, members: Sequence[InputQueue], time: int) -> list[Message]:
+        """The first message of each member that has one in its window from `time`, ns, on."""
+        reach, found = self._reach, []
+        for queue in members:
+            if queue.messages:
+                head, window = queue.messages[0].header.time, queue.window
+                if head <= time + (window if window > reach else reach):
+                    found.append(queue.take())
+                    queue.left_at = head
+        return found

@@ -1,0 +1,1 @@
+"""Runners: one for each kind of stage, which calls it and sends what it gives."""

@@ -1,0 +1,72 @@
+"""What happens when a stage raises: the run fails, the message is skipped, or the stage is built again."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Protocol
+
+from followspot.errors import FollowspotError
+from followspot.graph.plan import ErrorPolicy
+from followspot.messages import Header
+from followspot.stage import Stage
+from followspot.worker.runners.runner_count import RunnerCount
+
+RESTARTS = 5
+"""How often a stage with policy `restart` is rebuilt before the run fails."""
+FIRST_BACK_OFF = 0.1
+"""Pause before the first restart, s; it doubles each time."""
+
+
+class StageError(FollowspotError):
+    """A stage raised; the text names the stage, the message it was given, and shows the traceback."""
+
+    def __init__(self, stage: str, header: Header | None, error: BaseException) -> None:
+        when = f" at {header.source}#{header.seq}, {header.time / 1e9:.6f} s" if header else ""
+        detail = "" if isinstance(error, FollowspotError) else _traceback(error)
+        super().__init__(f"stage {stage} failed{when}: {type(error).__name__}: {error}{detail}")
+
+
+class Failing(Protocol):
+    """The runner of a stage that raised. build: makes the stage again."""
+
+    name: str
+    stage: Stage
+    build: Callable[[], Stage]
+    on_error: ErrorPolicy
+    count: RunnerCount
+
+
+def recover(runner: Failing, header: Header, error: Exception) -> None:
+    """Apply the error policy of the stage. Raises StageError if the run is to fail.
+
+    header: of the message that the stage was given.
+    """
+    policy = runner.on_error
+    if policy == "fail" or (policy == "restart" and runner.count.restarts >= RESTARTS):
+        raise StageError(runner.name, header, error) from error
+    runner.count.skipped += 1
+    runner.stage.context.warn(str(StageError(runner.name, header, error)))
+    if policy == "restart":
+        try:
+            _restart(runner)
+        except Exception as second:
+            raise StageError(runner.name, header, second) from error
+
+
+def _restart(runner: Failing) -> None:
+    """Build the stage again after a pause; it restores the checkpoint of the old one, if there is one."""
+    runner.stage.context.pause(FIRST_BACK_OFF * 2**runner.count.restarts)
+    runner.count.restarts += 1
+    state = runner.stage.state()
+    runner.stage.close()
+    runner.stage = runner.build()
+    runner.stage.context = replace(runner.stage.context, resumed=True)
+    runner.stage.setup()
+    if state is not None:
+        runner.stage.restore(state)
+
+
+def _traceback(error: BaseException) -> str:
+    return "\n" + "".join(traceback.format_exception(error)).rstrip()

@@ -1,0 +1,164 @@
+"""The runner of a live source: its thread takes frames from the device, and drops the oldest.
+
+A live source delivers in its own time, so nothing can hold it up.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+from followspot.graph.plan import LIVE_DEPTH
+from followspot.messages import UNSTAMPED, Header
+from followspot.stage import Stage
+from followspot.worker.inputs.input_queue import InputQueue
+from followspot.worker.output_port import OutputPort
+from followspot.worker.runners.source import NOTHING, SourceRunner
+from followspot.worker.runners.stage_runner import Changed
+
+
+class LiveSourceRunner(SourceRunner):
+    """Runs a source that delivers in its own time: its thread keeps the newest frames and drops the oldest.
+
+    A frame counts as produced when the device gives it. The ledger so has it, even if the worker dies before
+    the graph takes the frame.
+    """
+
+    depth: int = LIVE_DEPTH
+    """Messages that wait for the worker before the oldest is dropped."""
+    notify: Callable[[], None]
+    """Wakes the worker from the source's thread."""
+    _thread: threading.Thread | None = None
+    _arrived_at = 0
+    """When the last message came, ns since 1970 by the clock of this host."""
+
+    def start(self) -> None:
+        """Start the thread that grabs frames."""
+        self._lock = threading.Lock()
+        self._newest: deque[Any] = deque()
+        self._grabbed = self._overrun = 0
+        """Messages that came; those that were dropped since the worker last took one."""
+        self._shut = False
+        """Whether the thread may add no more."""
+        for _, output in self.outputs:
+            output.counts = False
+        self._begin()
+
+    @property
+    def grabbing(self) -> bool:
+        """Whether no frame waits for the worker: the device has yet to give one."""
+        return self._thread is None or not self._newest
+
+    def end_after(self, time: int) -> None:
+        """End now: a device that falls silent would never pass the time."""
+        self.stop()
+
+    def stop(self) -> None:
+        """Stop grabbing; frames that were grabbed are still sent."""
+        super().stop()
+        self.close()
+        if self._thread is not None:
+            self._thread.join(timeout=2.0)
+
+    def replace_stage(self, stage: Stage, build: Callable[[], Stage]) -> None:
+        """Take frames from another device from now on; those that the old one still gives are dropped."""
+        super().replace_stage(stage, build)
+        self._begin()
+
+    def reconnect(self, readers: Mapping[str, Sequence[InputQueue]]) -> None:
+        """See `StageRunner.reconnect`; frames that wait for the worker go to the new readers."""
+        with self._lock:
+            for port, output in self.outputs:
+                output.reconnect(readers[port], self._waiting(output))
+
+    def exchange(self, output: OutputPort, change: Callable[[], Changed]) -> Changed:
+        """See `StageRunner.exchange`. The edges that come count the frames that wait for the worker."""
+        with self._lock:
+            before = output.all_rows
+            found = change()
+            output.recount(before, self._waiting(output))
+        return found
+
+    def _waiting(self, output: OutputPort) -> int:
+        """How many frames wait for the worker that an output will send."""
+        return sum(output in self._outputs_of(item) for item, _, _ in self._newest)
+
+    def _begin(self) -> None:
+        self._error: Exception | None = None
+        self._over = False
+        self._thread = threading.Thread(target=self._grab, args=(self.stage,), name=self.name, daemon=True)
+        self._thread.start()
+
+    def _time(self, given: Header) -> int:
+        """Capture time, ns, on the reference clock; the time of arrival if the device gives none."""
+        return self.clock.capture_time(self._arrived_at if given is UNSTAMPED else given.time)
+
+    def _left_out(self, item: Any, error: Exception) -> None:
+        for output in self._outputs_of(item):
+            output.invalid()  # its thread has counted it as produced
+        super()._left_out(item, error)
+
+    def _open_anew(self) -> None:
+        self._begin()
+
+    def _grab(self, stage: Stage) -> None:
+        try:
+            for item in stage.process():
+                if not self._keep(item, stage):
+                    break
+                self.notify()
+        except Exception as error:
+            if self.stage is stage:
+                self._error = error
+        if self.stage is stage:
+            self._over = True
+            self.notify()
+
+    def _keep(self, item: Any, stage: Stage) -> bool:
+        """Count an item and keep it for the worker; whether to go on."""
+        with self._lock:
+            if self._shut:
+                return False
+            self._grabbed += 1
+            for output in self._outputs_of(item):
+                output.produced()
+            if self.stage is not stage:
+                self._drop(item)
+                return False
+            if len(self._newest) == self.depth:
+                self._drop(self._newest.popleft()[0])
+            self._newest.append((item, self.clock.now(), time.time_ns()))
+            return not self.stopped and self._grabbed != self.limit
+
+    def _drop(self, item: Any) -> None:
+        self._overrun += 1
+        for output in self._outputs_of(item):
+            output.overrun()
+
+    def _outputs_of(self, item: Any) -> Iterator[OutputPort]:
+        """The outputs for which an item has a message."""
+        for port, output in self.outputs:
+            if self.single is not None or getattr(item, port, None) is not None:
+                yield output
+
+    def _next(self) -> Any:
+        with self._lock:
+            overrun, self._overrun = self._overrun, 0
+            item = self._newest.popleft() if self._newest else None
+            over, error = (
+                self._over,
+                self._error,
+            )  # under the lock: what comes later is seen next time
+            self._shut = item is None and error is None and (over or self.stopped)
+        self.yielded += overrun
+        if item is not None:
+            found, self.entered, self._arrived_at = item
+            return found
+        if error is not None:
+            self._failed(error)
+        elif self._shut:
+            self.finish()
+        return NOTHING

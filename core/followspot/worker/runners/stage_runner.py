@@ -1,0 +1,355 @@
+"""A stage runner: one stage with its join, its output ports and its error policy."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from operator import attrgetter
+from types import MappingProxyType
+from typing import Any, NamedTuple, TypeVar
+
+from followspot.firing import FIRINGS
+from followspot.graph.plan import ErrorPolicy
+from followspot.messages import Header, Message
+from followspot.outputs import WrongOutput, check_returned, untimed
+from followspot.ports import ports
+from followspot.stage import Stage
+from followspot.transport.token import ABSENT, END, UNKNOWN
+from followspot.worker.clock import Clock
+from followspot.worker.inputs.input_queue import InputQueue
+from followspot.worker.inputs.join import Join
+from followspot.worker.journal import Journal
+from followspot.worker.latency import PathLatencies
+from followspot.worker.output_port import OutputPort
+from followspot.worker.runners.error_policy import StageError, recover
+from followspot.worker.runners.runner_count import RunnerCount
+
+_capture_time = attrgetter("time")
+Changed = TypeVar("Changed")
+
+
+class Firing(NamedTuple):
+    """The arguments of `process`, and the header of its outputs."""
+
+    arguments: Sequence[object]
+    header: Header
+
+
+class StageRunner:
+    """Runs one stage instance of this worker.
+
+    build: makes the stage, again for the policy `restart`; join: its inputs, empty for a source; outputs: by
+    port.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        rank: int,
+        build: Callable[[], Stage],
+        join: Join,
+        outputs: Mapping[str, OutputPort],
+        *,
+        on_error: ErrorPolicy = "fail",
+        deadline: float | None = None,
+        clock: Clock = Clock(),  # of a host without offsets
+        groups: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
+        """Build the stage. Raises StageError if that fails.
+
+        rank: place in the topological order; deadline: longest time, s, from a message's entering the graph
+        until a live join fires without its missing partners, None to wait for ever; clock: of this host;
+        groups: the stage of the graph file, by instance.
+        """
+        self.name = name
+        self.rank = rank
+        self.uses = ""
+        """Name under which the stage is offered."""
+        self.build = build
+        try:
+            self.stage = build()
+        except Exception as error:
+            raise StageError(name, None, error) from error
+        self._declare()
+        self.join = join
+        self.outputs = tuple(outputs.items())
+        self._results = tuple(named for named in self.outputs if named[0] != FIRINGS)
+        """The outputs of what `process` returns."""
+        self.single = self._results[0][1] if [name for name, _ in self._results] == ["out"] else None
+        self.on_error = on_error
+        self.deadline = deadline
+        self.overdue_at: float | None = None
+        self.done = False
+        self.open = False
+        self.ready = False
+        """Whether `setup` succeeded."""
+        self.blocked = False
+        """Whether backpressure holds the stage up: an output is full until its reader gives credit."""
+        self.working = False
+        """Whether the stage is in `process` now."""
+        self.absent = False
+        """Whether the outputs have announced `ABSENT`."""
+        self.count = RunnerCount()
+        self.paths = PathLatencies(groups)
+        self.journal = Journal(outputs.get(FIRINGS))
+        self.is_sink = not self._results
+        self.clock = clock
+        self._passed = -END
+        """The watermark that the outputs have announced."""
+
+    def setup(self) -> None:
+        """Set the stage up. Raises StageError."""
+        self.open = True
+        try:
+            self.stage.setup()
+        except Exception as error:
+            raise StageError(self.name, None, error) from error
+        self.ready = True
+
+    def step(self) -> None:
+        """Fire as often as inputs and outputs allow. Raises StageError if the policy is `fail`."""
+        while self.fire():
+            pass
+
+    def fire(self) -> bool:
+        """Fire once if inputs and outputs allow; whether more may follow. Raises StageError like `step`."""
+        fire_at = self.due()
+        if fire_at is None:
+            return False
+        firing = self.take(fire_at)
+        self.deliver(self.run(firing), firing.header)
+        return self.has_more()
+
+    def due(self) -> int | None:
+        """Capture time, ns, of the firing that inputs and outputs allow now; None if they allow none."""
+        if self.done:
+            self._discard_rest()
+            return None
+        for queue in self.join.dropping:
+            queue.shed()
+        overdue = self.deadline is not None and self._overdue(self.deadline)
+        fire_at = self.join.ready(overdue=overdue)
+        if fire_at is None:
+            self._idle()
+            if overdue:  # the stage waits for feedback, which no deadline cuts short
+                self.overdue_at = None
+            return None
+        self.blocked = not self.has_room()
+        return None if self.blocked else fire_at
+
+    def take(self, fire_at: int) -> Firing:
+        """Take the inputs of the firing that is due at this time."""
+        note = self.journal.before(self, fire_at) if self.journal.read else None
+        arguments, fired = self.join.take(fire_at)
+        self._passed = self.join.closed + 1
+        self.absent = False
+        header = _header(fired, fire_at)
+        if note is not None:
+            self.journal.after(self, header._replace(time=fire_at), note, arguments)
+        return Firing(arguments, header)
+
+    def run(self, firing: Firing) -> Any:
+        """What the stage returns, None if it raised. Raises StageError if the policy is `fail`."""
+        started = time.monotonic_ns()
+        self.working = True
+        try:
+            result = self.stage.process(*firing.arguments)
+        except Exception as error:
+            recover(self, firing.header, error)
+            result = None
+        self.working = False
+        self.count.busy_ns += time.monotonic_ns() - started
+        return result
+
+    def deliver(self, result: Any, header: Header) -> None:
+        """End a firing: send its result, or note the latency if the stage is a sink.
+
+        Raises StageError if the result is not what the stage declares and the policy is `fail`.
+        """
+        self.count.fired += 1
+        if result is not None and (type(result) is not self._only or not untimed(result.header)):
+            result = self._checked(result, header)
+        if self.is_sink:
+            self.paths.add(header, self.clock.now())
+        else:
+            self.send(result, header, self._following())
+            self.note_budget(header)
+
+    def note_budget(self, header: Header) -> None:
+        """Note the latency of what was sent, if a path with a budget ends here."""
+        if self.paths.limits:
+            self.paths.add_budgeted(header, self.clock.now())
+
+    def has_more(self) -> bool:
+        """Whether inputs may hold more than the last firing took: messages, or a later watermark."""
+        if self.deadline is not None:
+            return True
+        for queue in self.join.members:  # noqa: SIM110  # asked after every firing; any() costs twice as much
+            if queue.messages or queue.watermark > self._passed:
+                return True
+        return False
+
+    def has_room(self) -> bool:
+        """Whether every output has credit for a message."""
+        if self.single is not None and len(self.outputs) == 1:
+            return self.single.has_room()
+        return all(output.has_room() for _, output in self.outputs)
+
+    def send(self, result: Any, header: Header, following: int = UNKNOWN) -> None:
+        """Send what `process` returned; a port without a message still advances its watermark.
+
+        following: the watermark after it, ns, if more is known than what the message itself announces.
+        """
+        if self.single is not None:
+            self._send_to(self.single, result, header, following)
+            return
+        for port, output in self._results:
+            self._send_to(output, None if result is None else getattr(result, port), header, following)
+
+    def replace_stage(self, stage: Stage, build: Callable[[], Stage]) -> None:
+        """Run another stage, which is set up and fits the edges, from the next firing on (hot swap)."""
+        self.stage = stage
+        self.build = build
+        found = ports(type(stage))
+        self._declare()
+        self.join = self.join.read_by(found.inputs)
+        self.outputs = tuple(named for named in self.outputs if found.output(named[0]) is not None)
+        self._results = tuple(named for named in self.outputs if named in self._results)
+
+    def reconnect(self, readers: Mapping[str, Sequence[InputQueue]]) -> None:
+        """Have these readers in the same worker at each output, instead of the former ones."""
+        for port, output in self.outputs:
+            output.reconnect(readers[port])
+
+    def exchange(self, output: OutputPort, change: Callable[[], Changed]) -> Changed:
+        """Let `change` add or remove edges of an output to other workers; returns what it returns."""
+        return change()
+
+    def retire(self, stage: Stage) -> None:
+        """Close the stage that was replaced."""
+        try:
+            stage.close()
+        except Exception as error:
+            stage.context.warn(f"the stage that was replaced did not close: {type(error).__name__}: {error}")
+
+    def leave(self) -> None:
+        """Fire with what is there: the stage leaves the graph, and no partners of a message come any more."""
+        while not self.done and self.has_room() and (fire_at := self.join.ready(overdue=True)) is not None:
+            firing = self.take(fire_at)
+            self.deliver(self.run(firing), firing.header)
+
+    @property
+    def owed(self) -> Sequence[Header]:
+        """Headers of earlier firings whose messages are yet to come."""
+        return ()
+
+    @property
+    def asks(self) -> bool:
+        """Whether answers of the stage are under way, which will wake the worker."""
+        return False
+
+    def _declare(self) -> None:
+        """Read the output types that the stage declares."""
+        self.declared = ports(type(self.stage)).outputs
+        self._only = self.declared[0].type if len(self.declared) == 1 else None
+        """Type of all results but None, if the stage has one output; None for dataclasses of messages."""
+
+    def _checked(self, result: Any, header: Header) -> Any:
+        """The result, or None if it is not what the stage declares. Raises StageError as :meth:`run`."""
+        try:
+            check_returned(self.declared, result)
+        except WrongOutput as error:
+            recover(self, header, error)
+            return None
+        return result
+
+    def finish(self) -> None:
+        """Close the stage and end its outputs, for no input comes any more."""
+        self.done = True
+        self.close()
+        self._discard_rest()
+        for _, output in self.outputs:
+            output.end()
+
+    def close(self) -> None:
+        """Close the stage, once. Raises StageError, for outputs may be incomplete then."""
+        if not self.open:
+            return
+        self.open = False
+        try:
+            self.stage.close()
+        except Exception as error:
+            if self.ready:  # else `setup` has raised already
+                raise StageError(self.name, None, error) from error
+
+    def _discard_rest(self) -> None:
+        """Discard messages after the last firing: feedback, or from a sender that was started again."""
+        for sampled in self.join.sampled:
+            sampled.discard_rest()
+        for queue in self.join.members:
+            queue.clear()
+
+    def _idle(self) -> None:
+        """Without a firing, pass the watermark on, or end with the last input."""
+        watermark = self.join.watermark()
+        if watermark == END:
+            self.finish()
+            return
+        if watermark == ABSENT:
+            self._pass_on_absence()
+            return
+        self.absent = False
+        if watermark > self._passed:
+            self._pass(watermark)
+            self._announce(watermark)
+        self.join.relieve()
+
+    def _following(self) -> int:
+        """The watermark, ns, that the outputs can announce with what they send now; `UNKNOWN` if they cannot.
+
+        It spares a token of its own; the end and an absence have one.
+        """
+        watermark = self.join.watermark()
+        if not self._passed < watermark < ABSENT:
+            return UNKNOWN
+        self._pass(watermark)
+        return watermark
+
+    def _pass(self, watermark: int) -> None:
+        """Note that the outputs announce this watermark, ns: what comes back late is too late."""
+        self._passed = watermark
+        self.join.closed = max(self.join.closed, watermark - 1)
+
+    def _announce(self, watermark: int) -> None:
+        """Announce on all outputs that nothing earlier will come, ns."""
+        for _, output in self.outputs:
+            output.advance(watermark)
+
+    def _pass_on_absence(self) -> None:
+        """Announce once that all inputs are absent, so that joins downstream do not wait for them."""
+        if not self.absent:
+            self.absent = True
+            for _, output in self.outputs:
+                output.absent()
+
+    def _overdue(self, deadline: float) -> bool:
+        """Whether a message of a live join has waited beyond the deadline; notes when the next one will."""
+        since = self.join.waiting_since()
+        self.overdue_at = None if since is None else (since - self.clock.steady) / 1e9 + deadline
+        return self.overdue_at is not None and time.monotonic() >= self.overdue_at
+
+    @staticmethod
+    def _send_to(output: OutputPort, message: Message | None, header: Header, following: int) -> None:
+        if message is None:
+            output.advance(max(header.time + 1 + output.lateness, following))
+        else:
+            output.send(message, header, following)
+
+
+def _header(fired: Sequence[Message], time: int) -> Header:
+    """Header of an output: that of the only input, or of a join's earliest member at the join's time."""
+    if len(fired) == 1:
+        return fired[0].header
+    headers = [message.header for message in fired]
+    first = min(headers, key=_capture_time)
+    return Header(first.source, first.seq, time, min([header.entered for header in headers]))

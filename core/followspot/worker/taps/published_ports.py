@@ -1,0 +1,73 @@
+"""Publish every port of a worker to Zenoh clients (docs/wire.md), at no cost without a subscriber."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+
+import zenoh
+from zenoh.handlers import Callback
+
+from followspot.firing import FIRINGS
+from followspot.graph.plan import Plan
+from followspot.messages import InvalidMessage, Message
+from followspot.transport.codec import pack
+from followspot.transport.keys import port_key
+from followspot.transport.zenoh.terms import has_subscriber
+from followspot.worker.edge_links import EdgeLinks
+from followspot.worker.output_port import OutputPort
+from followspot.worker.runners.stage_runner import StageRunner
+from followspot.worker.scheduler import Worker
+
+
+class PublishedPort:
+    """A tap of one output port that exists while its key has a subscriber. It waits for none."""
+
+    def __init__(self, session: zenoh.Session, key: str, output: OutputPort, worker: Worker) -> None:
+        self._output = output
+        self._worker = worker
+        self._publisher = session.declare_publisher(
+            key, congestion_control=zenoh.CongestionControl.DROP, priority=zenoh.Priority.DATA_LOW
+        )
+        self._listener = self._publisher.declare_matching_listener(Callback(self._matched, indirect=False))
+        if has_subscriber(self._publisher):
+            self._follow()
+
+    def __call__(self, message: Message) -> None:
+        """Put the message, or drop it if the network is full or the session closed."""
+        with suppress(zenoh.ZError, InvalidMessage):
+            self._publisher.put(pack(message))
+
+    def _matched(self, status: zenoh.MatchingStatus) -> None:
+        """Follow the first subscriber that comes or the last one that leaves; in a thread of Zenoh."""
+        self._worker.between_firings(self._follow)
+
+    def _follow(self) -> None:
+        self._output.untap(self)
+        if has_subscriber(self._publisher):
+            self._output.tap(self)
+
+
+def published(links: EdgeLinks, worker: Worker, runners: Sequence[StageRunner]) -> list[PublishedPort]:
+    """Publish those ports of some stages whose messages no edge puts on their key already.
+
+    There are none without a session; they end with that of the links.
+    """
+    if links.session is None:
+        return []
+    taken = _on_their_keys(links.plan)
+    return [
+        PublishedPort(links.session, port_key(links.run, host, runner.name, port), output, worker)
+        for runner, host in ((runner, links.plan.host_of_stage(runner.name)) for runner in runners)
+        for port, output in runner.outputs
+        if port != FIRINGS and (runner.name, port) not in taken
+    ]
+
+
+def _on_their_keys(plan: Plan) -> set[tuple[str, str]]:
+    """Ports with a Zenoh edge on the port's own key: raw, and without a policy that drops."""
+    return {
+        (edge.from_stage, edge.from_port)
+        for edge in plan.edges
+        if edge.kind == "zenoh" and edge.codec == "raw" and not edge.drops
+    }
