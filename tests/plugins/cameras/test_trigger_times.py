@@ -142,6 +142,11 @@ class Triggered:
 
     def feature(self, name: str) -> None: ...
 
+    def read(self, name: str) -> str:
+        raise ValueError(name)
+
+    def execute(self, name: str) -> None: ...
+
     def read_clock(self) -> None:
         return None
 

@@ -108,7 +108,7 @@ def test_a_sub_graph_is_one_card_that_unfolds_and_stays_so(opened: Opened) -> No
     card = "document.querySelector('#pipeline .subgraph > button').innerText"
     chromium.wait(f"/{2 * inside} not delivered/.test({card})")
     told = chromium.ask(card)
-    assert "9 stages" in told
+    assert "10 stages" in told
     assert "waiting for input" in told
     assert "latency 4.0 / 9.0 ms" in told
 

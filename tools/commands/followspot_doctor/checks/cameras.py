@@ -9,7 +9,8 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
 from followspot.errors import InputError
-from followspot.room import Camera, Room
+from followspot.graph.camera_kind import source_for
+from followspot.room import Camera, Member, Room
 from followspot.room_file import load
 from followspot.tracking import DepthImage, Frame
 from followspot_doctor.checks.source import TIMEOUT, tried
@@ -36,7 +37,7 @@ def _camera(camera: Camera, room: Room) -> Finding:
     found = tried(camera, room, lambda messages: next(messages, None), _EXAMPLE)
     if found.finding is not None or camera.source is None:
         return found.finding or wrong(camera.name, "has no source", _EXAMPLE)
-    uses = camera.source.uses
+    uses = source_for(camera.source.uses, Member("cameras", camera.name), room)
     if not isinstance(found.taken, Frame | DepthImage):
         text = f"{uses} gave no picture within {TIMEOUT:.0f} s: {found.said}"
         return wrong(camera.name, text, "is it connected, switched on, and free of other programs?")

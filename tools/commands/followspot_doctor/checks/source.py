@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from followspot.errors import FollowspotError
+from followspot.graph.camera_kind import source_for
 from followspot.graph.parameters import path_parameters
 from followspot.messages import Message
 from followspot.plugins.registry import PluginError, load_stage
@@ -43,8 +44,10 @@ def tried(
     use = device.source
     if use is None:
         return Tried(wrong(device.name, "has no source", example))
+    member = Member("cameras" if isinstance(device, Camera) else "sensors", device.name)
+    uses = source_for(use.uses, member, room)
     try:
-        stage = load_stage(use.uses)
+        stage = load_stage(uses)
         params = dict(use.params)
         for name in path_parameters(stage.Params, PathIn):
             if name in params:
@@ -54,7 +57,6 @@ def tried(
                     return Tried(wrong(device.name, text, "mend the path in the room file"))
         with tempfile.TemporaryDirectory() as out:
             warnings: list[str] = []
-            member = Member("cameras" if isinstance(device, Camera) else "sensors", device.name)
             context = Context(device.name, room, member=member, out=Path(out), warn=warnings.append)
             taken = _taken(stage(context, **params), take, timeout)
     except PluginError as error:
@@ -62,7 +64,7 @@ def tried(
     except FollowspotError as error:
         return Tried(wrong(device.name, " ".join(str(error).split()), "see the message"))
     except Exception as error:  # the code of a plugin may do anything
-        text = " ".join(f"{use.uses}: {type(error).__name__}: {error}".split())
+        text = " ".join(f"{uses}: {type(error).__name__}: {error}".split())
         return Tried(wrong(device.name, text[:300], "mend its source in the room file"))
     said = "; ".join(dict.fromkeys(warnings)) or ", ".join(f"{k} {v}" for k, v in use.params.items())
     return Tried(None, taken, said)
