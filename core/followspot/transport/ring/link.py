@@ -66,7 +66,7 @@ class Link:
         self.carried.append(other)
 
     def leave(self) -> list[Link]:
-        """Send nothing more, and carry for nobody; returns the readers that have datagrams of their own now.
+        """Send no more; returns the readers that it carried, which get datagrams of their own.
 
         What waits for this socket goes to theirs.
         """
@@ -79,7 +79,7 @@ class Link:
         return left
 
     def part(self) -> list[Link]:
-        """Be carried no longer, and carry for nobody; returns the readers that this one carried for."""
+        """Stop sharing datagrams with other readers; returns the readers that this link carried."""
         if self.carrier is not None:
             self.carrier.carried.remove(self)
             self.carrier = None

@@ -1,4 +1,4 @@
-"""All readers of a ring as its writer sees them: who is there, and which of them share datagrams.
+"""The readers of a ring that its writer has: which are alive, and which share datagrams.
 
 Edges that lead from one port to one process share the datagrams of the first of them, its carrier: each
 datagram wakes that process once. Each edge keeps its own credit, and its own socket, whose end is its death.
