@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from followspot import Message, Stage, at
 
@@ -16,6 +16,12 @@ class Performance(Stage):
 
     _begun = 0
     """When it began, ns of the monotonic clock: with all others, in whichever workers they are."""
+
+    @classmethod
+    def nominal_rate(cls, params: Any) -> float:
+        """The parameter `fps`, Hz."""
+        rate: float = params.fps
+        return rate
 
     def length(self) -> int | None:
         """Number of frames; None if they never end."""

@@ -8,18 +8,17 @@ from followspot.errors import Mistake
 from followspot.graph.declaration import StageDeclaration
 from followspot.graph.load import Loaded
 from followspot.graph.names import enclosing
-from followspot.graph.selector import tag_named
+from followspot.graph.selector import Selector, tag_named
 from followspot.room import SETS, Member, Room, Target
 
 
-def lack(stage: StageDeclaration, loaded: Loaded, room: Room) -> Mistake:
-    """The mistake of a stage whose fan-out is empty."""
-    assert stage.each is not None
-    wanted = stage.each.set
+def lack(stage: StageDeclaration, selector: Selector, loaded: Loaded, room: Room) -> Mistake:
+    """The mistake of a stage with a selector, of its fan-out or of what it serves, that selects nothing."""
+    wanted = selector.set
     if loaded.room_node is None:
         text = f'stage "{stage.name}" needs {wanted}, but the graph names no room'
-        return Mistake(stage.each.place, text, "add room: FILE.yaml")
-    unknown = stage.each.unknown(room)
+        return Mistake(selector.place, text, "add room: FILE.yaml")
+    unknown = selector.unknown(room)
     if unknown is not None:
         return unknown
     noun = SETS.get(wanted) or tag_named(wanted, room)
@@ -27,8 +26,10 @@ def lack(stage: StageDeclaration, loaded: Loaded, room: Room) -> Mistake:
     owners = room.members(wanted).values() if wanted in SETS else ()
     names = [o.name if isinstance(o, Target) else f"{o.name} ({o.kind})" for o in owners]
     have = ", ".join([*names, *room.tags.get(noun, ())]) or f"no {wanted}"
-    remedy = f"{stage.each.text} matches none of: {have}; or write optional: true"
-    return Mistake(stage.each.place, text, remedy)
+    remedy = f"{selector.text} matches none of: {have}"
+    if selector is stage.each:
+        remedy += "; or write optional: true"
+    return Mistake(selector.place, text, remedy)
 
 
 def absent(loaded: Loaded, members: Mapping[str, Sequence[Member | None]]) -> dict[str, Mistake]:

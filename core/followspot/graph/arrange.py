@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Literal
 
 from followspot.graph.check import Checked
+from followspot.graph.checks.rates import nominal_rate
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.cycles import cyclic, successors, topological
 from followspot.graph.instances import CheckedStage
@@ -96,19 +97,10 @@ def planned_stage(checked: CheckedStage, placed: Placed, room: Room) -> PlannedS
         on_error=declared.on_error,
         tolerance=declared.tolerance,
         deadline=declared.deadline,
-        depth=declared.depth or live_depth(_rate(checked, room)),
+        depth=declared.depth or live_depth(nominal_rate(checked, room) if checked.stage.live else None),
         concurrency=declared.concurrency,
         kept=kept(instance),
     )
-
-
-def _rate(checked: CheckedStage, room: Room) -> float | None:
-    """Messages per second of a live source, Hz, if the room or the source itself says."""
-    stage, member = checked.stage, checked.instance.member
-    if not stage.live:
-        return None
-    written = room.sensors[member.name].rate if member is not None and member.set == "sensors" else None
-    return written or stage.nominal_rate(stage.Params(**checked.params))
 
 
 def planned_edge(edge: CheckedEdge, placed: Placed, choice: EdgeChoice = "auto") -> PlannedEdge:

@@ -108,6 +108,9 @@ def _nothing(loaded: Loaded, text: str, remedy: str, mistakes: list[Mistake]) ->
 
 def _members(stage: StageDeclaration, loaded: Loaded, mistakes: list[Mistake]) -> Sequence[Member | None]:
     """The members that a stage fans out over; a single None if it does not fan out."""
+    if loaded.room is not None:
+        empty = (served for served in stage.serves if not served.select(loaded.room))
+        mistakes += [lack(stage, served, loaded, loaded.room) for served in empty]
     if stage.each is None:
         return [None]
     if loaded.room is None or not stage.each.readable:
@@ -115,7 +118,7 @@ def _members(stage: StageDeclaration, loaded: Loaded, mistakes: list[Mistake]) -
     found = stage.each.select(loaded.room)
     if found or stage.optional:
         return found
-    mistakes.append(lack(stage, loaded, loaded.room))
+    mistakes.append(lack(stage, stage.each, loaded, loaded.room))
     return [ANY]
 
 

@@ -69,6 +69,11 @@ class Device(LiveCamera):
     kernel: ClassVar[Kernel] = Linux()
 
     @classmethod
+    def nominal_rate(cls, params: Params) -> float | None:
+        """The frame rate that the device is asked for, Hz; None for its own."""
+        return params.fps or None
+
+    @classmethod
     def check_files(cls, params: Params, room: Room, member: Member | None) -> Iterable[Mistake]:
         """A path that leads to no device. Warn if nothing is there: it may be plugged in later."""
         wrong = not_a_device(params.device)

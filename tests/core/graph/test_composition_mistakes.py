@@ -524,6 +524,12 @@ MISTAKES = {
         ("room", "truth:", "sensors: {imu: {kind: imu, tags: {zone: attic}}}\ntruth:"),
         ("room", "kind: color\n", "kind: color\n    tags: {zone: hall}\n"),
     ),
+    "a zone that the room lacks": wrong(
+        'stage "late" needs a zone that the room "stage" lacks',
+        "zones[name=attic] matches none of: hall",
+        ("main", "  save:", f"  late: {LATE.replace('¦', '')[:-1]}, serves: ¦'zones[name=attic]'}}\n  save:"),
+        ("room", "kind: color\n", "kind: color\n    tags: {zone: hall}\n"),
+    ),
     "a stage that serves another set": wrong(
         "toy.imu serves one sensor, but stage \"hand\" fans out over cameras",
         "write each: sensors",

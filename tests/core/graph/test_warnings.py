@@ -81,6 +81,36 @@ def test_a_stage_that_nothing_fires_is_named_and_those_after_it_are_not(tmp_path
     assert mistake.text == 'stage "idle" never fires: all its inputs are sampled or delayed'
 
 
+RATES = """graph: rates
+stages:
+  fast:   {uses: rates.device, with: {hz: 1000}}
+  slow:   {uses: rates.device, with: {hz: 100}}
+  also:   {uses: rates.device, with: {hz: 120}}
+  meet:   {uses: rates.meet, in: {frame: slow, reading: SENDER}}
+  save:   {uses: rates.write, in: {readings: meet}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("sender", "share"), [("fast", "90%"), ("also", ""), ("{from: fast, delay: 1}", ""), ("slow", "")]
+)
+def test_a_join_of_streams_with_unequal_rates_is_named_with_what_it_leaves(
+    tmp_path: Path, sender: str, share: str
+) -> None:
+    graph = write(tmp_path, graph=RATES.replace("SENDER", sender))
+    found = fs.check(graph, plugin_files=[Path(TOY).parents[2] / "stages/rates.py"])
+    named = [mistake for mistake in found if not mistake.text.startswith("no stage reads")]
+    if not share:
+        assert named == []
+        return
+    (mistake,) = named
+    assert mistake.warning
+    assert mistake.text.startswith('stage "meet" joins 1000 messages/s of stage "fast" with 100 of ')
+    assert f"{share} find no partner" in mistake.text
+    assert mistake.place is not None
+    assert mistake.place.line == 6
+
+
 def test_a_stage_whose_check_fails_is_a_warning(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(*_: object) -> list[Mistake]:
         raise ZeroDivisionError("oh")

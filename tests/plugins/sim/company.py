@@ -23,6 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Context, Message, Room, Stage, room_file
+from followspot.graph.camera_kind import source_for
 from followspot.plugins.registry import load_stage
 from followspot_sim.actor.visibility import coarser
 
@@ -33,13 +34,18 @@ def build(room: Room, name: str, frames: int) -> Stage:
     source = camera.source if camera else room.truth
     assert source is not None
     context = Context(name, room) if camera is None else Context.serving(camera, room, name=name)
-    stage = load_stage(source.uses)(context, **{**source.params, "frames": frames})
+    uses = source_for(source.uses, context.member, room)
+    stage = load_stage(uses)(context, **{**source.params, "frames": frames})
     stage.setup()
     return stage
 
 
-def digest(message: Message) -> str:
-    """Of every bit that the message carries, and of its time and number."""
+def digest(given: object) -> str:
+    """Of every bit that a message carries, and of its time and number; of those of all ports in order."""
+    return _digest(given) if isinstance(given, Message) else " ".join(map(_digest, vars(given).values()))
+
+
+def _digest(message: Message) -> str:
     found = hashlib.sha256(repr((message.header.seq, message.header.time)).encode())
     for name, value in sorted(vars(message).items()):
         if isinstance(value, np.ndarray):
@@ -56,7 +62,7 @@ def alone(room: Room, names: list[str], frames: int) -> dict[str, list[str]]:
 
 def in_turn(room: Room, names: list[str], frames: int) -> dict[str, list[str]]:
     """Digests of sources that are all set up and then pulled in turn, the last one first."""
-    streams: dict[str, Iterator[Message]] = {n: build(room, n, frames).process() for n in names}
+    streams: dict[str, Iterator[object]] = {n: build(room, n, frames).process() for n in names}
     found: dict[str, list[str]] = {name: [] for name in names}
     for _ in range(frames):
         for name in reversed(names):

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property, reduce
+from dataclasses import replace
+from functools import reduce
 from operator import or_
 
 from followspot.document import Node, child
 from followspot.errors import Mistake
+from followspot.graph.checks.flow import FIRING, Flow
+from followspot.graph.checks.rates import joins_of_unequal_rates
 from followspot.graph.connections import CheckedEdge
-from followspot.graph.cycles import Successors, successors, topological
 from followspot.graph.distinct_mistakes import told_once
 from followspot.graph.expand import Expanded
 from followspot.graph.instances import CheckedStage, Instance
@@ -21,35 +22,6 @@ from followspot.stage import Stage
 
 MOST_NAMED = 6
 """Most cameras that a warning names."""
-FIRING = ("plain", "joined")
-"""Kinds of inputs whose messages let a stage fire."""
-
-
-@dataclass(frozen=True)
-class Flow:
-    """The checked stages, and all edges by the instances at their ends."""
-
-    stages: Mapping[str, CheckedStage]
-    edges: Sequence[CheckedEdge]
-
-    @cached_property
-    def after(self) -> Successors:
-        """The instances that each feeds, except those that it feeds sampled or delayed."""
-        ends = [(e.wire.source.name, e.wire.target.name) for e in self.edges if not e.held]
-        return successors(self.stages, ends)
-
-    @cached_property
-    def order(self) -> Sequence[str]:
-        """All instances, each after those that feed it."""
-        return topological(self.after)
-
-    @cached_property
-    def groups(self) -> Mapping[str, list[CheckedStage]]:
-        """The instances of each stage of the graph file."""
-        found: dict[str, list[CheckedStage]] = defaultdict(list)
-        for checked in self.stages.values():
-            found[checked.instance.declared.name].append(checked)
-        return found
 
 
 def warnings(
@@ -62,6 +34,7 @@ def warnings(
         *_unread(flow, expanded),
         *_unused(flow, room, expanded.room_node),
         *_never(flow),
+        *joins_of_unequal_rates(flow, room),
         *_foreseen(flow, room),
     ]
     return [replace(mistake, warning=True) for mistake in told_once(found)]

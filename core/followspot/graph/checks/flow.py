@@ -1,0 +1,42 @@
+"""The flow of messages through a checked graph: its stages, its edges, and their order."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from followspot.graph.connections import CheckedEdge
+from followspot.graph.cycles import Successors, successors, topological
+from followspot.graph.instances import CheckedStage
+
+FIRING = ("plain", "joined")
+"""Kinds of inputs whose messages let a stage fire."""
+
+
+@dataclass(frozen=True)
+class Flow:
+    """The checked stages, and all edges by the instances at their ends."""
+
+    stages: Mapping[str, CheckedStage]
+    edges: Sequence[CheckedEdge]
+
+    @cached_property
+    def after(self) -> Successors:
+        """The instances that each feeds, except those that it feeds sampled or delayed."""
+        ends = [(e.wire.source.name, e.wire.target.name) for e in self.edges if not e.held]
+        return successors(self.stages, ends)
+
+    @cached_property
+    def order(self) -> Sequence[str]:
+        """All instances, each after those that feed it."""
+        return topological(self.after)
+
+    @cached_property
+    def groups(self) -> Mapping[str, list[CheckedStage]]:
+        """The instances of each stage of the graph file."""
+        found: dict[str, list[CheckedStage]] = defaultdict(list)
+        for checked in self.stages.values():
+            found[checked.instance.declared.name].append(checked)
+        return found
