@@ -94,7 +94,7 @@ def read_frames(
     line and remedy.
     """
     needs = (*columns, *(() if camera is None else ("camera",)))
-    has_frame, has_time = _check_head(given, (*needs, *optional))
+    has_frame, has_time = _check_head(given, needs, optional)
     time_of = None if has_time else _times(given)
     start = round(given.start_time * 1e9)
     own: list[tuple[int, int, list[T]]] = []
@@ -121,9 +121,11 @@ def read_frames(
     return FrameTable(frames, moments, time_of)
 
 
-def _check_head(given: FrameParams, columns: Collection[str]) -> tuple[bool, bool]:
-    """Whether the file has the columns frame and time. Raises InputError if it has neither, or no rate."""
-    known = (*columns, "frame", "time")
+def _check_head(given: FrameParams, needs: Sequence[str], optional: Sequence[str]) -> tuple[bool, bool]:
+    """Whether the file has the columns frame and time. Raises InputError if it has neither, or no rate, or
+    lacks a column that is needed.
+    """
+    known = (*needs, *optional, "frame", "time")
     strange = next((name for name in given.columns if name not in known), None)
     if strange is not None:
         raise InputError.of(
@@ -138,6 +140,12 @@ def _check_head(given: FrameParams, columns: Collection[str]) -> tuple[bool, boo
     if not has_time and given.fps is None:
         text = f"{given.path} numbers frames and has no column time"
         raise InputError.of(text, "add the frame rate of the pictures, for example with: {fps: 30}")
+    absent = [name for name in needs if given.columns.get(name, name) not in head]
+    if absent:
+        wanted = [given.columns.get(name, name) for name in absent]
+        text = f"columns {', '.join(wanted)} are missing"
+        remedy = f"{did_you_mean(wanted[0], head, 'columns')}; say it with columns: {{{absent[0]}: NAME}}"
+        raise InputError([Mistake(Place(str(given.path), 1, 1), text, remedy)])
     return has_frame, has_time
 
 

@@ -90,6 +90,7 @@ WRONG = {
         {"fps": 1},
         r"a\.csv:1:1: columns camera .*did you mean \"cam\"",
     ),
+    "other names": ("frame,cam,u,v\n", {"fps": 1}, r"columns x, y, camera .*with columns: \{x: NAME"),
     "renamed": (HEAD, {"fps": 1, "columns": {"x": "u"}}, r"a\.csv:1:1: columns u are missing"),
     "no such": (HEAD, {"fps": 1, "columns": {"xx": "u"}}, 'no column "xx".*did you mean "x"'),
     "no time": ("camera,x,y\n", {}, r"a\.csv:1:1: neither a column frame nor a column time"),
