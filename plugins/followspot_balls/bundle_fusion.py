@@ -150,7 +150,7 @@ class Bundle(Fusion):
             predicted=np.zeros(len(target), bool),
         )
         seen = positions if used.any(axis=1).all() else positions.where(positions.support > 0)
-        return self.believed(seen, candidates, forecast)
+        return self.validated(seen, candidates, forecast)
 
     def credit(self, candidates: Candidates, target: Array, lost: Array, forecast: Forecast | None) -> Array:
         """Factor of the candidates' votes, (M, N): from their distance to the forecast, or from their

@@ -1,4 +1,4 @@
-"""What the fusions of all views have in common: which of their positions they believe."""
+"""The part that the fusions of all views share: validation of their positions."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Fusion(Stage, ABC):
         self.recovery = Recovery(self.room, self.params)
         self.colorless = Colorless(self.room, self.params)
 
-    def believed(self, positions: Positions, candidates: Candidates, forecast: Forecast | None) -> Positions:
+    def validated(self, positions: Positions, candidates: Candidates, forecast: Forecast | None) -> Positions:
         """The positions that the views do not contradict."""
         likely = self.recovery.judged(positions, candidates, forecast)
         return self.colorless.bounded(likely, candidates, forecast)

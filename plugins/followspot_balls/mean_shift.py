@@ -132,7 +132,7 @@ class MeanShift(Fusion):
             iterations=modes.steps.astype(np.int32),
             predicted=np.zeros(len(target), bool),
         )
-        return self.believed(positions, candidates, forecast)
+        return self.validated(positions, candidates, forecast)
 
     def covariances(self, candidates: Candidates, target: Array, modes: Modes, weights: Array) -> Array:
         """(M, 3, 3) m^2, from the blobs of the candidates in the modes and from the candidates outside."""

@@ -38,14 +38,15 @@ class RecoveryParams(StageParams):
     least_recovery_evidence: float = Field(
         -1.0,
         unit="nats",
-        description="log-likelihood ratio of all views below which a lost target is not there; raising it "
-        "avoids false recoveries and delays those of partly hidden balls",
+        description="log-likelihood ratio of all views below which the position of a lost target is "
+        "rejected; raising it avoids false recoveries and delays those of partly hidden balls",
     )
     sure_recovery_evidence: float = Field(
         2.0,
         unit="nats",
-        description="that below which candidates that agree do not find it at once; evident ones, which are "
-        "large and no light, are weighed against reflectors; raising it avoids false recoveries",
+        description="log-likelihood ratio of all views below which several candidates do not confirm a lost "
+        "target in one frame; that of an evident position is against reflectors only; raising it avoids "
+        "false recoveries",
     )
 
 

@@ -39,17 +39,36 @@ workers:
 """
 
 
+SENSORS = """\
+graph: sensors
+room: room.yaml
+stages:
+  imu: {uses: limited.imu, each: sensors}
+  readings: {uses: limited.note, each: sensors, in: {read: imu}}
+"""
+EACH_APART = """\
+placement: apart
+workers:
+  wrist: {sensors: [wrist]}
+  ankle: {sensors: [ankle]}
+"""
+
+
 def notes(folder: Path, camera: str, sensor: str, placement: str | None) -> dict[str, list[str]]:
-    """What each stage noted of a run of 10 frames."""
+    """What each stage noted of a run of 10 frames of cameras and a sensor."""
     graph = GRAPH.replace("CAMERA", camera).replace("SENSOR", sensor)
-    files = {"room.yaml": ROOM, "graph.yaml": graph, "apart.yaml": PLACEMENT}
+    return run(folder, {"room.yaml": ROOM, "graph.yaml": graph, "apart.yaml": PLACEMENT}, placement)
+
+
+def run(folder: Path, files: dict[str, str], placement: str | None) -> dict[str, list[str]]:
+    """What each stage noted of a run of 10 frames."""
     for name, text in files.items():
         (folder / name).write_text(text, encoding="utf-8")
     out = folder / f"out-{placement}"
     chosen = None if placement is None else str(folder / "apart.yaml")
     plugins = [STAGES]
-    with fs.run(folder / "graph.yaml", placement=chosen, out=out, plugin_files=plugins, frames=10) as run:
-        report = run.wait()
+    with fs.run(folder / "graph.yaml", placement=chosen, out=out, plugin_files=plugins, frames=10) as handle:
+        report = handle.wait()
     assert report.ok
     assert report.frames == 10  # of a camera, not of a sensor
     return {path.stem: path.read_text().splitlines() for path in sorted(out.rglob("*.txt"))}
@@ -81,3 +100,12 @@ def test_a_sensor_ends_after_cameras_that_do_not_know_their_times(
 def test_a_live_sensor_ends_after_live_cameras(placement: str | None, tmp_path: Path) -> None:
     found = notes(tmp_path, "device", "device", placement)  # a run that never ends would fail
     assert max(len(found["left"]), len(found["right"])) <= 10
+
+
+@pytest.mark.parametrize("placement", [None, "apart"])
+def test_without_cameras_each_sensor_gives_as_many_readings(placement: str | None, tmp_path: Path) -> None:
+    ankle = "sensors:\n  ankle: {kind: imu, rate: 1000, mount: {target: red}}"
+    files = {"room.yaml": ROOM.replace("sensors:", ankle), "graph.yaml": SENSORS, "apart.yaml": EACH_APART}
+    found = run(tmp_path, files, placement)
+    readings = [f"{number * 1_000_000} {number}" for number in range(10)]
+    assert found == {"ankle": readings, "wrist": readings}

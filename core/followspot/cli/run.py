@@ -33,7 +33,12 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 def add_run_options(parser: argparse.ArgumentParser) -> None:
     """Add --out, --frames, --json, --quiet, --verbose, --restart, --detach, --host, --media, the network."""
     parser.add_argument("--out", metavar="DIR", help="folder for outputs (default: runs/GRAPH-DATE-TIME)")
-    parser.add_argument("--frames", type=frame_count, metavar="N", help="stop after N frames of each camera")
+    parser.add_argument(
+        "--frames",
+        type=frame_count,
+        metavar="N",
+        help="stop after N frames of each camera; sensors end with the last of them",
+    )
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress")
     parser.add_argument(

@@ -24,7 +24,12 @@ def add_trial_options(parser: argparse.ArgumentParser, out: str) -> None:
         metavar="FILE",
         help="room file instead of the graph's own; repeatable: every run is made in every room",
     )
-    parser.add_argument("--frames", type=frame_count, metavar="N", help="stop after N frames of each camera")
+    parser.add_argument(
+        "--frames",
+        type=frame_count,
+        metavar="N",
+        help="stop after N frames of each camera; sensors end with the last of them",
+    )
     parser.add_argument("-o", "--out", metavar="DIR", help=out)
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress")

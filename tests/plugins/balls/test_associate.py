@@ -12,7 +12,7 @@ from tests.plugins.balls.scene import blobs_of, forecast_at, make_room
 from followspot.messages import Array, seal
 from followspot.stage import Context
 from followspot.tracking import MISSING, TRACKED, Blobs, Candidates, Forecast
-from followspot_balls.associate import Associate
+from followspot_balls.associate import Associate, Weighed
 from followspot_balls.hypotheses import hypotheses
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs
@@ -184,6 +184,14 @@ def test_a_frame_that_speaks_against_a_track_by_blobs_that_hardly_fit_leaves_it_
             associated(associate, views({BALL: EVERYWHERE}), there)
         assert len(red(associated(associate, specks, there))) == left
         assert len(red(associated(associate, two, there))) == 1
+
+
+def test_the_only_place_of_a_track_is_left_out_if_the_frame_contradicts_it_and_its_blobs_hardly_fit() -> None:
+    there, tracked = forecast_at([BALL, (-1, 0, 0.5)]), np.ones(2, bool)
+    for evidence, fit, chosen in ((-2.0, 4.0, []), (-2.0, 6.0, [0]), (0.0, 4.0, [0])):
+        weight, first, one = np.array([-evidence]), np.zeros(1, int), np.zeros(1, bool)
+        found = Weighed(np.array([BALL]), first, weight, -weight, np.array([fit]), one)
+        assert stage().decide(found, there, tracked, np.zeros(2, bool)).tolist() == chosen
 
 
 def test_frames_that_follow_each_other_faster_count_as_less() -> None:

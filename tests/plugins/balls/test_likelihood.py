@@ -116,7 +116,7 @@ def test_the_less_a_view_showed_the_ball_the_less_its_blob_and_its_lack_say() ->
     assert seldom[0] == pytest.approx(np.log([5.9, 0.9]))
 
 
-def test_a_blob_informs_by_its_precision_as_far_as_it_is_believed() -> None:
+def test_a_blob_informs_by_its_precision_as_far_as_it_is_the_balls() -> None:
     likely = Likely(np.zeros((1, 3), int), np.ones((1, 3)), np.array([[4.0, 4.0, 4.0]]))
     views = np.log([[5.0, 2.0, 0.5]])
     assert precision(likely, views) == pytest.approx(np.array([[0.8 / 4, 0.5 / 4, 0.0]]))
@@ -130,8 +130,8 @@ def test_a_lone_pair_may_be_a_coincidence_the_more_so_the_less_was_known() -> No
     across = np.linalg.svd(rays[:, None])[2][None, :, 1:]
 
     def chance(views: list[float], sigma: float) -> Array:
-        believed = 1 - np.exp(-np.maximum([views], 0.0))
-        known = information(40 * across, believed)
+        probability = 1 - np.exp(-np.maximum([views], 0.0))
+        known = information(40 * across, probability)
         return coincidences(known, COLOR, np.array([1 / sigma**2]))[:, 0]
 
     pair = [5, -1, 5, -1]

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from tests.plugins.balls.scene import blobs_of, forecast_at, look_at, make_room
 
-from followspot.messages import seal
+from followspot.messages import Array, seal
 from followspot.room import Room
 from followspot.stage import Context
 from followspot.tracking import LOST, Blobs, Candidates, Forecast, Positions
+from followspot_balls.associate_params import AssociateParams
 from followspot_balls.bundle_fusion import Bundle
 from followspot_balls.mean_shift import MeanShift
 from followspot_balls.recovery import Recovery, RecoveryParams
@@ -116,3 +117,43 @@ def test_an_unlikely_place_is_told_of_lost_targets_alone(fusion: Fusion) -> None
     there = forecast_at([BALL, ELSEWHERE])
     lost = seal(replace(there, state=np.full(2, LOST, np.uint8)))
     assert not len(fused(fusion, room_of("cici" * 3), "01", lost).target)
+
+
+def test_a_doubted_place_is_as_vague_as_it_is_unlikely_and_the_others_stay() -> None:
+    """An even chance leaves half of a square metre along each axis."""
+    room = room_of("cici")
+    one = fused(MeanShift, room, "0123")
+    found = seal(Positions(**{name: np.repeat(getattr(one, name), 3, axis=0) for name in one.array_names}))
+    found = seal(replace(found, evident=np.array([True, False, False])))
+    doubted, sure = np.array([True, True, False]), np.array([0.0, np.log(3.0), 0.0])
+    left = Recovery(room, RecoveryParams()).vague(found, doubted, sure)
+    added = (left.covariance - found.covariance) @ np.ones(3)
+    assert added == pytest.approx(np.array([[0.5] * 3, [0.25] * 3, [0.0] * 3]))
+    assert left.support.tolist() == [2, 1, 6]
+
+
+def ratios(shown: str, place: Array, room: Room) -> Array:
+    """Of a ball and against a reflector at a place, of a lost target that these cameras show."""
+    candidates = candidates_of(room, shown, None, 0.0)
+    return Recovery(room, RecoveryParams()).ratios(place[None], np.zeros(1, int), candidates, None)[:, 0]
+
+
+def test_a_place_that_does_not_stand_out_is_taken_at_the_likeliest_one_nearby() -> None:
+    """Colour cameras alone show it, so that paint explains the views as well, and a reflector does not."""
+    room, beside = room_of("cicici"), np.array(BALL) + np.array([0.0, 0.03, 0.02])
+    there, near = (ratios("024", place, room) for place in (np.array(BALL), beside))
+    assert there[0] < 2.0 < 5.0 < there[1]
+    assert near == pytest.approx(there, abs=0.1)
+
+
+def test_the_place_of_a_lost_target_is_known_to_the_reach_of_a_step() -> None:
+    """A reflector that the infrared camera shows lies by chance where the colour ray passes: the probability
+    falls with the length of its ray on which it may be.
+    """
+    room, place = room_of("ci"), np.array(BALL)[None]
+    near, far = (Recovery(room, RecoveryParams()) for _ in range(2))
+    far.reach = 10 * near.reach
+    assert near.reach == AssociateParams().reach
+    candidates = candidates_of(room, "01", None, 0.0)
+    known, unknown = (one.ratios(place, np.zeros(1, int), candidates, None)[1, 0] for one in (near, far))
+    assert known - unknown == pytest.approx(np.log(10.0), rel=0.02)
