@@ -65,10 +65,14 @@ def _colours(window: Array) -> list[Array]:
     blue, green, red = cv2.split(LOGARITHM[window])
     brightness = (blue + green + red) / 3
     brightness -= brightness[4:76, 12:52].mean()
-    (mean_rg, sigma_rg), (mean_gb, sigma_gb) = SKIN
-    squared = ((red - green - mean_rg) / sigma_rg) ** 2 + ((green - blue - mean_gb) / sigma_gb) ** 2
-    skin = np.exp(np.float32(-0.5) * squared)
-    maps = (brightness, skin)
+    maps = (brightness, skin(red - green, green - blue))
     coarse = [cv2.resize(m, COARSE, interpolation=cv2.INTER_AREA).ravel() for m in maps]
     fine = [cv2.resize(m[HEAD], FINE, interpolation=cv2.INTER_AREA).ravel() for m in maps]
     return coarse + fine
+
+
+def skin(red_green: Array, green_blue: Array) -> Array:
+    """Likeness to skin, 0 to 1, from log(red / green) and log(green / blue)."""
+    (mean_rg, sigma_rg), (mean_gb, sigma_gb) = SKIN
+    squared = ((red_green - mean_rg) / sigma_rg) ** 2 + ((green_blue - mean_gb) / sigma_gb) ** 2
+    return np.asarray(np.exp(np.float32(-0.5) * squared))

@@ -1,10 +1,10 @@
-"""The trained weights: a linear detector that proposes windows, and a small network that judges them."""
+"""The trained weights: a linear detector that proposes windows, a small network and trees that judge them."""
 
 from __future__ import annotations
 
 import zipfile
 import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
@@ -14,7 +14,9 @@ import numpy as np
 from followspot import Array
 from followspot.errors import InputError, Mistake
 from followspot.files import DATA, open_regular
-from followspot_persons.hog.cells import LOOKS
+from followspot_persons.hog.cells import LOOKS, looks
+from followspot_persons.hog.channels import CHANNELS, channels
+from followspot_persons.hog.trees import Trees, log_odds
 from followspot_persons.hog.window import FEATURES
 
 SHIPPED = Path(__file__).with_name("hog_weights.npz")
@@ -22,6 +24,14 @@ SHIPPED_ABOVE = Path(__file__).with_name("hog_weights_above.npz")
 DIRECTIONS = 16
 """Number of headings with a likelihood; direction i is 2 pi i / 16, 0 faces the camera."""
 OUTPUTS = 1 + 2 * DIRECTIONS
+UNLIKELY = -6.0
+"""Log-odds of the network below which the trees are not asked."""
+NO_TREES: Mapping[str, Array] = {
+    "tree_feature": np.zeros((0, 3), np.intp),
+    "tree_threshold": np.zeros((0, 3), np.float32),
+    "tree_leaf": np.zeros((0, 4), np.float32),
+}
+"""Arrays of trees, which a weights file may lack."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,11 +50,25 @@ class HogModel:
     """(OUTPUTS,)"""
     trust: Array
     """(2, 2) for torso and head: the factor of the log-likelihoods, and the share of sheer mistakes."""
+    tree_feature: Array
+    """(T, 3) intp, of looks and channels: see :class:`Trees`, as for the next two."""
+    tree_threshold: Array
+    """(T, 3)"""
+    tree_leaf: Array
+    """(T, 4)"""
+
+    @property
+    def trees(self) -> Trees:
+        return Trees(self.tree_feature, self.tree_threshold, self.tree_leaf)
+
+
+NAMES = [field.name for field in fields(HogModel) if field.name not in NO_TREES]
+"""Arrays that a weights file must have."""
 
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """The network's output for N windows."""
+    """What network and trees say of N windows."""
 
     score: Array
     """(N,) log-odds of an upper body, 0 at the threshold."""
@@ -53,12 +77,26 @@ class Judgement:
     head: Array
 
 
-def judge(model: HogModel, looks: Array) -> Judgement:
-    """Score and headings of windows, from their looks (N, LOOKS)."""
+def judge(model: HogModel, windows: Array | Sequence[Array]) -> Judgement:
+    """Score and headings of windows (N, HEIGHT, WIDTH, 3) u8."""
+    return judge_described(model, looks(windows), lambda rows: channels([windows[row] for row in rows]))
+
+
+def judge_described(model: HogModel, looks: Array, channels: Callable[[Array], Array]) -> Judgement:
+    """Score and headings of windows from their looks (N, LOOKS), and the channels of the rows that are given.
+
+    The score is the mean of what network and trees say; where the network says that a person is unlikely, or
+    without trees, it is the network's.
+    """
     hidden = np.maximum(looks @ model.hidden + model.hidden_bias, 0)
     out = (hidden @ model.output + model.output_bias).astype(float)
     torso, head = out[:, 1 : 1 + DIRECTIONS], out[:, 1 + DIRECTIONS :]
-    return Judgement(out[:, 0], trusted(torso, *model.trust[0]), trusted(head, *model.trust[1]))
+    score = out[:, 0].copy()
+    if len(model.tree_leaf):
+        likely = np.flatnonzero(score > UNLIKELY)
+        features = np.hstack([looks[likely], channels(likely)])
+        score[likely] = (score[likely] + log_odds(model.trees, features)) / 2
+    return Judgement(score, trusted(torso, *model.trust[0]), trusted(head, *model.trust[1]))
 
 
 def joined(parts: Sequence[Judgement]) -> Judgement:
@@ -98,18 +136,21 @@ def _arrays(path: Path) -> dict[str, Array]:
             raise ValueError(f"more than {DATA} bytes unpacked")
         file.seek(0)
         stored = np.load(file, allow_pickle=False)
-        return {field.name: stored[field.name].astype(np.float32) for field in fields(HogModel)}
+        trees = {name: stored[name].astype(none.dtype) for name, none in NO_TREES.items() if name in stored}
+        rest = {name: stored[name].astype(np.float32) for name in NAMES}
+        return {**NO_TREES, **trees, **rest}
 
 
 def save(model: HogModel, path: Path) -> None:
-    """Write a weights file; half precision is enough for weights."""
-    arrays = {field.name: getattr(model, field.name).astype(np.float16) for field in fields(model)}
-    np.savez_compressed(path, allow_pickle=False, **arrays)
+    """Write a weights file; half precision is enough for weights, but not for thresholds."""
+    half = {name: getattr(model, name).astype(np.float16) for name in NAMES}
+    trees = {name: getattr(model, name).astype(none.dtype) for name, none in NO_TREES.items()}
+    np.savez_compressed(path, allow_pickle=False, **half, **trees)
 
 
 def _check(model: HogModel) -> None:
     """Raises ValueError if a shape is wrong or a number is not finite."""
-    units = model.hidden_bias.size
+    units, trees = model.hidden_bias.size, model.tree_leaf.shape[:1]
     shapes = {
         "linear": (FEATURES + 1,),
         "hidden": (LOOKS, units),
@@ -117,6 +158,9 @@ def _check(model: HogModel) -> None:
         "output": (units, OUTPUTS),
         "output_bias": (OUTPUTS,),
         "trust": (2, 2),
+        "tree_feature": (*trees, 3),
+        "tree_threshold": (*trees, 3),
+        "tree_leaf": (*trees, 4),
     }
     for name, shape in shapes.items():
         array = getattr(model, name)
@@ -124,3 +168,5 @@ def _check(model: HogModel) -> None:
             raise ValueError(f"{name} has shape {array.shape}, not {shape}")
         if not np.isfinite(array).all():
             raise ValueError(f"{name} holds numbers that are not finite")
+    if np.any((model.tree_feature < 0) | (model.tree_feature >= LOOKS + CHANNELS)):
+        raise ValueError(f"tree_feature holds numbers of features beyond 0 to {LOOKS + CHANNELS - 1}")

@@ -12,7 +12,6 @@ import numpy as np
 from followspot import Array, Field, InputPath, Stage, StageParams
 from followspot.people import Boxes
 from followspot.tracking import Frame
-from followspot_persons.hog.cells import looks
 from followspot_persons.hog.model import (
     DIRECTIONS,
     SHIPPED,
@@ -53,7 +52,8 @@ class Search:
 class Hog(Stage):
     """Find upper bodies of any orientation where people may stand, with the headings of torso and head.
 
-    A linear detector proposes windows, a small network judges them. It is slow: run it every few frames.
+    A linear detector proposes windows, a small network and boosted trees judge them. It is slow: run it every
+    few frames.
     """
 
     per_camera = True
@@ -130,7 +130,7 @@ class Hog(Stage):
             pixels = np.asarray(cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGR))
         proposed = [self.proposed(pixels, search) for search in self.searches]
         judged = [
-            judge(search.model, looks(self.windows(pixels, box)))
+            judge(search.model, self.windows(pixels, box))
             for search, box in zip(self.searches, proposed, strict=True)
         ]
         return self.boxes(np.concatenate(proposed), joined(judged))

@@ -15,6 +15,7 @@ from followspot.messages import Header, stamped
 from followspot.stage import Context
 from followspot.tracking import Frame
 from followspot_persons.hog.cells import LOOKS, looks
+from followspot_persons.hog.channels import CHANNELS
 from followspot_persons.hog.model import DIRECTIONS, SHIPPED, judge, load, save, trusted
 from followspot_persons.hog.search import groups, nesting, outermost, overlap
 from followspot_persons.hog.stage import Hog
@@ -110,8 +111,28 @@ def test_weights_come_back_as_they_were_written(tmp_path):
     save(model, tmp_path / "again.npz")
     again = load(tmp_path / "again.npz")
     window = np.random.default_rng(2).integers(0, 256, (3, HEIGHT, WIDTH, 3), np.uint8)
-    assert np.array_equal(judge(model, looks(window)).score, judge(again, looks(window)).score)
+    assert np.array_equal(judge(model, window).score, judge(again, window).score)
     assert SHIPPED.stat().st_size < 300_000
+
+
+def tree(feature):
+    """Arrays of one tree that asks for a feature at its root."""
+    return {
+        "tree_feature": np.array([[feature, 0, 0]]),
+        "tree_threshold": np.zeros((1, 3)),
+        "tree_leaf": np.zeros((1, 4)),
+    }
+
+
+def test_weights_without_trees_are_those_of_a_network_alone(tmp_path):
+    with np.load(SHIPPED) as stored:
+        np.savez(tmp_path / "old.npz", **{n: a for n, a in stored.items() if not n.startswith("tree_")})
+    window = np.random.default_rng(2).integers(0, 256, (3, HEIGHT, WIDTH, 3), np.uint8)
+    model = load(tmp_path / "old.npz")
+    hidden = np.maximum(looks(window) @ model.hidden + model.hidden_bias, 0)
+    np.testing.assert_allclose(
+        judge(model, window).score, hidden @ model.output[:, 0] + model.output_bias[0], rtol=1e-4
+    )
 
 
 def test_files_that_hold_no_weights_are_refused(tmp_path):
@@ -135,6 +156,9 @@ def test_files_that_hold_no_weights_are_refused(tmp_path):
         huge: "larger",
         tmp_path / "missing.npz": "No such file",
         broken("short.npz", linear=np.zeros(7)): "linear has shape",
+        broken("leaves.npz", tree_leaf=np.zeros((7, 4))): "tree_feature has shape",
+        broken("leaf.npz", tree_leaf=np.zeros(())): "has shape",
+        broken("beyond.npz", **tree(LOOKS + CHANNELS)): "tree_feature holds numbers of features beyond",
         broken("nan.npz", output_bias=np.full(33, np.nan)): "not finite",
         broken("object.npz", trust=np.array([[None, 1], [2, 3]], object)): "allow_pickle",
     }

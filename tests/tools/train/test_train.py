@@ -1,6 +1,7 @@
 """`followspot train hog`: what is learnt, what is held out, and what is refused."""
 
 import json
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -10,9 +11,22 @@ from hypothesis import strategies as st
 
 from followspot import InputError
 from followspot.cli.main import main
-from followspot_persons.hog.model import DIRECTIONS, OUTPUTS, load, trusted
+from followspot_persons.hog.cells import LOOKS
+from followspot_persons.hog.channels import CHANNELS
+from followspot_persons.hog.model import (
+    DIRECTIONS,
+    NO_TREES,
+    OUTPUTS,
+    SHIPPED,
+    Judgement,
+    judge_described,
+    load,
+    trusted,
+)
+from followspot_persons.hog.trees import log_odds
 from followspot_persons.hog.window import ABOVE
-from followspot_train import figures, linear, network, recipe, svm, windows
+from followspot_train import boosting, figures, linear, network, recipe, svm, windows
+from followspot_train.command import calibrated
 from followspot_train.pictures import Background, Person, Pictures, read_folder
 
 RNG = np.random.default_rng(0)
@@ -58,6 +72,54 @@ def test_an_unknown_heading_teaches_nothing():
     wrong = network.errors(RNG.normal(size=(1, OUTPUTS)), np.array([1.0]), unknown, unknown)
     assert not wrong[:, 1:].any()
     assert wrong[0, 0] != 0
+
+
+def quiet(_):
+    pass
+
+
+def test_trees_learn_what_no_line_can_part(monkeypatch):
+    """Persons are where two features are above 0; the other eight say nothing."""
+    rng = np.random.default_rng(4)
+    features = rng.normal(size=(3000, 10)).astype(np.float32)
+    person = ((features[:, 3] > 0) & (features[:, 8] > 0)).astype(float)
+    monkeypatch.setattr(boosting, "TREES", 60)
+    trees = boosting.train(features[:2000], person[:2000], rng, quiet)
+    said = log_odds(trees, features[2000:])
+    assert ((said > 0) == person[2000:]).mean() > 0.95
+    assert set(trees.feature[0]) >= {3, 8}
+
+
+def test_leaves_step_to_the_minimum_of_the_cross_entropy(monkeypatch):
+    """One tree with whole steps: the slope of its cross entropy, by the log-odds of a leaf, falls by far."""
+    rng = np.random.default_rng(5)
+    features = rng.normal(size=(4000, 3)).astype(np.float32)
+    person = (rng.random(4000) < np.where(features[:, 1] > 0.5, 0.6, 0.3)).astype(float)
+    monkeypatch.setattr(boosting, "TREES", 1)
+    monkeypatch.setattr(boosting, "RATE", 1.0)
+    said = log_odds(boosting.train(features, person, rng, quiet), features)
+    for value in np.unique(said):
+        own = person[said == value]
+        assert 1 / (1 + np.exp(-value)) == pytest.approx(own.mean(), abs=0.03)
+
+
+def test_the_threshold_of_the_trials_becomes_the_score_0():
+    """Whatever the network says: the score is half the trees', and they are moved by twice the threshold."""
+    one = {name: np.zeros((1, *rows.shape[1:]), rows.dtype) for name, rows in NO_TREES.items()}
+    model, none = replace(load(SHIPPED), **one), np.zeros(0)
+    said = Judgement(none, np.zeros((1, DIRECTIONS)), np.zeros((1, DIRECTIONS)))
+    streets = {"streets": recipe.Searched(np.linspace(-5, 5, 1001), 100_000)}
+    trial = recipe.Trial(model, none, none, said, said, np.zeros(1), np.zeros(1), streets)
+    moved = calibrated(model, [trial])
+    looks = RNG.normal(size=(20, LOOKS)).astype(np.float32)
+
+    def described(rows):
+        return np.zeros((len(rows), CHANNELS), np.float32)
+
+    before, after = (judge_described(m, looks, described).score for m in (model, moved))
+    asked = before != after
+    assert asked.any()
+    np.testing.assert_allclose((before - after)[asked], figures.threshold([trial]), atol=1e-4)
 
 
 def people(bodies=8, rooms=("a", "b", "c")):
@@ -169,6 +231,7 @@ def test_the_command_writes_weights_and_tells_figures_of_strangers(folder, monke
     for name, value in (("FIRST", 60), ("HARD", 40), ("ROUNDS", 1)):
         monkeypatch.setattr(linear, name, value)
     monkeypatch.setattr(recipe, "DECEIVING", 50)
+    monkeypatch.setattr(boosting, "TREES", 40)
     monkeypatch.setattr(recipe, "VIEWS", 6)
     out = folder / "weights.npz"
     assert main(["train", "hog", str(folder), "-o", str(out), "--json"]) == 0

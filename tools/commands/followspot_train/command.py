@@ -44,10 +44,10 @@ def train_hog(args: argparse.Namespace) -> int:
 
 def calibrated(model: HogModel, trials: Sequence[Trial]) -> HogModel:
     """The model with 0 as its threshold, and as sure of headings as the trials allow."""
-    bias = model.output_bias.copy()
-    bias[0] -= figures.threshold(trials)
+    leaf = model.tree_leaf.copy()
+    leaf[0] -= 2 * figures.threshold(trials)  # the score is the mean of network and trees
     trust = np.array([figures.trust(trials, "torso"), figures.trust(trials, "head")])
-    return replace(model, output_bias=bias, trust=trust)
+    return replace(model, tree_leaf=leaf, trust=trust)
 
 
 def told_figures(trials: Sequence[Trial], pictures: Pictures) -> dict[str, Any]:

@@ -23,7 +23,7 @@ HARD = 5000
 """Most windows that one round adds."""
 EACH = 40
 """Most of them from one background in one size."""
-PASSING = 0.97
+PASSING = 0.99
 """Share of the persons' windows that the detector must propose."""
 SIZES = (0.4, 2.2)
 """Smallest and largest scale of a background."""

@@ -9,8 +9,9 @@ import numpy as np
 
 from followspot import Array
 from followspot_persons.hog.cells import looks
-from followspot_persons.hog.model import DIRECTIONS, HogModel, Judgement, judge
-from followspot_train import linear, network
+from followspot_persons.hog.channels import channels
+from followspot_persons.hog.model import DIRECTIONS, HogModel, Judgement, judge, judge_described
+from followspot_train import boosting, linear, network
 from followspot_train.pictures import Background, Pictures
 from followspot_train.windows import Windows, exact, found, missed
 
@@ -110,10 +111,11 @@ def learn(material: Material, split: Split, rng: np.random.Generator, tell: Tell
     for background in backgrounds:
         passed, _ = linear.passing(background.pixels, weights, material.above)
         windows += list(passed[rng.permutation(len(passed))[:DECEIVING]])
-    nothing = looks(windows)
-    lessons = _lessons(positive, np.concatenate([near.looks, nothing]))
+    lessons = _lessons(positive, np.concatenate([near.looks, looks(windows)]))
+    seen = np.concatenate([positive.channels, near.channels, channels(windows).astype(np.float16)])
+    trees = boosting.train(np.hstack([lessons.looks.astype(np.float16), seen]), lessons.person, rng, tell)
     none = np.zeros(0, np.float32)
-    model = HogModel(weights, none, none, none, none, UNKNOWN)
+    model = HogModel(weights, none, none, none, none, UNKNOWN, trees.feature, trees.threshold, trees.leaf)
     return network.train(model, lessons, rng, tell)
 
 
@@ -138,8 +140,8 @@ def attempt(material: Material, split: Split, model: HogModel) -> Trial:
         model,
         alone.owner,
         alone.features @ model.linear[:-1] + model.linear[-1],
-        judge(model, alone.looks),
-        judge(model, among.looks),
+        judge_described(model, alone.looks, lambda rows: alone.channels[rows]),
+        judge_described(model, among.looks, lambda rows: among.channels[rows]),
         among.torso,
         among.head,
         {name: _searched([b for b in held if b.folder == name], model, material.above) for name in folders},
@@ -150,7 +152,7 @@ def _searched(backgrounds: Sequence[Background], model: HogModel, above: int) ->
     scores, count = [np.zeros(0)], 0
     for background in backgrounds:
         windows, searched = linear.passing(background.pixels, model.linear, above)
-        scores.append(judge(model, looks(windows)).score)
+        scores.append(judge(model, windows).score)
         count += searched
     return Searched(np.concatenate(scores), count)
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from followspot import Array
 from followspot_persons.hog.cells import looks
+from followspot_persons.hog.channels import channels
 from followspot_persons.hog.window import BODY, HEIGHT, TALL, WIDTH, cut, describe
 from followspot_train.pictures import Background, Person
 
@@ -31,6 +32,8 @@ class Windows:
     """(N, FEATURES) for the linear detector."""
     looks: Array
     """(N, LOOKS), inputs of the network."""
+    channels: Array
+    """(N, CHANNELS) f2, inputs of the trees, after the looks."""
     owner: Array
     """(N,) number of the person; -1 for backgrounds."""
     torso: Array
@@ -42,15 +45,11 @@ class Windows:
         return Windows(*(array[rows] for array in vars(self).values()))
 
 
-def joined(*parts: Windows) -> Windows:
-    """All rows of all parts."""
-    return Windows(*(np.concatenate(c) for c in zip(*(vars(p).values() for p in parts), strict=True)))
-
-
 def described(windows: Sequence[Array], owner: Sequence[int], headings: Array) -> Windows:
     """Windows (HEIGHT, WIDTH, 3) u8 with owners and headings (N, 2) of torso and head, rad."""
     angles = np.reshape(headings, (-1, 2)).astype(float)
-    return Windows(describe(windows), looks(windows), np.array(owner, int), angles[:, 0], angles[:, 1])
+    inputs = describe(windows), looks(windows), channels(windows).astype(np.float16)
+    return Windows(*inputs, np.array(owner, int), angles[:, 0], angles[:, 1])
 
 
 def exact(persons: Sequence[Person]) -> Windows:
