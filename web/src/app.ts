@@ -85,7 +85,7 @@ const together = new Together();
 const faults = new Faults(part("faults", HTMLElement));
 const news = part("news", HTMLElement);
 const canvas = part("view", HTMLCanvasElement);
-const room = Room.on(canvas, part("stage", HTMLElement));
+const room = Room.on(canvas, part("stage", HTMLElement), part("legend", HTMLElement));
 part("flat", HTMLElement).hidden = room !== null;
 canvas.hidden = room === null;
 

@@ -1,5 +1,5 @@
 // Chooses a figure to plot: a port of a stage, a field of its messages, and a row.
-import { MOST } from "./curves.ts";
+import { MOST, ROWS } from "./curves.ts";
 import { choice } from "./field.ts";
 import { stageOf } from "./figures.ts";
 import { make } from "./make.ts";
@@ -22,6 +22,7 @@ export class CurveForm {
     this.row.setAttribute("aria-label", "row");
     this.said.setAttribute("role", "status");
     this.port.onchange = () => this.renew();
+    this.field.onchange = () => this.showRows();
     this.element.onsubmit = (event) => {
       event.preventDefault();
       this.say("");
@@ -63,12 +64,22 @@ export class CurveForm {
       make("option", unit ? `${name}, ${unit}` : name, { value: name, selected: name === before }),
     );
     this.field.replaceChildren(...options);
-    this.target.hidden = kind?.rows !== "target";
-    this.row.hidden = kind?.rows !== "number";
+    this.showRows();
+  }
+
+  // What names the row of the chosen field; "" where it needs no row.
+  private get rows(): string {
+    if (this.field.value === ROWS) return "";
+    return this.figures.kinds[this.figures.ports[this.port.value]]?.rows ?? "";
+  }
+
+  private showRows(): void {
+    this.target.hidden = this.rows !== "target";
+    this.row.hidden = this.rows !== "number";
   }
 
   private chosen(): Curve {
-    const rows = this.figures.kinds[this.figures.ports[this.port.value]]?.rows ?? "";
+    const { rows } = this;
     const row = rows === "target" ? this.target.value : rows === "number" ? this.row.value.trim() : "";
     return { port: this.port.value, row, field: this.field.value };
   }

@@ -3,6 +3,7 @@ import type { Point } from "./history.ts";
 import { KEPT_MS } from "./history.ts";
 import type { Curve, CurvesTold, FiguresData } from "./told.ts";
 
+export const ROWS = "rows"; // the field that is the number of rows
 export const MOST = 8; // at once, as the server allows
 const APART_MS = 100; // at least between two points of a line
 export const MOST_POINTS = KEPT_MS / APART_MS; // of a line

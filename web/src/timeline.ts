@@ -48,7 +48,9 @@ export class Timeline {
     this.choice.setAttribute("aria-label", "figures of");
     this.choice.onchange = () => this.draw();
     this.log.setAttribute("aria-label", "log");
-    element.append(this.choice, this.form.element, this.plots, this.log);
+    const choices = make("div", "", { className: "choices" });
+    choices.append(this.choice, this.form.element);
+    element.append(choices, this.plots, this.log);
     toggle.onclick = () => {
       element.hidden = !element.hidden;
       toggle.setAttribute("aria-expanded", String(!element.hidden));
@@ -119,7 +121,7 @@ export class Timeline {
     const target = this.targets.some((_, i) => targetKey(i) === this.choice.value);
     const run = (target ? TARGET_FIGURES : FIGURES).map((figure) => chartOf(this.chart(figure), marks, now));
     const chosen = this.curves.chosen.map((curve) => this.curve(curve, marks, now));
-    this.plots.replaceChildren(...run, ...chosen);
+    this.plots.replaceChildren(...chosen, ...run);
     const lines = marks.slice(-LINES).reverse();
     this.log.replaceChildren(...lines.map(lineOf));
   }
