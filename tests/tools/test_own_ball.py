@@ -14,7 +14,8 @@ from followspot import room_file
 from followspot.cli.main import main
 from followspot.errors import InputError
 from followspot_balls.hue import bhattacharyya
-from followspot_calibrate.targets.picked import read_pick, template_of
+from followspot_balls.picked import template_of
+from followspot_calibrate.targets.pick_command import read_pick
 
 ROOT = Path(__file__).parents[2]
 GRAPH = str(ROOT / "graphs/single_camera.yaml")
@@ -122,7 +123,7 @@ def test_a_click_that_runs_over_into_a_hand_is_refused_and_a_highlight_is_not() 
     cv2.line(held, (x, y), (x + 40, y + 30), RED, 8)
     with pytest.raises(InputError, match="runs over into what is beside the ball") as refused:
         template_of(held, read_pick(f"red={x},{y}"))
-    assert "--pick red=X,Y,WIDTH,HEIGHT" in str(refused.value)
+    assert "red=X,Y,WIDTH,HEIGHT" in str(refused.value)
 
 
 def test_what_other_targets_and_cameras_know_stays_and_likeness_is_told(

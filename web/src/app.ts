@@ -5,6 +5,7 @@ import { Legend } from "./legend.ts";
 import { make } from "./make.ts";
 import { Marker } from "./marker.ts";
 import { part } from "./part.ts";
+import { Picker } from "./picker.ts";
 import { Pipeline } from "./pipeline.ts";
 import { Player } from "./player.ts";
 import { Recorder } from "./recorder.ts";
@@ -22,13 +23,15 @@ import { Views } from "./views.ts";
 const RETRY_MS = 3000;
 const LOOK_MS = 500; // between two looks at how old everything is
 const NEWS = 4; // lines
+const STILL = 0; // what a still picture begins with, instead of the length of a camera's name
 const LOST =
   "this page has lost its run, which may go on, or not: its operator's process, or that of the page, is gone";
 
 let socket: WebSocket;
 const ask = (wish: Wish) => socket.send(JSON.stringify(wish));
 const views = new Views<Drawn>();
-const tiles = new Tiles(part("tiles", HTMLElement), views);
+const picker = new Picker(part("picker", HTMLDialogElement), ask);
+const tiles = new Tiles(part("tiles", HTMLElement), views, (camera) => picker.open(camera));
 const sensors = new Sensors(part("tiles", HTMLElement));
 const header = new Header();
 const pipeline = new Pipeline(part("pipeline", HTMLElement), part("detail", HTMLElement), ask);
@@ -76,13 +79,13 @@ const runs = new Runs(
   },
   ask,
 );
-const timeline = new Timeline(part("time", HTMLElement), part("over", HTMLButtonElement));
+const timeline = new Timeline(part("time", HTMLElement), part("over", HTMLButtonElement), ask);
 const legend = new Legend(part("legend", HTMLElement));
 const together = new Together();
 const faults = new Faults(part("faults", HTMLElement));
 const news = part("news", HTMLElement);
 const canvas = part("view", HTMLCanvasElement);
-const room = Room.on(canvas, part("stage", HTMLElement));
+const room = Room.on(canvas, part("stage", HTMLElement), part("legend", HTMLElement));
 part("flat", HTMLElement).hidden = room !== null;
 canvas.hidden = room === null;
 
@@ -105,7 +108,8 @@ function takeScene(scene: Scene): void {
   header.show(scene);
   pipeline.show(scene);
   tiles.from(scene.stages);
-  timeline.show(scene.stages, scene.room.targets);
+  timeline.show(scene.stages, scene.room.targets, scene.figures);
+  document.body.classList.toggle("teaches", Object.keys(scene.forms).length > 0);
   recorder.show(scene.ports);
   player.show(scene.replay);
   runs.show(scene.others);
@@ -161,6 +165,8 @@ function takeAnswer(answer: Answer): void {
   else if ("mark" in wish) marker.answer(answer);
   else if ("open" in wish) runs.answer(answer);
   else if ("seek" in wish) return;
+  else if ("plot" in wish) timeline.answer(answer);
+  else if ("still" in wish || "learn" in wish || "teach" in wish) picker.answer(wish, answer);
   else if ("save" in wish) pipeline.detail.tellSaved(answer);
   else {
     pipeline.detail.answer(answer);
@@ -172,6 +178,7 @@ function take(told: Told): void {
   if (told.type === "scene") takeScene(told);
   else if (told.type === "run") takeRun(told);
   else if (told.type === "view") takeView(told);
+  else if (told.type === "curves") timeline.told(told);
   else if (told.type === "recording") recorder.update(told);
   else if (told.type === "kept") marker.update(told);
   else if (told.type === "position") scrubber.update(told);
@@ -182,13 +189,22 @@ function take(told: Told): void {
   }
 }
 
+function takeBytes(bytes: ArrayBuffer): void {
+  if (new DataView(bytes).getUint8(0) === STILL) picker.picture(bytes.slice(1));
+  else tiles.picture(bytes);
+}
+
 function connect(again: boolean): void {
   socket = new WebSocket(`ws://${location.host}/look`);
   socket.binaryType = "arraybuffer";
-  socket.onopen = () => again && location.reload(); // it may be another run, of another room
-  socket.onmessage = ({ data }) => (typeof data === "string" ? take(JSON.parse(data)) : tiles.picture(data));
-  socket.onclose = () => {
-    faults.end(ended ? [] : [LOST]);
+  socket.onmessage = ({ data }) => {
+    if (again)
+      location.reload(); // it may be another run, of another room
+    else if (typeof data === "string") take(JSON.parse(data));
+    else takeBytes(data);
+  };
+  socket.onclose = ({ reason }) => {
+    faults.end(ended ? [] : [reason || LOST]);
     look();
     header.live(ended ? "ended" : "gone", ended || "gone");
     setTimeout(connect, RETRY_MS, true);

@@ -1,6 +1,7 @@
 // The room in 3D: a dark stage, the cameras above it, and light where the targets are.
 import { Color, Fog, HemisphereLight, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
 import { Bones } from "./bones.ts";
+import { freeOf } from "./free.ts";
 import { arrange } from "./labels.ts";
 import { glowTexture } from "./light.ts";
 import { Orbit } from "./orbit.ts";
@@ -17,6 +18,7 @@ const SETTLED_MS = 2000; // after which nothing moves any more
 
 export class Room {
   private readonly stage: HTMLElement;
+  private readonly legend: HTMLElement;
   private readonly renderer: WebGLRenderer;
   private readonly camera = new PerspectiveCamera(38, 1, 0.05, 200);
   private readonly orbit: Orbit;
@@ -29,17 +31,18 @@ export class Room {
   private before = performance.now();
   private stirred = 0; // when something was last new; until it has settled the room is drawn
 
-  // Null where the browser has no WebGL. stage: what the canvas fills.
-  static on(canvas: HTMLCanvasElement, stage: HTMLElement): Room | null {
+  // Null where the browser has no WebGL. stage: what the canvas fills; legend: lies over its upper left corner.
+  static on(canvas: HTMLCanvasElement, stage: HTMLElement, legend: HTMLElement): Room | null {
     try {
-      return new Room(canvas, stage);
+      return new Room(canvas, stage, legend);
     } catch {
       return null;
     }
   }
 
-  private constructor(canvas: HTMLCanvasElement, stage: HTMLElement) {
+  private constructor(canvas: HTMLCanvasElement, stage: HTMLElement, legend: HTMLElement) {
     this.stage = stage;
+    this.legend = legend;
     this.renderer = new WebGLRenderer({ canvas, antialias: true });
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.camera.up.set(0, 0, 1);
@@ -63,7 +66,7 @@ export class Room {
     for (const { group } of this.targets) this.scene.add(group);
     this.people.clear();
     this.skeletons.clear();
-    this.orbit.show(low, high);
+    this.resize();
   }
 
   private stir(): void {
@@ -112,8 +115,13 @@ export class Room {
     const { clientWidth: width, clientHeight: height } = this.stage;
     if (!width || !height) return;
     this.renderer.setSize(width, height, false);
-    this.camera.aspect = width / height;
-    this.camera.updateProjectionMatrix();
+    const { offsetLeft, offsetTop, offsetWidth, offsetHeight, childElementCount } = this.legend;
+    const corner: [number, number] = childElementCount
+      ? [offsetLeft + offsetWidth, offsetTop + offsetHeight]
+      : [0, 0];
+    const free = freeOf(width, height, ...corner);
+    this.camera.aspect = free.width / free.height;
+    this.camera.setViewOffset(free.width, free.height, -free.x, -free.y, width, height);
     this.stir();
     if (this.box) this.orbit.show(...this.box);
   }

@@ -27,10 +27,13 @@ export class Tiles {
   private sources = new Map<string, string>(); // the camera of each stage that sends pictures
   private readonly section: HTMLElement;
   private readonly views: Views<Drawn>;
+  private readonly learn: (camera: string) => void;
 
-  constructor(section: HTMLElement, views: Views<Drawn>) {
+  // learn: begins to learn a target from a picture of a camera.
+  constructor(section: HTMLElement, views: Views<Drawn>, learn: (camera: string) => void) {
     this.section = section;
     this.views = views;
+    this.learn = learn;
     new ResizeObserver(() => this.arrange()).observe(section);
   }
 
@@ -60,9 +63,22 @@ export class Tiles {
     );
     const figures = [...this.tiles.values()].map((tile) => tile.figure);
     for (const figure of figures) enlarging(figure, figures);
+    for (const { camera, figure } of this.tiles.values())
+      if (camera.kind === "color") figure.append(this.teaching(camera.name));
     this.section.replaceChildren(...figures);
     document.body.classList.toggle("single", room.cameras.length === 1);
     this.arrange();
+  }
+
+  // The button that learns a target from a camera; it is seen where the picture is large.
+  private teaching(camera: string): HTMLElement {
+    const button = make("button", "learn a target", { type: "button", className: "teach" });
+    button.onclick = (event) => {
+      event.stopPropagation();
+      this.learn(camera);
+    };
+    button.onkeydown = (event) => event.stopPropagation();
+    return button;
   }
 
   private arrange(): void {

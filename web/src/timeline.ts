@@ -1,23 +1,23 @@
-// Plots of the last minutes, of the run or of one stage, with marks of what happened, and the log beside them.
-import { number } from "./figures.ts";
-import {
-  FIGURES,
-  type Figure,
-  History,
-  KEPT_MS,
-  type Mark,
-  type Point,
-  TARGET_FIGURES,
-  targetKey,
-} from "./history.ts";
+// Plots of the last minutes, of the run, of one stage and of figures of messages, and the log beside them.
+import { type Chart, chartOf } from "./chart.ts";
+import { CurveForm } from "./curve_form.ts";
+import { Curves, MOST, nameOf, unitOf } from "./curves.ts";
+import { FIGURES, type Figure, History, type Mark, TARGET_FIGURES, targetKey } from "./history.ts";
 import { make } from "./make.ts";
 import { residualsOf } from "./residual.ts";
 import type { Drawn, TrackColumns } from "./seen.ts";
-import type { Run, StageAbout, TargetData } from "./told.ts";
+import type {
+  Answer,
+  Ask,
+  Curve,
+  CurvesTold,
+  FiguresData,
+  PlotWish,
+  Run,
+  StageAbout,
+  TargetData,
+} from "./told.ts";
 
-const SVG = "http://www.w3.org/2000/svg";
-const WIDTH = 300; // of a plot, in its own units
-const HEIGHT = 70;
 const LINES = 60; // of the log
 const TITLES: Record<Figure, [title: string, unit: string, factor: number]> = {
   rate: ["rate", "/s", 1],
@@ -29,40 +29,28 @@ const TITLES: Record<Figure, [title: string, unit: string, factor: number]> = {
   residual: ["from its blobs", "px", 1],
 };
 
-const LEAST_MS = 60_000; // shown
-
-// How much is shown: all there is, from a minute on.
-export const spanOf = (points: Point[], now: number): number =>
-  Math.min(KEPT_MS, Math.max(LEAST_MS, now - (points[0]?.time ?? now)));
-
-// The corners of a line through the points of a span, ms, broken where a value is missing; y runs down from `top`.
-export function linesOf(points: Point[], now: number, span: number, top: number): string[] {
-  const parts: string[][] = [[]];
-  for (const { time, value } of points) {
-    if (value === null) parts.push([]);
-    else {
-      const x = WIDTH * (1 - (now - time) / span);
-      parts[parts.length - 1].push(`${x.toFixed(1)},${(HEIGHT * (1 - value / top)).toFixed(1)}`);
-    }
-  }
-  return parts.filter((part) => part.length > 1).map((part) => part.join(" "));
-}
-
 export class Timeline {
   private readonly history = new History();
   private members = new Map<string, Set<string>>();
   private targets: TargetData[] = [];
+  private readonly curves = new Curves();
+  private figures: FiguresData = { ports: {}, kinds: {} };
   private readonly choice = make("select");
+  private readonly form = new CurveForm((curve) => this.add(curve));
   private readonly plots = make("div", "", { className: "plots" });
   private readonly log = make("ol", "", { className: "log" });
   private readonly element: HTMLElement;
+  private readonly send: Ask<PlotWish>;
 
-  constructor(element: HTMLElement, toggle: HTMLButtonElement) {
+  constructor(element: HTMLElement, toggle: HTMLButtonElement, send: Ask<PlotWish>) {
     this.element = element;
+    this.send = send;
     this.choice.setAttribute("aria-label", "figures of");
     this.choice.onchange = () => this.draw();
     this.log.setAttribute("aria-label", "log");
-    element.append(this.choice, this.plots, this.log);
+    const choices = make("div", "", { className: "choices" });
+    choices.append(this.choice, this.form.element);
+    element.append(choices, this.plots, this.log);
     toggle.onclick = () => {
       element.hidden = !element.hidden;
       toggle.setAttribute("aria-expanded", String(!element.hidden));
@@ -71,8 +59,13 @@ export class Timeline {
     };
   }
 
-  show(stages: StageAbout[], targets: TargetData[]): void {
+  show(stages: StageAbout[], targets: TargetData[], figures: FiguresData): void {
     this.targets = targets;
+    this.figures = figures;
+    this.form.show(
+      figures,
+      targets.map(({ name }) => name),
+    );
     const chosen = this.choice.value;
     this.members = new Map(stages.map(({ group }) => [group, new Set<string>()]));
     for (const { group, name } of stages) this.members.get(group)?.add(name);
@@ -99,57 +92,64 @@ export class Timeline {
     this.history.note(Date.now(), text);
   }
 
+  told(curves: CurvesTold): void {
+    this.curves.take(Date.now(), curves);
+  }
+
+  // What became of the wish to plot.
+  answer({ text, ok }: Answer): void {
+    this.form.say(ok ? "" : text);
+  }
+
+  private add(curve: Curve): void {
+    if (this.curves.add(curve)) this.renew();
+    else
+      this.form.say(
+        this.curves.chosen.length < MOST ? "it is plotted already" : `${MOST} are plotted already`,
+      );
+  }
+
+  private renew(): void {
+    this.send({ plot: this.curves.chosen });
+    this.draw();
+  }
+
   private draw(): void {
     if (this.element.hidden) return;
     const now = Date.now();
     const { marks } = this.history;
     const target = this.targets.some((_, i) => targetKey(i) === this.choice.value);
-    this.plots.replaceChildren(
-      ...(target ? TARGET_FIGURES : FIGURES).map((figure) =>
-        plotOf(figure, this.history.points(this.choice.value, figure), marks, now),
-      ),
-    );
+    const run = (target ? TARGET_FIGURES : FIGURES).map((figure) => chartOf(this.chart(figure), marks, now));
+    const chosen = this.curves.chosen.map((curve) => this.curve(curve, marks, now));
+    this.plots.replaceChildren(...chosen, ...run);
     const lines = marks.slice(-LINES).reverse();
     this.log.replaceChildren(...lines.map(lineOf));
   }
-}
 
-function plotOf(figure: Figure, points: Point[], marks: Mark[], now: number): HTMLElement {
-  const [title, unit, factor] = TITLES[figure];
-  const scaled = points.map(({ time, value }) => ({ time, value: value === null ? null : factor * value }));
-  const known = scaled.flatMap(({ value }) => (value === null ? [] : [value]));
-  const span = spanOf(points, now);
-  const top = 1.1 * Math.max(...known, 1e-3);
-  const sheet = element("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, preserveAspectRatio: "none" });
-  sheet.append(
-    ...marks
-      .filter(({ time }) => now - time < span)
-      .map(({ time, fault }) => {
-        const x = `${WIDTH * (1 - (now - time) / span)}`;
-        return element("line", { x1: x, x2: x, y1: "0", y2: `${HEIGHT}`, class: fault ? "fault" : "" });
-      }),
-    ...linesOf(scaled, now, span, top).map((line) => element("polyline", { points: line })),
-  );
-  const most = known.length ? `most ${number(Math.max(...known))}` : "";
-  const head = make("figcaption", title);
-  head.append(make("b", `${number(scaled.at(-1)?.value ?? null)} ${unit}`), make("small", most));
-  const made = make("figure", "", { className: "plot" });
-  made.append(
-    head,
-    sheet,
-    make("small", span > 90_000 ? `last ${Math.round(span / 60_000)} minutes` : "last minute"),
-  );
-  return made;
+  private chart(figure: Figure): Chart {
+    const [title, unit, factor] = TITLES[figure];
+    const found = this.history.points(this.choice.value, figure);
+    const points = found.map(({ time, value }) => ({ time, value: value === null ? null : factor * value }));
+    return { title, unit, points, fromZero: true };
+  }
+
+  private curve(curve: Curve, marks: Mark[], now: number): HTMLElement {
+    const title = nameOf(curve);
+    const points = this.curves.points(curve, now);
+    const made = chartOf({ title, unit: unitOf(curve, this.figures), points, fromZero: false }, marks, now);
+    const onclick = () => {
+      this.curves.remove(curve);
+      this.renew();
+    };
+    const button = make("button", "×", { type: "button", onclick });
+    button.setAttribute("aria-label", `plot ${title} no more`);
+    made.append(button);
+    return made;
+  }
 }
 
 function lineOf({ time, text, fault }: Mark): HTMLElement {
   const line = make("li", "", { className: fault ? "fault" : "" });
   line.append(make("time", new Date(time).toLocaleTimeString([], { hour12: false })), text);
   return line;
-}
-
-function element(tag: string, attributes: Record<string, string>): SVGElement {
-  const made = document.createElementNS(SVG, tag);
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-  return made;
 }

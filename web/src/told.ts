@@ -77,6 +77,18 @@ export interface EdgePlan {
   delay: boolean;
 }
 
+export interface FigureField {
+  name: string;
+  unit: string;
+}
+
+// What can be plotted. ports: the type of the messages of each; kinds: what a type has; rows: what names a row,
+// "" for a message of one row.
+export interface FiguresData {
+  ports: Record<string, string>;
+  kinds: Record<string, { fields: FigureField[]; rows: "" | "target" | "number" }>;
+}
+
 export interface Scene {
   type: "scene";
   graph: string;
@@ -89,6 +101,7 @@ export interface Scene {
   recorded: Span | null; // of a recording that is shown instead of a run
   others: boolean; // whether the page tells of other runs
   replay: boolean;
+  figures: FiguresData;
 }
 
 // Of capture time, s.
@@ -225,12 +238,54 @@ export interface Kept {
   moments: Moment[];
 }
 
-// to: what was asked for, JSON; text: what became of it, or why nothing did.
+// to: what was asked for, JSON; text: what became of it, or why nothing did; about: more of it.
 export interface Answer {
   type: "answer";
   to: string;
   text: string;
   ok: boolean;
+  about: StillData | LessonData | null;
+}
+
+// A still picture to learn a target from. size: px; targets: radius of each of the room file, m; file: it.
+export interface StillData {
+  camera: string;
+  size: [number, number];
+  targets: Record<string, number>;
+  file: string;
+}
+
+// What was learnt, and is not written yet. new: not in the room file; hue: degrees, with the share of its pixels
+// that have it; center and radius_px: where it is, px; area: what is taken for it, px; alike: other targets.
+export interface LessonData {
+  name: string;
+  camera: string;
+  new: boolean;
+  color: string;
+  hue: number;
+  share: number;
+  pixels: number;
+  center: [number, number];
+  radius_px: number;
+  area: [number, number];
+  radius_m: number;
+  alike: { name: string; similarity: number; confused: boolean }[];
+  minimum_saturation: number | null;
+}
+
+// A figure of a port: of the row that has this name or number, "" for a message of one row.
+export interface Curve {
+  port: string;
+  row: string;
+  field: string;
+}
+
+// The newest values of the figures of a port that browsers plot. time: ms of capture time.
+export interface CurvesTold {
+  type: "curves";
+  port: string;
+  time: number;
+  values: [row: string, field: string, value: number | null][];
 }
 
 export interface End {
@@ -238,7 +293,7 @@ export interface End {
   how: string;
 }
 
-export type Told = Scene | Run | View | Recording | Kept | Position | Answer | End;
+export type Told = Scene | Run | View | CurvesTold | Recording | Kept | Position | Answer | End;
 
 export interface Change {
   stage: string;
@@ -267,5 +322,30 @@ export interface SeekWish {
 export interface OpenWish {
   open: string;
 }
-export type Wish = Change | RecordWish | Hold | MarkWish | SaveWish | OpenWish | SeekWish;
+export interface PlotWish {
+  plot: Curve[];
+}
+export interface StillWish {
+  still: string;
+}
+// box: a click x, y, or a rectangle x, y, width, height, px; radius: m, null for that of the room file.
+export interface LearnWish {
+  learn: string;
+  box: number[];
+  radius: number | null;
+}
+export interface TeachWish {
+  teach: true;
+}
+export type PickWish = StillWish | LearnWish | TeachWish;
+export type Wish =
+  | Change
+  | RecordWish
+  | Hold
+  | MarkWish
+  | SaveWish
+  | OpenWish
+  | SeekWish
+  | PlotWish
+  | PickWish;
 export type Ask<W extends Wish> = (wish: W) => void;

@@ -156,7 +156,7 @@ def test_text_that_is_no_utf8_closes_with_1007_and_is_counted(page: Shown, paylo
     "said",
     [
         frame(TEXT, b"a" * (MAX_HEARD + 1)),
-        frame(TEXT, b"a" * 700, final=False) + frame(CONTINUED, b"a" * 700),
+        frame(TEXT, b"a" * 3000, final=False) + frame(CONTINUED, b"a" * 3000),
         b"\x81\xff" + b"\xff" * 8 + MASK,  # 2^64 - 1 bytes to come
         b"\x81\xfe\xff\xff" + MASK,
         frame(CONTINUED, b"a"),

@@ -31,6 +31,7 @@ from followspot.worker.ledger import AWAY, COLUMNS, DELIVERED, DROPPED, LATE, PR
 from followspot_dashboard.gate import WATCHED, make_gate
 from followspot_dashboard.picture import picture_of
 from followspot_page.page import Page
+from followspot_page.requests import Requests
 from followspot_record.embedded import plan_of_recording
 from followspot_recording.recording import Recording
 from followspot_recording.tap import RecordingTap
@@ -334,4 +335,4 @@ def test_a_page_that_is_open_to_other_computers_only_shows(page: Shown, tmp_path
         '{"on": false}',
     ):
         with pytest.raises(FollowspotError, match="only shows"):
-            asyncio.run(open_page.do(wish))
+            asyncio.run(Requests(open_page).do(wish))

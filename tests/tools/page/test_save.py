@@ -16,6 +16,7 @@ from followspot.graph.plan import Plan
 from followspot_page.changing import wish_of
 from followspot_page.feed import Feed
 from followspot_page.page import Page
+from followspot_page.requests import Requests
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
 
@@ -31,7 +32,7 @@ def test_a_run_is_saved_as_it_was_changed(tmp_path: Path, capsys: pytest.Capture
         run.swap("fuse", "balls.mean")
         page = Page.__new__(Page)
         page.ask, page.scrub, page.feed = run, None, Feed()
-        said = asyncio.run(page.do('{"save": true}'))
+        said = asyncio.run(Requests(page).do('{"save": true}')).text
         assert run.save(tmp_path / "script.yaml") == ("fuse", "color")
         assert main(["save", str(tmp_path / "command.yaml"), "--run", str(os.getpid())]) == 0
         present = run.plan()

@@ -11,10 +11,13 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from followspot.errors import FollowspotError
 from followspot_page.feed import Feed
+from followspot_page.reply import Reply
 from followspot_page.showing import FAREWELL
 
-Do = Callable[[str], Awaitable[str]]
-"""Carries out a browser's request and returns a line about it. Raises FollowspotError if that fails."""
+Do = Callable[[str], Awaitable[Reply]]
+"""Carries out a browser's request. Raises FollowspotError if that fails."""
+STILL = b"\0"
+"""What a still picture begins with, instead of the length of a camera's name: its answer follows."""
 _TIMEOUT = 30.0
 """Seconds within which a browser must take a message."""
 _WAITING = 8
@@ -29,7 +32,7 @@ class Browser:
         self._feed = feed
         self._do = do
         self._changed = asyncio.Event()
-        self._answers: deque[str] = deque(maxlen=_WAITING)
+        self._answers: deque[str | bytes] = deque(maxlen=_WAITING)
 
     async def serve(self) -> None:
         """Serve until the browser leaves, stops taking messages, or the run has ended."""
@@ -49,11 +52,15 @@ class Browser:
     async def _hear(self) -> None:
         """Carry out the browser's requests in order, until it leaves."""
         while (said := await self._socket.receive())["type"] != "websocket.disconnect":
+            asked = said.get("text") or ""
             try:
-                answer = {"text": await self._do(said.get("text") or ""), "ok": True}
+                reply, ok = await self._do(asked), True
             except FollowspotError as error:
-                answer = {"text": str(error), "ok": False}
-            self._answers.append(json.dumps({"type": "answer", "to": said.get("text"), **answer}))
+                reply, ok = Reply(str(error)), False
+            if reply.picture:
+                self._answers.append(STILL + reply.picture)
+            answer = {"text": reply.text, "ok": ok, "about": reply.about}
+            self._answers.append(json.dumps({"type": "answer", "to": asked, **answer}))
             self._changed.set()
 
     async def _send(self) -> None:

@@ -24,6 +24,10 @@ from followspot.ports import ports
 from followspot.stage import Stage
 from followspot.stage_params import DeviceIn, NetworkOut
 
+MOST_CURVES = 8
+"""Figures that one browser plots at once, beside those of the run."""
+_Pixel = Annotated[int, pydantic.Field(ge=0, le=1 << 16)]
+
 
 def forms(plan: Plan) -> dict[str, dict[str, Any]]:
     """The parameters and possible replacements of each stage of the graph file.
@@ -93,7 +97,53 @@ class Seek:
     play: bool
 
 
-Wish = Change | Record | Hold | MarkWish | Save | OpenPage | Seek
+@dataclass(frozen=True)
+class Still:
+    """A picture of a camera to learn a target from. still: the camera."""
+
+    still: Annotated[str, pydantic.Field(max_length=200)]
+
+
+@dataclass(frozen=True)
+class Learn:
+    """A target to learn from the newest still picture.
+
+    learn: its name; box: a click x, y or a rectangle x, y, width, height, px; radius: m, None for that of the
+    room file.
+    """
+
+    learn: Annotated[str, pydantic.Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
+    box: tuple[_Pixel, _Pixel] | tuple[_Pixel, _Pixel, _Pixel, _Pixel]
+    radius: Annotated[float, pydantic.Field(gt=0, le=10, allow_inf_nan=False)] | None
+
+
+@dataclass(frozen=True)
+class Teach:
+    """Write the target that was learnt into the room file."""
+
+    teach: Literal[True]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A figure of the messages of a port, STAGE.PORT.
+
+    row: what stands in the column that names rows, or the number of a row; field: a column of the table.
+    """
+
+    port: Annotated[str, pydantic.Field(max_length=200)]
+    row: Annotated[str, pydantic.Field(max_length=64)]
+    field: Annotated[str, pydantic.Field(max_length=100)]
+
+
+@dataclass(frozen=True)
+class Plot:
+    """The figures that this browser plots from now on, instead of those before."""
+
+    plot: Annotated[tuple[Curve, ...], pydantic.Field(max_length=MOST_CURVES)]
+
+
+Wish = Change | Record | Hold | MarkWish | Save | OpenPage | Seek | Still | Learn | Teach | Plot
 _WISH: pydantic.TypeAdapter[Wish] = pydantic.TypeAdapter(Wish, config=pydantic.ConfigDict(strict=True))
 
 

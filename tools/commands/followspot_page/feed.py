@@ -6,7 +6,7 @@ import asyncio
 import json
 import struct
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -66,6 +66,8 @@ class Previews:
         self.watch = watch
         self.kinds: Mapping[str, type[Message]] = {}
         """Type of the messages that the tap of each port sends."""
+        self.drawn: Collection[str] = ()
+        """The ports whose messages are shown; of others only figures are plotted."""
 
     def take(self, port: str, packed: bytes) -> None:
         """Show a message, unless it is malformed: only a foreign sender makes such."""
@@ -75,6 +77,8 @@ class Previews:
                 self.feed.put(f"picture {message.camera}", picture_bytes(message))
             elif isinstance(message, Message):
                 self.watch(port, message)
+                if port not in self.drawn:
+                    return
                 data = {"type": "view", "port": port, **view(message, self.room)}
                 self.feed.put(f"view {port}", json.dumps(data, separators=(",", ":")))
 

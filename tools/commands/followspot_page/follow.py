@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.library.handle import Kept, NoAnswer, RunHandle, RunStatus, Tapping, runs_here
 from followspot_page.remote_previews import RemotePreviews
-from followspot_page.taps import ShownPort, shown_ports, tappings
+from followspot_page.taps import ShownPort, plotted_ports, shown_ports, tappings
 
 _START_POLL_INTERVAL = 0.1
 """Poll interval, s, until the run has started."""
@@ -57,20 +57,24 @@ class Sight:
         self._folder = folder
         self._rate = rate
         self._remote = remote
+        self.plotted: Collection[str] = ()
+        """Ports whose figures browsers plot."""
         self._ports: tuple[ShownPort, ...] = ()
         self._taps: Sequence[Tapping] = ()
+        self._turning = asyncio.Lock()
 
     async def turn_to(self, plan: Plan) -> None:
         """Place taps for the plan's present ports. Raises FollowspotError."""
-        found = shown_ports(plan)
-        if found == self._ports:
-            return
-        taps = tappings(found, self._folder, self._rate)
-        await asyncio.to_thread(self._run.tap, taps)
-        await self._untap([tap for tap in self._taps if tap not in taps])
-        if self._remote is not None:
-            self._remote.look(found)
-        self._ports, self._taps = found, taps
+        async with self._turning:
+            found = (*shown_ports(plan), *plotted_ports(plan, self.plotted))
+            if found == self._ports:
+                return
+            taps = tappings(found, self._folder, self._rate)
+            await asyncio.to_thread(self._run.tap, taps)
+            await self._untap([tap for tap in self._taps if tap not in taps])
+            if self._remote is not None:
+                self._remote.look(found)
+            self._ports, self._taps = found, taps
 
     async def close(self) -> None:
         """Remove the taps."""

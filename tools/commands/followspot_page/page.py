@@ -5,45 +5,33 @@ from __future__ import annotations
 import asyncio
 import json
 from collections import Counter
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from starlette.websockets import WebSocket
-
-from followspot.errors import FollowspotError
 from followspot.graph.names import subgraphs
+from followspot.graph.output_ports import output_ports
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
 from followspot.library.handle import Kept, RunHandle, RunStatus
+from followspot.messages import Message
 from followspot_dashboard.gate import Gate
 from followspot_page import metrics
 from followspot_page.address import is_loopback
-from followspot_page.browser import Browser
-from followspot_page.changing import (
-    Hold,
-    MarkWish,
-    OpenPage,
-    Record,
-    Save,
-    Seek,
-    forms,
-    sentence,
-    wish_of,
-    words_of,
-)
+from followspot_page.changing import forms
 from followspot_page.connections import Connections
+from followspot_page.curves import Curves, figures
 from followspot_page.feed import Feed, Previews
-from followspot_page.follow import plan_of
+from followspot_page.follow import Sight
 from followspot_page.recording import RecordButton, recordable
 from followspot_page.remote_previews import RemotePreviews
 from followspot_page.run_list import RunList
-from followspot_page.saving import saved_overlay
 from followspot_page.scene import scene
 from followspot_page.scrub import Scrub
 from followspot_page.sensors import sensors
 from followspot_page.showing import FAREWELL
-from followspot_page.taps import sent_kinds, shown_ports
+from followspot_page.taps import plotted_ports, sent_kinds, shown_ports
 from followspot_watch.run_monitor import RunMonitor
 
 MAX_BROWSERS = 16
@@ -67,7 +55,12 @@ class Page:
         self.feed = Feed()
         self.run = RunMonitor(plan)
         self.targets = metrics.Targets(plan.room)
-        self.previews = Previews(self.feed, plan.room, self.targets.take)
+        self.previews = Previews(self.feed, plan.room, self._hear)
+        self.curves = Curves(self.feed, plan.room)
+        self.figures: Mapping[str, type[Message]] = {}
+        """The types of the messages of the ports whose figures browsers may plot."""
+        self.sight: Sight | None = None
+        """The page's taps; None for a recording."""
         self.button = RecordButton(folder, self._tell_recording)
         self.connections = Connections()
         self.scrub: Scrub | None = None
@@ -84,12 +77,38 @@ class Page:
     def show(self, plan: Plan) -> None:
         """Take the present plan; browsers receive it if it differs."""
         self.plan = self.run.plan = plan
-        shown = shown_ports(plan)
-        self.previews.kinds = sent_kinds(shown)
-        self.readings = [port for port in shown if port.sensor]
+        self.figures = self._figures()
+        self._expect()
         scene = json.dumps({"type": "scene", **self.about()})
         if self.feed.newest("scene") != scene:
             self.feed.put("scene", scene)
+
+    def _figures(self) -> dict[str, type[Message]]:
+        """Of a page that only shows, and of a recording: those of the ports that are shown anyway."""
+        every = output_ports(self.plan)
+        if self.ask is not None:
+            return dict(every)
+        shown = shown_ports(self.plan) if self.scrub is None else self.scrub.ports
+        return {port.name: every[port.name] for port in shown}
+
+    def _expect(self) -> None:
+        """Be ready for what the taps send: what is shown, and what else is plotted."""
+        shown = shown_ports(self.plan)
+        self.previews.drawn = frozenset(port.name for port in shown)
+        self.previews.kinds = sent_kinds((*shown, *plotted_ports(self.plan, self.curves.ports)))
+        self.readings = [port for port in shown if port.sensor]
+
+    async def look_at_curves(self) -> None:
+        """Tap the ports whose figures are plotted now. Raises FollowspotError."""
+        self._expect()
+        if self.sight is not None:
+            self.sight.plotted = self.curves.ports
+            await self.sight.turn_to(self.plan)
+
+    def _hear(self, port: str, message: Message) -> None:
+        self.curves.take(port, message)
+        if port in self.previews.drawn:
+            self.targets.take(port, message)
 
     def about(self) -> dict[str, Any]:
         """The parts that stay during a run."""
@@ -104,6 +123,7 @@ class Page:
             "recorded": None if self.scrub is None else self.scrub.about,
             "others": self.runs is not None,
             "replay": self.ask is not None and not self.plan.live,
+            "figures": figures(self.figures, self.plan.room),
         }
 
     def _stage(self, stage: PlannedStage) -> dict[str, Any]:
@@ -139,50 +159,6 @@ class Page:
         self.feed.put("position", text)
         self.take_status(None)
 
-    async def do(self, text: str) -> str:
-        """Carry out a browser's request; a line about it. Raises FollowspotError if that fails."""
-        asked = wish_of(text) if self.ask is not None or self.scrub is not None else None
-        if self.scrub is not None and isinstance(asked, Seek):
-            return self.scrub.seek(asked)
-        if self.ask is None or asked is None:
-            raise FollowspotError(self.shut)
-        if isinstance(asked, Seek):
-            raise FollowspotError("a run goes on by itself; pause and step hold a replay")
-        if isinstance(asked, Record):
-            if asked.on:
-                return await self.button.start(self.ask, self.plan, asked.ports)
-            return await self.button.stop()
-        if isinstance(asked, Hold):
-            return await self._hold(self.ask, asked)
-        if isinstance(asked, MarkWish):
-            moment = await asyncio.to_thread(self.ask.mark, note=asked.mark)
-            return f"saving the last seconds, and the next, in {Path(moment.file).name}"
-        if isinstance(asked, OpenPage):
-            if self.runs is None:
-                raise FollowspotError("this page tells nothing of other runs")
-            return await asyncio.to_thread(self.runs.open, asked.open)
-        if isinstance(asked, Save):
-            return await asyncio.to_thread(saved_overlay, self.ask)
-        return await self._change(self.ask, words_of(asked, self.plan))
-
-    async def _change(self, run: RunHandle, words: list[str]) -> str:
-        try:
-            answer = await asyncio.to_thread(run.change, words)
-        except FollowspotError as error:
-            raise FollowspotError(sentence(str(error))) from error
-        self.show(await plan_of(run))
-        told = dict.fromkeys(
-            stage.text.partition(": ")[2] for stage in answer.stages
-        )  # once, not once a camera
-        return "; ".join(told) or "it is so already"
-
-    async def _hold(self, run: RunHandle, asked: Hold) -> str:
-        if asked.hold == "step":
-            reached = await asyncio.to_thread(run.step, asked.count)
-            return f"at {reached / 1e9:.6f} s"
-        await asyncio.to_thread(run.pause if asked.hold == "pause" else run.resume)
-        return ""
-
     def _tell_recording(self, about: dict[str, Any]) -> None:
         self.feed.put("recording", json.dumps({"type": "recording", **about}))
 
@@ -205,27 +181,22 @@ class Page:
             async with asyncio.timeout(FAREWELL):
                 await self._deserted.wait()
 
-    async def look(self, socket: WebSocket) -> None:
-        """Serve one browser until it leaves or stops taking messages."""
-        address = socket.client.host if socket.client is not None else ""
+    def full(self, address: str) -> str:
+        """Why there is no room for one more browser from this address; "" if there is."""
         of_it = MAX_BROWSERS if is_loopback(address) else MAX_OF_ADDRESS
-        if self.browsers >= MAX_BROWSERS or self._browsers[address] >= of_it:
-            self.connections.refused["crowded"] += 1
-            await socket.close(1013)
-            return
-        await socket.accept()
-        self._count(address, 1)
-        try:
-            await Browser(socket, self.feed, self.do).serve()
-        finally:
-            self._count(address, -1)
+        if self.browsers >= MAX_BROWSERS:
+            return f"{MAX_BROWSERS} browsers show this page, which is all it serves; close one of them"
+        if self._browsers[address] >= of_it:
+            return f"{of_it} browsers of this computer show this page, which is all it serves; close one"
+        return ""
 
     @property
     def browsers(self) -> int:
         """Number of browsers."""
         return self._browsers.total()
 
-    def _count(self, address: str, change: int) -> None:
+    def count(self, address: str, change: int) -> None:
+        """One more browser from an address (1), or one fewer (-1)."""
         self._browsers[address] += change
         self._browsers += Counter()  # drops addresses with a count of 0
         watched = self.browsers > 0

@@ -48,7 +48,7 @@ class Scrub:
     ) -> None:
         self.begin, self.end = recording.begin, recording.end
         self._recording = recording
-        self._ports = [port for port in ports if port.name in recording.ports]
+        self.ports = [port for port in ports if port.name in recording.ports]
         self._take = take
         self._tell = tell
         self._period = 1.0 / rate
@@ -97,7 +97,7 @@ class Scrub:
 
     def _seen(self, moment: int) -> Iterator[tuple[str, bytes]]:
         """The preview of each port that has said something lately, at a capture time, ns."""
-        for port in self._ports:
+        for port in self.ports:
             found = self._newest(port.name, moment)
             if found is None:
                 continue

@@ -46,7 +46,7 @@ async def serve(order: PageOrder) -> None:
         page = Page(await plan_of(run), make_gate(folder), folder)
         receiver = LocalReceiver(folder / SOCKET, Arrivals(page.previews.take).hear)
         page.remote = await remote_previews(run, page.previews.take)
-        sight = Sight(run, folder, order.rate, page.remote)
+        page.sight = sight = Sight(run, folder, order.rate, page.remote)
         await sight.turn_to(page.plan)
         server = server_of(page, order.host, endpoint.getsockname()[1])
         serving = asyncio.ensure_future(server.serve([endpoint]))

@@ -15,15 +15,17 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
+from starlette.websockets import WebSocket
 
 from followspot_page import metrics
 from followspot_page.access import HEADERS, SameOriginGuard
 from followspot_page.bundle import MISSING, STATIC, is_bundled
 from followspot_page.connections import Rejections
+from followspot_page.look import look
 from followspot_page.page import Page
 
-MAX_HEARD = 1024
-"""Longest message of a browser, bytes: a change."""
+MAX_HEARD = 4096
+"""Longest message of a browser, bytes: the figures that it plots."""
 _ACCEPTED = 64
 """Connections accepted before the first request of any: each is a file descriptor."""
 
@@ -50,13 +52,16 @@ def application(page: Page) -> Starlette:
             return PlainTextResponse("This page tells nothing of other runs.\n", 404, headers=HEADERS)
         return JSONResponse(await asyncio.to_thread(page.runs.data), headers=HEADERS)
 
+    async def viewer(socket: WebSocket) -> None:
+        await look(page, socket)
+
     return Starlette(
         routes=[
             Route("/", home),
             Route("/metrics", figures),
             Route("/status", status),
             Route("/runs", runs),
-            WebSocketRoute("/look", page.look),
+            WebSocketRoute("/look", viewer),
             Mount("/static", _Static(directory=STATIC, check_dir=False)),
         ]
     )
@@ -75,13 +80,13 @@ class _Static(StaticFiles):
 def server_of(page: Page, host: str, port: int) -> uvicorn.Server:
     """The server of a page at this address."""
     names = frozenset({"localhost", host, socket.gethostname()})
-    http, look = page.connections.protocols()
+    http, viewers = page.connections.protocols()
     config = uvicorn.Config(
         SameOriginGuard(application(page), port, names),
         log_level="warning",
         access_log=False,
         http=http,
-        ws=look,
+        ws=viewers,
         ws_max_size=MAX_HEARD,
         ws_ping_interval=20.0,
         timeout_graceful_shutdown=1,

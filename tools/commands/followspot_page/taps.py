@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from followspot.graph.output_ports import output_ports
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.inertial import Inertial
 from followspot.library.handle import Tapping
@@ -28,13 +29,17 @@ follow."""
 SENSOR_RATE = 5.0
 """Messages per second of other sensors, beside those at the times of pictures."""
 
+PLOT_RATE = 10.0
+"""Messages per second of ports of which only figures are plotted."""
+
 
 @dataclass(frozen=True)
 class ShownPort:
     """A port that the page shows.
 
     name: STAGE.PORT; host: of its stage, "" for here; source: True for a source; size: of its pictures, px;
-    farthest: depth that has the last colour, m; sensor: whose readings it sends, "" if of none.
+    farthest: depth that has the last colour, m; sensor: whose readings it sends, "" if of none; plotted:
+    whether only its figures are shown.
     """
 
     name: str
@@ -44,6 +49,7 @@ class ShownPort:
     size: tuple[int, int] = (320, 240)
     farthest: float = FARTHEST
     sensor: str = ""
+    plotted: bool = False
 
     @property
     def is_picture(self) -> bool:
@@ -60,6 +66,8 @@ class ShownPort:
         """Messages per second that are shown beside those at the times of pictures."""
         if issubclass(self.type, SMOOTH):
             return SMOOTH_RATE
+        if self.plotted:
+            return PLOT_RATE
         return SENSOR_RATE if self.sensor else 0.0
 
 
@@ -80,6 +88,16 @@ def shown_ports(plan: Plan) -> tuple[ShownPort, ...]:
             elif not issubclass(port.type, SHOWN) and (sensor := _sensor(stage, port.type)):
                 found.append(ShownPort(name, port.type, host, its.source, sensor=sensor))
     return tuple(found)
+
+
+def plotted_ports(plan: Plan, names: Collection[str]) -> tuple[ShownPort, ...]:
+    """Those of these ports that are not shown anyway."""
+    shown = {port.name for port in shown_ports(plan)}
+    return tuple(
+        ShownPort(name, kind, plan.host_of_stage(name.rpartition(".")[0]), source=False, plotted=True)
+        for name, kind in output_ports(plan).items()
+        if name in names and name not in shown
+    )
 
 
 def sent_kinds(shown: Iterable[ShownPort]) -> dict[str, type[Message]]:

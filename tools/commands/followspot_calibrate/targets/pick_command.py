@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
-from dataclasses import replace
+import re
 from pathlib import Path
 from typing import Any
 
@@ -17,13 +16,11 @@ from followspot.errors import InputError, did_you_mean, writing
 from followspot.messages import Array
 from followspot.plugins.registry import load_stage
 from followspot.room_file import load, update
-from followspot_balls.hue import bhattacharyya
-from followspot_calibrate.targets.picked import Pick, Template, read_pick, template_of
+from followspot_balls.picked import MOST_ALIKE, Pick, Template, likeness, taught, template_of
 
-MOST_ALIKE = 0.8
-"""Similarity of two templates above which the detector, at its default, takes one ball for the other."""
 GRID = 100
 """Distance of the lines in the picture to look at, px."""
+_WORDS = re.compile(r"(?P<name>[A-Za-z0-9_-]+)(?:=(?P<numbers>-?\d+(?:,-?\d+)*))?(?:@(?P<frame>\d+))?")
 
 
 def pick_targets(args: argparse.Namespace, usual: float) -> int:
@@ -45,19 +42,19 @@ def pick_targets(args: argparse.Namespace, usual: float) -> int:
         targets[name] = taught(target, camera, template, args.radius)
     with writing(args.room):
         update(args.room, targets=targets)
-    alike = _alike(targets, list(found), camera.name)
+    alike = [pair for pair in likeness(targets, found, camera.name) if pair[2] >= MOST_ALIKE]
     print(_as_json(found, alike) if args.json else _summary(args.room, camera, found, alike))
     return 0
 
 
-def taught(target: Target, camera: Camera, template: Template, radius: float | None) -> Target:
-    """The target with this template for a camera; what other cameras know of it stays."""
-    return replace(
-        target,
-        radius=target.radius if radius is None else radius,
-        hue_histogram={**target.hue_histogram, camera.name: template.histogram},
-        area={**target.area, camera.name: template.area},
-    )
+def read_pick(text: str) -> Pick:
+    """NAME, NAME=X,Y or NAME=X,Y,WIDTH,HEIGHT, each with @FRAME if it is wanted. Raises InputError."""
+    found = _WORDS.fullmatch(text)
+    numbers = tuple(map(int, found["numbers"].split(","))) if found and found["numbers"] else ()
+    if found is None or len(numbers) not in (0, 2, 4):
+        remedy = "write NAME=X,Y, NAME=X,Y,WIDTH,HEIGHT, or NAME alone to see a picture, each with @FRAME"
+        raise InputError.of(f"--pick {text} names no place in a picture", remedy)
+    return Pick(found["name"], numbers, None if found["frame"] is None else int(found["frame"]))
 
 
 def picture_of(camera: Camera, frame: int | None) -> Array:
@@ -123,14 +120,6 @@ def with_grid(picture: Array) -> Array:
         cv2.line(drawn, (0, y), (width, y), (255, 255, 255), 1)
         cv2.putText(drawn, str(y), (2, y - 2), cv2.FONT_HERSHEY_SIMPLEX, 0.4, (255, 255, 255), 1)
     return drawn
-
-
-def _alike(targets: dict[str, Target], picked: Sequence[str], camera: str) -> list[tuple[str, str, float]]:
-    """Pairs of a picked target and another whose colours the detector would confuse."""
-    known = {name: t.hue_histogram[camera] for name, t in targets.items() if camera in t.hue_histogram}
-    pairs = [(a, b) for a in picked for b in known if a != b and (b not in picked or a < b)]
-    found = [(a, b, round(float(bhattacharyya(known[a], known[b])), 2)) for a, b in pairs]
-    return [pair for pair in found if pair[2] >= MOST_ALIKE]
 
 
 def _summary(

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import cv2
 import numpy as np
 
+from followspot import Camera, Target
 from followspot.errors import InputError
 from followspot.messages import Array
-from followspot_balls.hue import BINS, hue_bin, normalised
+from followspot_balls.hue import BINS, bhattacharyya, hue_bin, normalised
 from followspot_balls.template import VIVID
 
 ALIKE_HUE = 14
@@ -29,7 +30,8 @@ LEAST_COLORED = 0.3
 """Share of a target's pixels that must show a hue."""
 NEARER = 4.0
 """How much larger or smaller than here the target may be seen, in area: at half or twice the distance."""
-_WORDS = re.compile(r"(?P<name>[A-Za-z0-9_-]+)(?:=(?P<numbers>-?\d+(?:,-?\d+)*))?(?:@(?P<frame>\d+))?")
+MOST_ALIKE = 0.8
+"""Similarity of two templates above which the detector, at its default, takes one ball for the other."""
 
 
 class Pick(NamedTuple):
@@ -43,12 +45,13 @@ class Pick(NamedTuple):
 @dataclass(frozen=True)
 class Template:
     """What a picked target looks like. histogram: (16,) normalised; pixels: how many show it; saturation:
-    least of nine tenths of these, 0 to 255.
+    least of nine tenths of these, 0 to 255; center: of these, x and y, px.
     """
 
     histogram: Array
     pixels: int
     saturation: float
+    center: tuple[float, float]
 
     @property
     def minimum_saturation(self) -> int | None:
@@ -62,16 +65,6 @@ class Template:
         return round(self.pixels / NEARER, 1), round(self.pixels * NEARER, 1)
 
 
-def read_pick(text: str) -> Pick:
-    """NAME, NAME=X,Y or NAME=X,Y,WIDTH,HEIGHT, each with @FRAME if it is wanted. Raises InputError."""
-    found = _WORDS.fullmatch(text)
-    numbers = tuple(map(int, found["numbers"].split(","))) if found and found["numbers"] else ()
-    if found is None or len(numbers) not in (0, 2, 4):
-        remedy = "write NAME=X,Y, NAME=X,Y,WIDTH,HEIGHT, or NAME alone to see a picture, each with @FRAME"
-        raise InputError.of(f"--pick {text} names no place in a picture", remedy)
-    return Pick(found["name"], numbers, None if found["frame"] is None else int(found["frame"]))
-
-
 def template_of(picture: Array, pick: Pick) -> Template:
     """The template of a picked target; picture: (H, W, 3) u8, blue first. Raises InputError."""
     _check_inside(picture, pick)
@@ -83,7 +76,35 @@ def template_of(picture: Array, pick: Pick) -> Template:
         raise InputError.of(text, "pick a coloured ball, where no light bleaches it")
     counts = np.bincount(hue_bin(hsv[vivid][:, 0]), minlength=BINS).astype(float)
     saturation = float(np.percentile(hsv[vivid][:, 1], 10))
-    return Template(np.round(normalised(counts), 6), int(vivid.sum()), saturation)
+    rows, columns = np.nonzero(vivid)
+    center = float(columns.mean()), float(rows.mean())
+    return Template(np.round(normalised(counts), 6), int(vivid.sum()), saturation, center)
+
+
+def taught(target: Target, camera: Camera, template: Template, radius: float | None) -> Target:
+    """The target with this template for a camera, and this radius (m; None: its own).
+
+    What other cameras know of it stays.
+    """
+    return replace(
+        target,
+        radius=target.radius if radius is None else radius,
+        hue_histogram={**target.hue_histogram, camera.name: template.histogram},
+        area={**target.area, camera.name: template.area},
+    )
+
+
+def likeness(
+    targets: Mapping[str, Target], picked: Iterable[str], camera: str
+) -> list[tuple[str, str, float]]:
+    """Each pair of a picked target and another that this camera knows, with their templates' similarity.
+
+    From `MOST_ALIKE` on, the detector confuses them.
+    """
+    known = {name: t.hue_histogram[camera] for name, t in targets.items() if camera in t.hue_histogram}
+    mine = [name for name in picked if name in known]
+    pairs = [(a, b) for a in mine for b in known if a != b and (b not in mine or a < b)]
+    return [(a, b, round(float(bhattacharyya(known[a], known[b])), 2)) for a, b in pairs]
 
 
 def _check_inside(picture: Array, pick: Pick) -> None:
@@ -108,7 +129,7 @@ def _clicked(hsv: Array, pick: Pick) -> Array:
         raise InputError.of(f"there is no colour of its own at {_place(pick)}", "click on the ball's middle")
     if inside.sum() > LARGEST_SHARE * inside.size or _filled(inside) < CONVEX:
         text = f"the colour at {_place(pick)} runs over into what is beside the ball: {inside.sum()} px"
-        raise InputError.of(text, f"give a rectangle: --pick {pick.name}=X,Y,WIDTH,HEIGHT")
+        raise InputError.of(text, f"give its rectangle: {pick.name}=X,Y,WIDTH,HEIGHT")
     return np.asarray(inside)
 
 

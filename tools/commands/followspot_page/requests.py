@@ -1,0 +1,114 @@
+"""What one browser may ask for, and what it has asked for so far."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+from followspot.errors import FollowspotError
+from followspot.library.handle import RunHandle
+from followspot_page.changing import (
+    Change,
+    Hold,
+    Learn,
+    MarkWish,
+    OpenPage,
+    Plot,
+    Record,
+    Save,
+    Seek,
+    Still,
+    Teach,
+    Wish,
+    sentence,
+    wish_of,
+    words_of,
+)
+from followspot_page.follow import plan_of
+from followspot_page.learning import Lessons
+from followspot_page.page import Page
+from followspot_page.reply import Reply
+from followspot_page.saving import saved_overlay
+
+
+class Requests:
+    """Carries out the requests of one browser. page: what all browsers share."""
+
+    def __init__(self, page: Page) -> None:
+        self._page = page
+        self._lessons = Lessons()
+
+    async def do(self, text: str) -> Reply:
+        """Carry out a request, in JSON. Raises FollowspotError if that fails."""
+        asked = wish_of(text)
+        if isinstance(asked, Plot):
+            return await self._plot(asked)
+        scrub, run = self._page.scrub, self._page.ask
+        if scrub is not None and isinstance(asked, Seek):
+            return Reply(scrub.seek(asked))
+        if run is None:
+            raise FollowspotError(self._page.shut)
+        if isinstance(asked, Still | Learn | Teach):
+            return await asyncio.to_thread(self._learn, run, asked)
+        return Reply(await self._changed(run, asked))
+
+    async def leave(self) -> None:
+        """The browser has left."""
+        self._page.curves.leave(self)
+        await self._page.look_at_curves()
+
+    async def _plot(self, asked: Plot) -> Reply:
+        self._page.curves.choose(self, asked.plot, self._page.figures)
+        await self._page.look_at_curves()
+        return Reply()
+
+    def _learn(self, run: RunHandle, asked: Still | Learn | Teach) -> Reply:
+        plan = self._page.plan
+        if isinstance(asked, Still):
+            return self._lessons.still(run, plan, asked.still)
+        return (
+            self._lessons.learn(run, plan, asked)
+            if isinstance(asked, Learn)
+            else self._lessons.write(run, plan)
+        )
+
+    async def _changed(self, run: RunHandle, asked: Wish) -> str:
+        """A line about what became of a request that changes the run, or what is made of it."""
+        page = self._page
+        if isinstance(asked, Change):
+            return await self._change(run, words_of(asked, page.plan))
+        if isinstance(asked, Record):
+            if asked.on:
+                return await page.button.start(run, page.plan, asked.ports)
+            return await page.button.stop()
+        if isinstance(asked, Hold):
+            return await _hold(run, asked)
+        if isinstance(asked, MarkWish):
+            moment = await asyncio.to_thread(run.mark, note=asked.mark)
+            return f"saving the last seconds, and the next, in {Path(moment.file).name}"
+        if isinstance(asked, OpenPage):
+            if page.runs is None:
+                raise FollowspotError("this page tells nothing of other runs")
+            return await asyncio.to_thread(page.runs.open, asked.open)
+        if isinstance(asked, Save):
+            return await asyncio.to_thread(saved_overlay, run)
+        raise FollowspotError("a run goes on by itself; pause and step hold a replay")
+
+    async def _change(self, run: RunHandle, words: list[str]) -> str:
+        try:
+            answer = await asyncio.to_thread(run.change, words)
+        except FollowspotError as error:
+            raise FollowspotError(sentence(str(error))) from error
+        self._page.show(await plan_of(run))
+        told = dict.fromkeys(
+            stage.text.partition(": ")[2] for stage in answer.stages
+        )  # once, not once a camera
+        return "; ".join(told) or "it is so already"
+
+
+async def _hold(run: RunHandle, asked: Hold) -> str:
+    if asked.hold == "step":
+        reached = await asyncio.to_thread(run.step, asked.count)
+        return f"at {reached / 1e9:.6f} s"
+    await asyncio.to_thread(run.pause if asked.hold == "pause" else run.resume)
+    return ""

@@ -1,0 +1,61 @@
+// Figures of messages that are plotted: chosen by port, row and field, and held in bounded memory.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { linesOf, precise } from "../src/chart.ts";
+import { Curves, MOST, MOST_POINTS, nameOf, unitOf } from "../src/curves.ts";
+import { KEPT_MS } from "../src/history.ts";
+import type { CurvesTold } from "../src/told.ts";
+
+const Z = { port: "track.tracks", row: "red", field: "z" };
+const told = (value: number | null, field = "z"): CurvesTold => ({
+  type: "curves",
+  port: "track.tracks",
+  time: 0,
+  values: [["red", field, value]],
+});
+
+test("a figure is named as its port, row and field, and has the unit of its type", () => {
+  const figures = {
+    ports: { "track.tracks": "Tracks" },
+    kinds: { Tracks: { fields: [{ name: "z", unit: "m" }], rows: "target" as const } },
+  };
+  assert.equal(nameOf(Z), "track.tracks[red].z");
+  assert.equal(nameOf({ port: "meter.out", row: "", field: "gain" }), "meter.out.gain");
+  assert.equal(unitOf(Z, figures), "m");
+  assert.equal(unitOf({ ...Z, port: "gone.out" }, figures), "");
+});
+
+test("what is told of a chosen figure becomes its line, and nothing else", () => {
+  const curves = new Curves();
+  assert.ok(curves.add(Z));
+  assert.ok(!curves.add({ ...Z })); // it is there already
+  curves.take(0, told(1.5));
+  curves.take(50, told(9)); // faster than a line is drawn
+  curves.take(200, told(null));
+  curves.take(400, told(7, "x")); // chosen by another browser
+  assert.deepEqual(curves.points(Z, 400), [
+    { time: 0, value: 1.5 },
+    { time: 200, value: null },
+  ]);
+  curves.remove(Z);
+  curves.take(600, told(1));
+  assert.deepEqual(curves.points(Z, 600), []);
+});
+
+test("lines and their number have limits", () => {
+  const curves = new Curves();
+  curves.add(Z);
+  for (let i = 0; i < MOST_POINTS + 500; i++) curves.take(100 * i, told(i));
+  const now = 100 * (MOST_POINTS + 499);
+  const points = curves.points(Z, now);
+  assert.ok(points.length <= MOST_POINTS && points[0].time >= now - KEPT_MS);
+  for (let i = 1; i < MOST; i++) assert.ok(curves.add({ ...Z, row: `${i}` }));
+  assert.ok(!curves.add({ ...Z, row: "one more" }));
+  assert.equal(curves.chosen.length, MOST);
+});
+
+test("a line may run below zero, and few digits tell a number of any size", () => {
+  const points = [-1, 1].map((value, i) => ({ time: 1000 * i, value }));
+  assert.deepEqual(linesOf(points, 1000, 1000, 1, -1), ["0.0,70.0 300.0,0.0"]);
+  assert.deepEqual([-0.012345, 12345.6, 3, null].map(precise), ["−0.01235", "12350", "3", "–"]);
+});
