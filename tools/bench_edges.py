@@ -28,12 +28,11 @@ import numpy as np
 from benching.bare_ring import Arrived, BareReader, create
 from benching.edge_writer import BARE, DEPTH, KEY, READER, SHARED, WARM_UP, sleep, write, zenoh_session
 from followspot.messages import Array, Message
-from followspot.tables import table
 from followspot.tracking import Frame
 from followspot.transport.edge import PortReader
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.zenoh.edge import ZenohReader, locators
-from scripting import options_of
+from scripting import shown, table_options
 
 SIZES = {"1 kB": (18, 19, 3), "640x480": (480, 640, 3), "1920x1080": (1080, 1920, 3)}
 RATES = {"1 kB": 200.0}
@@ -64,32 +63,32 @@ class Result:
 
 def main() -> None:
     """Run the benchmark, or the writing process of one round."""
-    options = arguments()
+    options = parser().parse_args()
     if options.writer:
         print(json.dumps(write(json.loads(options.writer))))
         return
-    cases = [(edge, size) for size in options.sizes for edge in options.edges]
+    edges = list(dict.fromkeys((BARE, *options.edges)))
+    cases = [(edge, size) for size in options.sizes for edge in edges]
     rounds = [
         {(edge, size): measure(edge, size, options.messages) for edge, size in cases}
         for _ in range(options.rounds)
     ]
     results = summary(rounds)
-    print(json.dumps([asdict(found) for found in results], indent=2) if options.json else text(results))
+    print(
+        json.dumps([asdict(found) for found in results], indent=2) if options.json else text(options, results)
+    )
 
 
-def arguments() -> argparse.Namespace:
+def parser() -> argparse.ArgumentParser:
     """The command line."""
-    parser = options_of(__doc__)
-    parser.add_argument("--rounds", type=int, default=3, help="interleaved rounds (default %(default)s)")
-    parser.add_argument(
+    options = table_options(__doc__)
+    options.add_argument("--rounds", type=int, default=3, help="interleaved rounds (default %(default)s)")
+    options.add_argument(
         "--messages", type=int, default=100, help="messages per round and phase (default %(default)s)"
     )
-    parser.add_argument("--sizes", nargs="+", choices=SIZES, default=list(SIZES), help="default: all")
-    parser.add_argument("--edges", nargs="+", choices=EDGES, default=list(EDGES), help="default: all")
-    parser.add_argument("--writer", help=argparse.SUPPRESS)
-    options = parser.parse_args()
-    if BARE not in options.edges:
-        options.edges.insert(0, BARE)
+    options.add_argument("--sizes", nargs="+", choices=SIZES, default=list(SIZES), help="default: all")
+    options.add_argument("--edges", nargs="+", choices=EDGES, default=list(EDGES), help="default: all")
+    options.add_argument("--writer", help=argparse.SUPPRESS)
     return options
 
 
@@ -167,7 +166,7 @@ def summary(rounds: Sequence[dict[tuple[str, str], Round]]) -> list[Result]:
     return results
 
 
-def text(results: Sequence[Result]) -> str:
+def text(options: argparse.Namespace, results: Sequence[Result]) -> str:
     """The results for people."""
     rows = [
         (
@@ -177,7 +176,7 @@ def text(results: Sequence[Result]) -> str:
         for found in results
     ]
     heads = ("size and edge", "p50 us", "p99 us", "CPU us", "flooded/s")
-    return table((*heads, "x p50", "x p99", "x CPU", "x flooded"), rows)
+    return shown(options, (*heads, "x p50", "x p99", "x CPU", "x flooded"), rows)
 
 
 if __name__ == "__main__":
