@@ -1,4 +1,4 @@
-"""Latency, processor time and throughput of a hop between two processes: the ring, Zenoh, and a bare ring.
+"""Latency, processor time and rate of a hop between two processes: the ring, iceoryx2, Zenoh, a bare ring.
 
     python tools/bench_edges.py --rounds 5
 
@@ -12,21 +12,33 @@ time is that of both ends at these rates, from asking for credit to giving it ba
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import json
 import os
 import socket
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from statistics import median
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from benching.bare_ring import Arrived, BareReader, create
-from benching.edge_writer import BARE, DEPTH, KEY, READER, SHARED, WARM_UP, sleep, write, zenoh_session
+from benching.edge_writer import (
+    BARE,
+    DEPTH,
+    ICEORYX,
+    KEY,
+    READER,
+    SHARED,
+    WARM_UP,
+    sleep,
+    write,
+    zenoh_session,
+)
 from followspot.messages import Array, Message
 from followspot.tracking import Frame
 from followspot.transport.edge import PortReader
@@ -39,7 +51,17 @@ RATES = {"1 kB": 200.0}
 PICTURES = 60.0
 """Pictures per second while latency is measured."""
 ZENOH = ("zenoh", SHARED)
-EDGES = (BARE, "ring in place", "ring one copy", *ZENOH)
+EDGES = (BARE, "ring in place", "ring one copy", ICEORYX, *ZENOH)
+
+
+class Reader(Protocol):
+    """What reads an edge."""
+
+    def poll(self) -> Sequence[Any]:
+        """What has come."""
+
+    def consumed(self) -> None:
+        """Give credit for one message."""
 
 
 class Round(NamedTuple):
@@ -67,7 +89,7 @@ def main() -> None:
     if options.writer:
         print(json.dumps(write(json.loads(options.writer))))
         return
-    edges = list(dict.fromkeys((BARE, *options.edges)))
+    edges = list(dict.fromkeys((BARE, *filter(installed, options.edges))))
     cases = [(edge, size) for size in options.sizes for edge in edges]
     rounds = [
         {(edge, size): measure(edge, size, options.messages) for edge, size in cases}
@@ -92,10 +114,20 @@ def parser() -> argparse.ArgumentParser:
     return options
 
 
+def installed(edge: str) -> bool:
+    """Whether an edge is there; says so if not."""
+    there = edge != ICEORYX or importlib.util.find_spec("iceoryx2") is not None
+    if not there:
+        print(f"{edge} is left out: pip install 'followspot[peers]'", file=sys.stderr)
+    return there
+
+
 def measure(edge: str, size: str, messages: int) -> Round:
     """One round of one case, read in this process."""
     shape = SIZES[size]
     order = {"edge": edge, "shape": shape, "messages": messages, "rate": RATES.get(size, PICTURES)}
+    if edge == ICEORYX:
+        return measure_iceoryx(order, shape)
     session: Any = zenoh_session(shared=edge == SHARED) if edge in ZENOH else None
     near, far = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     memory = create(shape)
@@ -106,11 +138,12 @@ def measure(edge: str, size: str, messages: int) -> Round:
         far.close()
         try:
             if edge == BARE:
-                return figures(arrivals(BareReader(near, memory, shape)), messages, writer)
+                bare = BareReader(near, memory, shape)
+                return figures(arrivals(bare, lambda: sleep([near.fileno()])), messages, writer)
             reader: PortReader
             reader = ZenohReader(session, KEY, READER, Frame, DEPTH) if session else RingReader(near, Frame)
             try:
-                return figures(arrivals(reader), messages, writer)
+                return figures(arrivals(reader, lambda: sleep([reader.fileno()])), messages, writer)
             finally:
                 reader.close()
         finally:
@@ -119,12 +152,23 @@ def measure(edge: str, size: str, messages: int) -> Round:
                 session.close()
 
 
-def arrivals(reader: PortReader | BareReader) -> Array:
+def measure_iceoryx(order: dict[str, Any], shape: tuple[int, ...]) -> Round:
+    """The same over iceoryx2, whose processes find each other by a name."""
+    from benching.iceoryx_edge import IceoryxReader
+
+    order["name"] = f"followspot/bench/{os.getpid()}/{time.monotonic_ns()}"
+    reader = IceoryxReader(order["name"], shape)
+    command = [sys.executable, __file__, "--writer", json.dumps(order)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as writer:
+        return figures(arrivals(reader, reader.wait), order["messages"], writer)
+
+
+def arrivals(reader: Reader, wait: Callable[[], None]) -> Array:
     """Of each message when it was complete, when it arrived and the processor time by then, (N, 3) ns."""
     times: list[tuple[int, int, int]] = []
     ended = False
     while not ended:
-        sleep([reader.fileno()])
+        wait()
         tokens: Sequence[Any] = reader.poll()
         for token in tokens:
             if isinstance(token, Message):
