@@ -14,6 +14,7 @@ import os
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+import argparse
 import json
 import subprocess
 import sys
@@ -24,7 +25,7 @@ from statistics import median
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from scripting import followspot, options_of
+from scripting import followspot, shown, table_options
 
 GRAPH = Path(__file__).parent.parent / "graphs" / "glowballs.yaml"
 PACED = ("--set", "camera.realtime=true", "--set", "camera.fps=30")
@@ -64,12 +65,17 @@ def measure(asked: str, others: int, frames: int, folder: Path) -> dict[str, Any
     return {**figures, "refused": [text for text in told["warnings"] if "not allowed" in text]}
 
 
+def parser() -> argparse.ArgumentParser:
+    """The command line."""
+    options = table_options(__doc__)
+    options.add_argument("--frames", type=int, default=150, help="of each run (default 150)")
+    options.add_argument("--rounds", type=int, default=3, help="how often, in turns (default 3)")
+    return options
+
+
 def main() -> int:
     """Measure in turns, print medians."""
-    parser = options_of(__doc__)
-    parser.add_argument("--frames", type=int, default=150, help="of each run (default 150)")
-    parser.add_argument("--rounds", type=int, default=3, help="how often, in turns (default 3)")
-    args = parser.parse_args()
+    args = parser().parse_args()
     found: dict[str, list[dict[str, Any]]] = {name: [] for name in ASKED}
     with TemporaryDirectory(prefix="followspot-beside-") as folder:
         for _ in range(args.rounds):
@@ -85,12 +91,12 @@ def main() -> int:
     if args.json:
         print(json.dumps(rows))
         return 0
-    print(f"camera -> track, ms, medians of {args.rounds} rounds of {args.frames} frames")
+    cells = [(name, *(f"{row[key]:.1f}" for key in FIGURES)) for name, row in rows.items()]
+    heads = ("camera to track, ms", *(key.removesuffix("_ms") for key in FIGURES))
+    print(shown(args, heads, cells))
     for name, row in rows.items():
-        cells = (f"{key.removesuffix('_ms')} {row[key]:7.1f}" for key in FIGURES)
-        print(f"  {name:34} {'  '.join(cells)}")
-        for text in row["refused"]:
-            print(f"    {text.splitlines()[0]}")
+        for refused in row["refused"]:
+            print(f"{name}: {refused.splitlines()[0]}", file=sys.stderr)
     return 0
 
 

@@ -34,8 +34,7 @@ from followspot.geometry import IDENTITY
 from followspot.graph.compile import compile_graph
 from followspot.room import Camera, Room, StageUse, Target
 from followspot.room_file import load, save
-from followspot.tables import table
-from scripting import options_of
+from scripting import shown, table_options
 
 ROOT = Path(__file__).parent.parent
 CAMERAS, TARGETS = (2, 4, 6, 12, 24), (1, 3, 6, 12, 24)
@@ -68,22 +67,27 @@ class Row:
 
 def main() -> None:
     """Measure and print the table."""
-    parser = options_of(__doc__)
-    parser.add_argument("--cameras", help="numbers of cameras, default " + ",".join(map(str, CAMERAS)))
-    parser.add_argument("--targets", help="numbers of targets, default " + ",".join(map(str, TARGETS)))
-    parser.add_argument("--sizes", help="image sizes, default " + ",".join(f"{w}x{h}" for w, h in SIZES))
-    parser.add_argument("--graph", default=str(ROOT / "graphs/glowballs.yaml"))
-    parser.add_argument("--frames", type=int, default=40, help="frame sets that are measured")
-    parser.add_argument("--warm-up", type=int, default=10, help="frame sets before them")
-    parser.add_argument("--rounds", type=int, default=3)
-    args = parser.parse_args()
+    args = parser().parse_args()
     cv2.setNumThreads(1)
     rows = []
     for case in cases(args):
         width, height = case.size
         print(f"{case.cameras} cameras, {case.targets} targets, {width}x{height}", file=sys.stderr)
         rows.append(cost(case, args))
-    print(json.dumps([asdict(row) for row in rows]) if args.json else text(rows))
+    print(json.dumps([asdict(row) for row in rows]) if args.json else text(args, rows))
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line."""
+    options = table_options(__doc__)
+    options.add_argument("--cameras", help="numbers of cameras, default " + ",".join(map(str, CAMERAS)))
+    options.add_argument("--targets", help="numbers of targets, default " + ",".join(map(str, TARGETS)))
+    options.add_argument("--sizes", help="image sizes, default " + ",".join(f"{w}x{h}" for w, h in SIZES))
+    options.add_argument("--graph", default=str(ROOT / "graphs/glowballs.yaml"))
+    options.add_argument("--frames", type=int, default=40, help="frame sets that are measured")
+    options.add_argument("--warm-up", type=int, default=10, help="frame sets before them")
+    options.add_argument("--rounds", type=int, default=3)
+    return options
 
 
 def cases(args: argparse.Namespace) -> list[Case]:
@@ -187,7 +191,7 @@ def target(name: str, color: Sequence[int], cameras: dict[str, Camera], base: Ro
     )
 
 
-def text(rows: Sequence[Row]) -> str:
+def text(args: argparse.Namespace, rows: Sequence[Row]) -> str:
     """The table, and what the stages take of it."""
     names = list(rows[0].stages_ms) if rows else []
     cells = [
@@ -198,7 +202,7 @@ def text(rows: Sequence[Row]) -> str:
         )
         for row in rows
     ]
-    return table(("cameras", "targets", "size", "tracked, ms", "searching, ms", "found", *names), cells)
+    return shown(args, ("cameras", "targets", "size", "tracked, ms", "searching, ms", "found", *names), cells)
 
 
 if __name__ == "__main__":

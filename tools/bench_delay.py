@@ -31,8 +31,7 @@ import cv2
 
 from bench_cost import resized
 from followspot.room_file import load, save
-from followspot.tables import table
-from scripting import followspot, options_of
+from scripting import followspot, shown, table_options
 
 ROOT = Path(__file__).parent.parent
 DELAYS = (1, 2, 3)
@@ -84,7 +83,7 @@ Cell = dict[str, Any]
 
 def main() -> None:
     """Score all delays, then measure in turns."""
-    args = arguments()
+    args = parser().parse_args()
     cv2.setNumThreads(1)
     with TemporaryDirectory(prefix="followspot-delay-") as name:
         folder = Path(name)
@@ -94,19 +93,19 @@ def main() -> None:
     if args.json:
         print(json.dumps({"accuracy": accuracy, "speed": speed}))
         return
-    print(text(accuracy))
+    print(text(args, accuracy))
     if speed:
-        print("\n" + text(speed))
+        print("\n" + text(args, speed))
 
 
-def arguments() -> argparse.Namespace:
+def parser() -> argparse.ArgumentParser:
     """The command line."""
-    parser = options_of(__doc__)
-    parser.add_argument("--room", action="append", required=True, help="with videos and truth; several")
-    parser.add_argument("--frames", type=int, default=150, help="of each measured run (default %(default)s)")
-    parser.add_argument("--rounds", type=int, default=3, help="0: accuracy only (default %(default)s)")
-    parser.add_argument("--size", default="640x480", help="of the pictures (default %(default)s)")
-    return parser.parse_args()
+    options = table_options(__doc__)
+    options.add_argument("--room", action="append", required=True, help="with videos and truth; several")
+    options.add_argument("--frames", type=int, default=150, help="of each measured run (default %(default)s)")
+    options.add_argument("--rounds", type=int, default=3, help="0: accuracy only (default %(default)s)")
+    options.add_argument("--size", default="640x480", help="of the pictures (default %(default)s)")
+    return options
 
 
 def overlay(folder: Path, delay: int) -> Path:
@@ -220,10 +219,10 @@ def row(case: tuple[str, int, str], runs: Sequence[Cell], one: Sequence[Cell]) -
     return found
 
 
-def text(rows: Sequence[Cell]) -> str:
+def text(args: argparse.Namespace, rows: Sequence[Cell]) -> str:
     """A table for people."""
     cells = [[f"{v:.3g}" if isinstance(v, float) else str(v) for v in found.values()] for found in rows]
-    return table(tuple(rows[0]), cells)
+    return shown(args, tuple(rows[0]), cells)
 
 
 if __name__ == "__main__":

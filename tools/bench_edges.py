@@ -1,4 +1,4 @@
-"""Latency, processor time and throughput of a hop between two processes: the ring, Zenoh, and a bare ring.
+"""Latency, processor time and rate of a hop between two processes: the ring, iceoryx2, Zenoh, a bare ring.
 
     python tools/bench_edges.py --rounds 5
 
@@ -12,35 +12,56 @@ time is that of both ends at these rates, from asking for credit to giving it ba
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import json
 import os
 import socket
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from statistics import median
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from benching.bare_ring import Arrived, BareReader, create
-from benching.edge_writer import BARE, DEPTH, KEY, READER, SHARED, WARM_UP, sleep, write, zenoh_session
+from benching.edge_writer import (
+    BARE,
+    DEPTH,
+    ICEORYX,
+    KEY,
+    READER,
+    SHARED,
+    WARM_UP,
+    sleep,
+    write,
+    zenoh_session,
+)
 from followspot.messages import Array, Message
-from followspot.tables import table
 from followspot.tracking import Frame
 from followspot.transport.edge import PortReader
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.zenoh.edge import ZenohReader, locators
-from scripting import options_of
+from scripting import shown, table_options
 
 SIZES = {"1 kB": (18, 19, 3), "640x480": (480, 640, 3), "1920x1080": (1080, 1920, 3)}
 RATES = {"1 kB": 200.0}
 PICTURES = 60.0
 """Pictures per second while latency is measured."""
 ZENOH = ("zenoh", SHARED)
-EDGES = (BARE, "ring in place", "ring one copy", *ZENOH)
+EDGES = (BARE, "ring in place", "ring one copy", ICEORYX, *ZENOH)
+
+
+class Reader(Protocol):
+    """What reads an edge."""
+
+    def poll(self) -> Sequence[Any]:
+        """What has come."""
+
+    def consumed(self) -> None:
+        """Give credit for one message."""
 
 
 class Round(NamedTuple):
@@ -64,39 +85,49 @@ class Result:
 
 def main() -> None:
     """Run the benchmark, or the writing process of one round."""
-    options = arguments()
+    options = parser().parse_args()
     if options.writer:
         print(json.dumps(write(json.loads(options.writer))))
         return
-    cases = [(edge, size) for size in options.sizes for edge in options.edges]
+    edges = list(dict.fromkeys((BARE, *filter(installed, options.edges))))
+    cases = [(edge, size) for size in options.sizes for edge in edges]
     rounds = [
         {(edge, size): measure(edge, size, options.messages) for edge, size in cases}
         for _ in range(options.rounds)
     ]
     results = summary(rounds)
-    print(json.dumps([asdict(found) for found in results], indent=2) if options.json else text(results))
+    print(
+        json.dumps([asdict(found) for found in results], indent=2) if options.json else text(options, results)
+    )
 
 
-def arguments() -> argparse.Namespace:
+def parser() -> argparse.ArgumentParser:
     """The command line."""
-    parser = options_of(__doc__)
-    parser.add_argument("--rounds", type=int, default=3, help="interleaved rounds (default %(default)s)")
-    parser.add_argument(
+    options = table_options(__doc__)
+    options.add_argument("--rounds", type=int, default=3, help="interleaved rounds (default %(default)s)")
+    options.add_argument(
         "--messages", type=int, default=100, help="messages per round and phase (default %(default)s)"
     )
-    parser.add_argument("--sizes", nargs="+", choices=SIZES, default=list(SIZES), help="default: all")
-    parser.add_argument("--edges", nargs="+", choices=EDGES, default=list(EDGES), help="default: all")
-    parser.add_argument("--writer", help=argparse.SUPPRESS)
-    options = parser.parse_args()
-    if BARE not in options.edges:
-        options.edges.insert(0, BARE)
+    options.add_argument("--sizes", nargs="+", choices=SIZES, default=list(SIZES), help="default: all")
+    options.add_argument("--edges", nargs="+", choices=EDGES, default=list(EDGES), help="default: all")
+    options.add_argument("--writer", help=argparse.SUPPRESS)
     return options
+
+
+def installed(edge: str) -> bool:
+    """Whether an edge is there; says so if not."""
+    there = edge != ICEORYX or importlib.util.find_spec("iceoryx2") is not None
+    if not there:
+        print(f"{edge} is left out: pip install 'followspot[peers]'", file=sys.stderr)
+    return there
 
 
 def measure(edge: str, size: str, messages: int) -> Round:
     """One round of one case, read in this process."""
     shape = SIZES[size]
     order = {"edge": edge, "shape": shape, "messages": messages, "rate": RATES.get(size, PICTURES)}
+    if edge == ICEORYX:
+        return measure_iceoryx(order, shape)
     session: Any = zenoh_session(shared=edge == SHARED) if edge in ZENOH else None
     near, far = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     memory = create(shape)
@@ -107,11 +138,12 @@ def measure(edge: str, size: str, messages: int) -> Round:
         far.close()
         try:
             if edge == BARE:
-                return figures(arrivals(BareReader(near, memory, shape)), messages, writer)
+                bare = BareReader(near, memory, shape)
+                return figures(arrivals(bare, lambda: sleep([near.fileno()])), messages, writer)
             reader: PortReader
             reader = ZenohReader(session, KEY, READER, Frame, DEPTH) if session else RingReader(near, Frame)
             try:
-                return figures(arrivals(reader), messages, writer)
+                return figures(arrivals(reader, lambda: sleep([reader.fileno()])), messages, writer)
             finally:
                 reader.close()
         finally:
@@ -120,12 +152,23 @@ def measure(edge: str, size: str, messages: int) -> Round:
                 session.close()
 
 
-def arrivals(reader: PortReader | BareReader) -> Array:
+def measure_iceoryx(order: dict[str, Any], shape: tuple[int, ...]) -> Round:
+    """The same over iceoryx2, whose processes find each other by a name."""
+    from benching.iceoryx_edge import IceoryxReader
+
+    order["name"] = f"followspot/bench/{os.getpid()}/{time.monotonic_ns()}"
+    reader = IceoryxReader(order["name"], shape)
+    command = [sys.executable, __file__, "--writer", json.dumps(order)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as writer:
+        return figures(arrivals(reader, reader.wait), order["messages"], writer)
+
+
+def arrivals(reader: Reader, wait: Callable[[], None]) -> Array:
     """Of each message when it was complete, when it arrived and the processor time by then, (N, 3) ns."""
     times: list[tuple[int, int, int]] = []
     ended = False
     while not ended:
-        sleep([reader.fileno()])
+        wait()
         tokens: Sequence[Any] = reader.poll()
         for token in tokens:
             if isinstance(token, Message):
@@ -167,7 +210,7 @@ def summary(rounds: Sequence[dict[tuple[str, str], Round]]) -> list[Result]:
     return results
 
 
-def text(results: Sequence[Result]) -> str:
+def text(options: argparse.Namespace, results: Sequence[Result]) -> str:
     """The results for people."""
     rows = [
         (
@@ -177,7 +220,7 @@ def text(results: Sequence[Result]) -> str:
         for found in results
     ]
     heads = ("size and edge", "p50 us", "p99 us", "CPU us", "flooded/s")
-    return table((*heads, "x p50", "x p99", "x CPU", "x flooded"), rows)
+    return shown(options, (*heads, "x p50", "x p99", "x CPU", "x flooded"), rows)
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@ installed: those of a process with so many messages, less those of one with none
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import re
@@ -34,11 +35,10 @@ import numpy as np
 from benching.bare_ring import SMALL, BareReader, BareWriter, create
 from benching.edge_writer import DEPTH
 from followspot.messages import Header, Message, seal, stamped
-from followspot.tables import table
 from followspot.tracking import Frame
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
-from scripting import options_of
+from scripting import shown, table_options
 
 SIZES = {"1 kB": (18, 19, 3), "640x480": (480, 640, 3)}
 HEAD = 96
@@ -49,17 +49,22 @@ Hop = Callable[[int], None]
 
 def main() -> None:
     """Count, measure, and print the table."""
-    parser = options_of(__doc__)
-    parser.add_argument("--messages", type=int, default=3000, help="of a count (default %(default)s)")
-    parser.add_argument("--rounds", type=int, default=7, help="interleaved rounds (default %(default)s)")
-    parser.add_argument("--only", nargs=2, metavar=("CASE", "SIZE"), help="run one case, to be counted")
-    options = parser.parse_args()
+    options = parser().parse_args()
     if options.only:
         case, size = options.only
         run(CASES[case](SIZES[size]), options.messages)
         return
     rows = [row for size in SIZES for row in figures(size, options.messages, options.rounds)]
-    print(json.dumps(rows) if options.json else text(rows))
+    print(json.dumps(rows) if options.json else text(options, rows))
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line."""
+    options = table_options(__doc__)
+    options.add_argument("--messages", type=int, default=3000, help="of a count (default %(default)s)")
+    options.add_argument("--rounds", type=int, default=7, help="interleaved rounds (default %(default)s)")
+    options.add_argument("--only", nargs=2, metavar=("CASE", "SIZE"), help="run one case, to be counted")
+    return options
 
 
 def system_calls(shape: tuple[int, ...]) -> Hop:
@@ -219,7 +224,7 @@ def executed(valgrind: str, case: str, size: str, messages: int) -> int:
         return int(total)
 
 
-def text(rows: list[dict[str, Any]]) -> str:
+def text(options: argparse.Namespace, rows: list[dict[str, Any]]) -> str:
     """The table for people."""
     heads = ("size and case", "Python calls", "C calls", "hot us", "x bare", "instructions", "x bare")
     cells = []
@@ -230,7 +235,7 @@ def text(rows: list[dict[str, Any]]) -> str:
         cells.append(
             (f"{row['size']} {row['case']}", str(row["python_calls"]), str(row["c_calls"]), *hot, *known)
         )
-    return table(heads, cells)
+    return shown(options, heads, cells)
 
 
 if __name__ == "__main__":

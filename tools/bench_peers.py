@@ -10,6 +10,7 @@ contender has; `others` is the mean number of cores that other programs used mea
 
 from __future__ import annotations
 
+import argparse
 import importlib.util
 import json
 import os
@@ -24,8 +25,7 @@ import numpy as np
 from benching.memory import shots
 from benching.peers.contender import Figures, Stalled, measured
 from benching.peers.parts import LEAD, Order
-from followspot.tables import table
-from scripting import options_of
+from scripting import shown, table_options
 
 ROOT = Path(__file__).parent.parent
 PEERS = ROOT / "tools/benching/peers"
@@ -43,17 +43,9 @@ NEEDS = {"ezmsg": "ezmsg", "dora": "dora"}
 
 def main() -> None:
     """Measure in interleaved rounds; print medians and ratios to followspot in the same round."""
-    parser = options_of(__doc__)
-    parser.add_argument("--graph", default=str(ROOT / "graphs/glowballs.yaml"))
-    parser.add_argument("--room", default=str(ROOT / "graphs/rooms/simulated6.yaml"))
-    parser.add_argument("--frames", type=int, default=200)
-    parser.add_argument("--rate", type=float, default=30.0, help="frame sets per second when paced")
-    parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--cores", type=int, default=0, help="run on the first so many cores; 0: on all")
-    parser.add_argument("--only", nargs="+", choices=CONTENDERS, default=list(CONTENDERS))
-    options = parser.parse_args()
+    options = parser().parse_args()
     if options.frames <= LEAD + 1:
-        parser.error(f"--frames: the first {LEAD} are not measured, so there must be more")
+        raise SystemExit(f"--frames: the first {LEAD} are not measured, so there must be more")
     if options.cores:
         os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[: options.cores])
     contenders = [name for name in CONTENDERS if name in options.only and installed(name)]
@@ -67,14 +59,27 @@ def main() -> None:
     if options.json:
         print(json.dumps({name: found._asdict() for name, found in results.items()}, indent=2))
     else:
-        print(text(results))
+        print(text(options, results))
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line."""
+    options = table_options(__doc__)
+    options.add_argument("--graph", default=str(ROOT / "graphs/glowballs.yaml"))
+    options.add_argument("--room", default=str(ROOT / "graphs/rooms/simulated6.yaml"))
+    options.add_argument("--frames", type=int, default=200)
+    options.add_argument("--rate", type=float, default=30.0, help="frame sets per second when paced")
+    options.add_argument("--rounds", type=int, default=3)
+    options.add_argument("--cores", type=int, default=0, help="run on the first so many cores; 0: on all")
+    options.add_argument("--only", nargs="+", choices=CONTENDERS, default=list(CONTENDERS))
+    return options
 
 
 def installed(name: str) -> bool:
     """Whether a contender is there; says so if not."""
     there = name not in NEEDS or importlib.util.find_spec(NEEDS[name]) is not None
     if not there:
-        print(f"{name} is left out: pip install 'followspot[peers]'")
+        print(f"{name} is left out: pip install 'followspot[peers]'", file=sys.stderr)
     return there
 
 
@@ -106,7 +111,7 @@ def lines(name: str) -> int:
     )
 
 
-def text(results: dict[str, Figures]) -> str:
+def text(options: argparse.Namespace, results: dict[str, Figures]) -> str:
     """The results for people."""
     if not results:
         return "no contender came to its end"
@@ -124,7 +129,7 @@ def text(results: dict[str, Figures]) -> str:
         for name, found in results.items()
     ]
     heads = ("contender", "sets/s", "p50 ms", "p99 ms", "CPU ms", "MB", "lines", "others")
-    return table((*heads, "x sets/s", "x p50", "x p99", "x CPU", "x MB"), rows)
+    return shown(options, (*heads, "x sets/s", "x p50", "x p99", "x CPU", "x MB"), rows)
 
 
 if __name__ == "__main__":

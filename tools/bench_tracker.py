@@ -36,9 +36,8 @@ from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.operator.launch import run_plan
 from followspot.plugins.registry import use_plugin_files
-from followspot.tables import table
 from followspot.worker.wiring import RunOptions
-from scripting import options_of
+from scripting import shown, table_options
 
 ROOT = Path(__file__).parent.parent
 SIDES = ("tracked", "searching")
@@ -51,7 +50,6 @@ from pathlib import Path
 
 from followspot import Field, Source, Stage, StageParams, at
 from followspot.plugins.registry import load_stage
-from followspot.tables import table
 from followspot.tracking import Frame
 
 
@@ -78,22 +76,27 @@ class Preloaded(Stage):
 
 def main() -> None:
     """Measure in interleaved rounds; print medians, ratios and the cost of each stage."""
-    parser = options_of(__doc__)
-    parser.add_argument("--room", required=True, help="room file whose cameras play videos")
-    parser.add_argument("--graph", default=str(ROOT / "graphs/glowballs.yaml"))
-    parser.add_argument(
-        "--placement", help="run in several processes as well, for example graphs/placements/two.yaml"
-    )
-    parser.add_argument("--targets", help="track only these, for example red,green; default: all")
-    parser.add_argument("--frames", type=int, default=150)
-    parser.add_argument("--rounds", type=int, default=5)
-    args = parser.parse_args()
+    args = parser().parse_args()
     if args.frames <= LEAD:
-        parser.error(f"--frames: the first {LEAD} are not measured, so there must be more")
+        raise SystemExit(f"--frames: the first {LEAD} are not measured, so there must be more")
     cv2.setNumThreads(1)
     with TemporaryDirectory() as folder:
         result = _measured(args, Path(folder))
-    print(json.dumps(result) if args.json else _text(result))
+    print(json.dumps(result) if args.json else _text(args, result))
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line."""
+    options = table_options(__doc__)
+    options.add_argument("--room", required=True, help="room file whose cameras play videos")
+    options.add_argument("--graph", default=str(ROOT / "graphs/glowballs.yaml"))
+    options.add_argument(
+        "--placement", help="run in several processes as well, for example graphs/placements/two.yaml"
+    )
+    options.add_argument("--targets", help="track only these, for example red,green; default: all")
+    options.add_argument("--frames", type=int, default=150)
+    options.add_argument("--rounds", type=int, default=5)
+    return options
 
 
 def _measured(args: argparse.Namespace, out: Path) -> dict[str, Any]:
@@ -132,6 +135,8 @@ def _compiled(args: argparse.Namespace, placement: str | None, plugin: str) -> P
     wanted = args.targets.split(",") if args.targets else None
     plan = compile_graph(args.graph, room=args.room, placement=placement, plugin_files=[plugin])
     targets = {n: t for n, t in plan.room.targets.items() if wanted is None or n in wanted}
+    if not targets:
+        raise SystemExit(f"{args.room} has no targets to track: followspot calibrate targets ...")
     return replace(plan, room=replace(plan.room, targets=targets))
 
 
@@ -174,7 +179,7 @@ def _summary(costs: Sequence[Cost], plain: Sequence[float]) -> dict[str, Any]:
     }
 
 
-def _text(result: Mapping[str, Any]) -> str:
+def _text(args: argparse.Namespace, result: Mapping[str, Any]) -> str:
     """The tables as text."""
     rates = ("sets_per_second", "fastest_sets_per_second", "plain_sets_per_second")
     rows = [
@@ -186,8 +191,8 @@ def _text(result: Mapping[str, Any]) -> str:
         rows.append(("processes", f"{r['sets_per_second']:.0f}", "", "", f"{r['ratio']:.2f}", ""))
     stages = [[name, *_shares(result, name)] for name in result[SIDES[0]]["ms"]]
     heads = [text for side in SIDES for text in (f"{side}, ms", "share")]
-    sides = table(("sets/s", "graph", "fastest", "plain script", "ratio", "targets tracked"), rows)
-    return f"{sides}\n\n{table(('stage', *heads), stages)}"
+    sides = shown(args, ("sets/s", "graph", "fastest", "plain script", "ratio", "targets tracked"), rows)
+    return f"{sides}\n\n{shown(args, ('stage', *heads), stages)}"
 
 
 def _shares(result: Mapping[str, Any], stage: str) -> Iterator[str]:

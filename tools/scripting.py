@@ -1,4 +1,4 @@
-"""What the maintainers' scripts share: their options, and commands of followspot that they run."""
+"""What the maintainers' scripts share: options, tables, and commands of followspot that they run."""
 
 from __future__ import annotations
 
@@ -6,8 +6,11 @@ import argparse
 import json
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+
+from followspot.tables import table
 
 
 def options_of(description: str | None) -> argparse.ArgumentParser:
@@ -17,6 +20,24 @@ def options_of(description: str | None) -> argparse.ArgumentParser:
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     return parser
+
+
+def table_options(description: str | None) -> argparse.ArgumentParser:
+    """The same for a script whose tables stand in docs/speed.md: with --markdown, see `shown`."""
+    parser = options_of(description)
+    parser.add_argument("--markdown", action="store_true", help="print the tables as docs/speed.md has them")
+    return parser
+
+
+def shown(args: argparse.Namespace, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table as the command line wants it: plain text, or Markdown."""
+    return markdown(head, rows) if args.markdown else table(head, rows)
+
+
+def markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table in Markdown; empty if there are no rows."""
+    lines = ["| " + " | ".join(row) + " |" for row in (head, ["---"] * len(head), *rows)]
+    return "\n".join(lines) if rows else ""
 
 
 def followspot(*words: str | Path) -> dict[str, Any]:

@@ -90,7 +90,7 @@ def test_a_stalled_round_is_left_out(order: Order, monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr(bench_peers, "measured", stalled)
     assert bench_peers.one_round(order, "dora") == []
-    assert bench_peers.text({}) == "no contender came to its end"
+    assert bench_peers.text(bench_peers.parser().parse_args([]), {}) == "no contender came to its end"
 
 
 @pytest.mark.thorough

@@ -76,6 +76,13 @@ def test_the_costs_of_hops_and_edges_are_measured(
         assert found.edge != bench_edges.BARE or found.ratio == (1, 1, 1, 1)
 
 
+def test_a_hop_over_iceoryx2_is_measured() -> None:
+    pytest.importorskip("iceoryx2", reason="iceoryx2 is not installed")
+    found = bench_edges.measure(bench_edges.ICEORYX, "640x480", messages=5)
+    assert 0 < found.p50_us <= found.p99_us
+    assert min(found) > 0
+
+
 def test_every_way_to_store_pictures_gives_the_same_bits_and_rows_take_fewest_bytes_of_noise() -> None:
     found = bench_recorded_bytes.measure(bench_recorded_bytes.noisy(4), rounds=1)
     shares = {name: row["share"] for name, row in found.items()}

@@ -24,7 +24,7 @@ from followspot.transport.zenoh.edge import ZenohWriter
 from followspot.transport.zenoh.network import LOOPBACK, Network
 from followspot.transport.zenoh.session import config_of
 
-BARE, SHARED = "bare ring", "zenoh, shared memory"
+BARE, SHARED, ICEORYX = "bare ring", "zenoh, shared memory", "iceoryx2"
 KEY, READER, DEPTH = "bench/frame", "reader", 8
 WARM_UP = 10
 """Messages at the start of a round that are not measured: first touch of memory, first wake-ups."""
@@ -38,6 +38,8 @@ def write(order: dict[str, Any]) -> float:
         worked = paced(order, lambda number: send_bare(bare, shape))
         bare.end()
         return worked
+    if order["edge"] == ICEORYX:
+        return write_iceoryx(order, shape)
     session: Any = None
     if "connect" in order:
         session = zenoh_session(order["connect"], shared=order["edge"] == SHARED)
@@ -59,6 +61,21 @@ def write(order: dict[str, Any]) -> float:
         writer.close()
         if session:
             session.close()
+    return worked
+
+
+def write_iceoryx(order: dict[str, Any], shape: tuple[int, ...]) -> float:
+    """The same over iceoryx2."""
+    from benching.iceoryx_edge import IceoryxWriter
+
+    writer = IceoryxWriter(order["name"], shape)
+
+    def send_one(_number: int) -> None:
+        writer.loan()
+        writer.send(time.monotonic_ns())
+
+    worked = paced(order, send_one)
+    writer.end()
     return worked
 
 

@@ -31,6 +31,8 @@ from followspot.worker.stuck import StuckError
 
 _LONGEST_SLEEP_MS = 100
 """Longest sleep, ms: what a missed wake-up costs at most."""
+_SHORTEST_POLL_MS = 1
+"""A poll counts whole milliseconds: what is shorter is slept through."""
 _SWITCH_INTERVAL = 0.0005
 """Seconds that one thread may keep the interpreter; live sources and Zenoh have threads of their own."""
 _ALL = range(sys.maxsize)
@@ -244,7 +246,11 @@ class Worker:
             self.ends.receive(_LONGEST_SLEEP_MS)
             return
         left_ms = (min(deadlines) - time.monotonic()) * 1000
-        self.ends.receive(int(min(max(left_ms, 0), _LONGEST_SLEEP_MS)) + 1)
+        if 0 < left_ms < _SHORTEST_POLL_MS:
+            time.sleep(left_ms / 1000)
+            self.ends.receive(0)
+        else:
+            self.ends.receive(min(max(int(left_ms), _SHORTEST_POLL_MS), _LONGEST_SLEEP_MS))
         for runner in self.runners:
             if runner.overdue_at is not None and runner.overdue_at <= time.monotonic():
                 self.schedule.mark(runner.rank)

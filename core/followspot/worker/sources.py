@@ -36,9 +36,10 @@ class Sources:
         self.hold.sources = self.all
 
     def pull(self) -> bool:
-        """Pull the source with the earliest watermark, then those that are earliest; False if none yields.
+        """Pull the source with the earliest watermark, then those that are earliest; False if none works.
 
-        While a source waits to send a message, none that is ahead of it goes on.
+        While a source waits to send a message, none that is ahead of it goes on. After one has made a message
+        that it keeps, the others wait for the next call: stages go first that have become ready meanwhile.
         """
         candidates = [s for s in self.all if not s.done and not self.hold.holds(s)]
         candidates.sort(key=_watermark)
@@ -49,9 +50,12 @@ class Sources:
             source.blocked = not source.has_room()
             if source.blocked:
                 continue
+            kept = source.keeps
             if source.pull() or source.done:
                 pulled, reached = True, min(reached, source.watermark)
             elif source.keeps and not self.hold.holds(source):
+                if not kept:
+                    return True
                 reached = min(reached, source.watermark + 1)
         return pulled
 

@@ -20,6 +20,12 @@ stages:
   slow: {uses: paced.pace, with: {waits_at: -1}}
   look: {uses: paced.punctual, in: {number: slow}}
 """
+BOTH_WAIT = """graph: paced
+stages:
+  one: {uses: paced.pace, with: {waits_at: 0}}
+  two: {uses: paced.pace, with: {waits_at: 0}}
+  look: {uses: paced.together, in: {left: one, right: two}}
+"""
 
 
 def solo(folder: Path, waits_at: int = -1) -> Solo:
@@ -55,6 +61,20 @@ def test_while_a_source_waits_its_worker_works_and_no_other_source_goes_ahead(tm
     thread.join(PATIENCE)
     assert not thread.is_alive()
     assert slow.yielded == 2  # what waited is not sent when the run ends
+
+
+def test_after_each_message_that_is_made_and_kept_others_have_their_turn(tmp_path: Path) -> None:
+    """To make one takes time, a video's picture for one, and stages may have become ready meanwhile."""
+    (tmp_path / "g.yaml").write_text(BOTH_WAIT)
+    run = Solo(compile_graph(tmp_path / "g.yaml", plugin_files=[PACED]), tmp_path)
+    run.worker.setup()
+    sources = run.worker.sources
+    kept = []
+    while sources.pull():
+        kept.append([source.keeps for source in sources.all])
+    assert kept == [[True, False], [True, True]]
+    assert [source.yielded for source in sources.all] == [0, 0]
+    run.worker.close()
 
 
 def test_what_falls_due_just_before_the_worker_sleeps_is_sent(

@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,13 +17,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from benching.peers.parts import READY, RESULT, START, Order
+from benching.processes import busy_time, family, memory, processor_time
 
 TOOLS = Path(__file__).parent.parent.parent
 _LONGEST = 120.0
 """Seconds that a run may take to start, and to end."""
 _HEAD_START = 0.2
 """Seconds from all parts being ready to the first frame set."""
-_TICK = os.sysconf("SC_CLK_TCK")
 
 
 class Figures(NamedTuple):
@@ -55,9 +55,9 @@ class Stalled(RuntimeError):
 
 def measured(order: Order, words: Sequence[str]) -> Figures:
     """Run a contender: a module of this package, and its options. Raises RuntimeError if it fails."""
-    report, cpu, memory, others = told(order, words)
+    report, cpu, taken, others = told(order, words)
     p50, p99 = np.percentile(report["latencies_ms"], (50, 99))
-    return Figures(report["per_second"], float(p50), float(p99), cpu * 1e3 / order.frames, memory, others)
+    return Figures(report["per_second"], float(p50), float(p99), cpu * 1e3 / order.frames, taken, others)
 
 
 def told(order: Order, words: Sequence[str], longest: float = _LONGEST) -> Told:
@@ -77,7 +77,8 @@ def told(order: Order, words: Sequence[str], longest: float = _LONGEST) -> Told:
         try:
             wait(order, process, lambda: len(list(Path(order.folder).glob(f"{READY}*"))) == cameras, longest)
             begun = time.monotonic_ns()
-            before, busy, memory = processor_time(process.pid), busy_time(), memory_mb(process.pid)
+            before, busy = processor_time(process.pid), busy_time()
+            taken = sum(found.shared_out for found in memory(process.pid).values())
             draft = order.path("draft")
             draft.write_text(str(begun + round(_HEAD_START * 1e9)), encoding="utf-8")
             draft.rename(order.path(START))
@@ -87,7 +88,7 @@ def told(order: Order, words: Sequence[str], longest: float = _LONGEST) -> Told:
         finally:
             end(process, _LONGEST / 10 if order.path(RESULT).exists() else 0.0)
     report = json.loads(order.path(RESULT).read_text(encoding="utf-8"))
-    return Told(report, cpu, memory, max(0.0, busy - cpu) / seconds)
+    return Told(report, cpu, taken, max(0.0, busy - cpu) / seconds)
 
 
 def wait(order: Order, process: subprocess.Popen[bytes], done: Callable[[], bool], longest: float) -> None:
@@ -110,41 +111,3 @@ def end(process: subprocess.Popen[bytes], longest: float) -> None:
     for pid in family(process.pid):
         with suppress(ProcessLookupError):
             os.kill(pid, signal.SIGKILL)
-
-
-def family(leader: int) -> list[int]:
-    """The processes of a session."""
-    return [int(words[0]) for words in processes() if int(words[5]) == leader]
-
-
-def processor_time(leader: int) -> float:
-    """That of a session's processes, s, with those that ended and whose parents are still there."""
-    ticks = [sum(map(int, words[13:17])) for words in processes() if int(words[5]) == leader]
-    return sum(ticks) / _TICK
-
-
-def busy_time() -> float:
-    """Processor time of all programs since the machine started, s; see proc(5)."""
-    first = Path("/proc/stat").read_text(encoding="ascii").split("\n", 1)[0]
-    user, nice, system, _, _, irq, softirq = map(int, first.split()[1:8])
-    return (user + nice + system + irq + softirq) / _TICK
-
-
-def memory_mb(leader: int) -> float:
-    """Memory of a session's processes, MB; each has its share of what it has in common with others."""
-    found = 0.0
-    for pid in family(leader):
-        with suppress(OSError):
-            rollup = Path(f"/proc/{pid}/smaps_rollup").read_text(encoding="ascii")
-            found += next(int(line.split()[1]) for line in rollup.splitlines() if line.startswith("Pss:"))
-    return found / 1024
-
-
-def processes() -> Iterator[list[str]]:
-    """The words of /proc/PID/stat of all processes: see proc(5); the name has no spaces any more."""
-    for folder in Path("/proc").iterdir():
-        if folder.name.isdigit():
-            with suppress(OSError):
-                text = (folder / "stat").read_text(encoding="ascii", errors="replace")
-                name_at, rest_at = text.index("("), text.rindex(")")
-                yield [text[: name_at - 1], "name", *text[rest_at + 2 :].split()]

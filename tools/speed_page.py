@@ -1,0 +1,118 @@
+"""Rewrites the tables of docs/speed.md: each that stands right below a command is what that command prints.
+
+    python tools/speed_page.py --room room.yaml              # all of them, on a machine that rests
+    python tools/speed_page.py --only bench_edges bench_live
+    python tools/speed_page.py --list
+
+The page shows a command in a block of its own, and then its tables; this runs it with --markdown and puts
+what it prints in their place. `room.yaml` in a command is the file that --room names: a room of six cameras
+that play videos, with targets; without it these tables stay. The first table names the machine.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import platform
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from scripting import markdown, options_of
+
+ROOT = Path(__file__).parent.parent
+PAGE = ROOT / "docs/speed.md"
+ROOM = "room.yaml"
+"""Stands for a room of the reader's own in the commands."""
+_BLOCK = re.compile(
+    r"^```sh\n(?P<command>python tools/(?P<tool>\w+)\.py[^\n]*)\n```\n\n(?P<tables>(?:\|[^\n]*\n|\n(?=\|))+)",
+    re.MULTILINE,
+)
+
+
+@dataclass(frozen=True)
+class Block:
+    """A command of the page, the tool that it runs, and the place of its tables in the text."""
+
+    command: str
+    tool: str
+    begin: int
+    end: int
+
+    @property
+    def options(self) -> list[str]:
+        """The options of the tool."""
+        return shlex.split(self.command, comments=True)[2:]
+
+
+def main() -> None:
+    """Run the commands and rewrite the page after each, so that nothing is lost if one fails."""
+    args = parser().parse_args()
+    if args.machine:
+        print(machine())
+        return
+    chosen = [block.command for block in blocks(PAGE.read_text(encoding="utf-8")) if wanted(block, args)]
+    for command in chosen:
+        print(command, file=sys.stderr)
+        if not args.list:
+            tables = printed(command, args.room)
+            PAGE.write_text(rewritten(PAGE.read_text(encoding="utf-8"), command, tables), encoding="utf-8")
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line."""
+    options = options_of(__doc__)
+    options.add_argument("--room", help=f"room file in place of {ROOM}")
+    options.add_argument("--only", nargs="+", metavar="TOOL", help="commands of these, bench_edges for one")
+    options.add_argument("--list", action="store_true", help="name the commands, run none")
+    options.add_argument("--machine", action="store_true", help="print the table of this machine")
+    options.add_argument("--markdown", action="store_true", help="as it is printed in any case")
+    return options
+
+
+def blocks(text: str) -> Iterator[Block]:
+    """The commands of a page that have tables right below."""
+    for found in _BLOCK.finditer(text):
+        yield Block(found["command"], found["tool"], *found.span("tables"))
+
+
+def wanted(block: Block, args: argparse.Namespace) -> bool:
+    """Whether to run this command."""
+    if args.only is not None and block.tool not in args.only:
+        return False
+    return ROOM not in block.options or args.room is not None or args.list
+
+
+def printed(command: str, room: str | None) -> str:
+    """What a command of the page prints."""
+    words = [room if room and word == ROOM else word for word in shlex.split(command, comments=True)]
+    run = [sys.executable, *words[1:], "--markdown"]
+    return subprocess.run(run, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
+def rewritten(text: str, command: str, tables: str) -> str:
+    """The page with these tables below a command."""
+    (block,) = (block for block in blocks(text) if block.command == command)
+    return f"{text[: block.begin]}{tables.strip()}\n{text[block.end :]}"
+
+
+def machine() -> str:
+    """What this machine is, and what else it does now."""
+    about = Path("/proc/cpuinfo").read_text(encoding="utf-8")
+    names = re.findall(r"^model name\s*: (.+)$", about, re.MULTILINE) or [platform.machine()]
+    cells: Sequence[str] = (
+        names[0],
+        str(len(os.sched_getaffinity(0))),
+        f"{platform.python_implementation()} {platform.python_version()}",
+        f"Linux {platform.release().split('-')[0]}",
+        f"{os.getloadavg()[0]:.1f}",
+    )
+    return markdown(("processor", "cores", "Python", "system", "load before"), [cells])
+
+
+if __name__ == "__main__":
+    main()
