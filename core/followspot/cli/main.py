@@ -123,7 +123,9 @@ class _Parser(argparse.ArgumentParser):
     def unknown(self, words: Sequence[str]) -> str:
         """The error message for arguments that no option takes."""
         options = [word.partition("=")[0] for word in words if word.startswith("-")]
-        remedy = f"; {did_you_mean(options[0], self._option_string_actions, 'options')}" if options else ""
+        remedy = "; name a run by --run" if "--run" in self._option_string_actions else ""
+        if options:
+            remedy = f"; {did_you_mean(options[0], self._option_string_actions, 'options')}"
         return f"unrecognized arguments: {' '.join(words)}{remedy}"
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:

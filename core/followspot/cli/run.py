@@ -143,7 +143,11 @@ def _detach(plan: Plan, args: argparse.Namespace, network: Network) -> int:
     from followspot.library.execute import RunOptions
 
     run = detach(plan, RunOptions(frames=args.frames), network, media_folder(plan, args.media))
-    print(json.dumps({"run": run}) if args.json else f"run {run[:8]} goes on; followspot attach {plan.graph}")
+    print(
+        json.dumps({"run": run})
+        if args.json
+        else f"run {run[:8]} goes on; followspot attach --run {plan.graph}"
+    )
     return 0
 
 

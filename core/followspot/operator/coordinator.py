@@ -124,7 +124,7 @@ class Coordinator:
         for host in self.hosts:
             if not host.close():
                 line = f"host {host.name} was not told that the run is over; its workers end after the "
-                line += f"agent's --operator-timeout, or by followspot attach {self.name[:8]} --stop"
+                line += f"agent's --operator-timeout, or by followspot attach --run {self.name[:8]} --stop"
 
                 self._report_event(line, "warning")
 

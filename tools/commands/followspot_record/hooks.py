@@ -241,7 +241,7 @@ def mark(args: argparse.Namespace) -> int:
 
     Examples:
       followspot mark
-      followspot mark glowballs --after 10s --note "blue jumped"
+      followspot mark --run glowballs --after 10s --note "blue jumped"
     """
     from followspot_record.flight.mark_command import mark_command
 
