@@ -16,7 +16,6 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     add_run_option(parser)
     parser.add_argument("--stop", action="store_true", help="end the run; its outputs are complete")
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
-    parser.add_argument("-q", "--quiet", action="store_true", help="no progress")
     add_network_options(parser)
 
 

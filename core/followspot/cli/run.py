@@ -31,14 +31,10 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:
-    """Add --out, --frames, --json, --quiet, --verbose, --restart, --detach, --host, --media, the network."""
+    """Add --out, --frames, --json, --restart, --detach, --host, --media, the network."""
     parser.add_argument("--out", metavar="DIR", help="folder for outputs (default: runs/GRAPH-DATE-TIME)")
     parser.add_argument("--frames", type=frame_count, metavar="N", help="stop after N frames of each camera")
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
-    parser.add_argument("-q", "--quiet", action="store_true", help="no progress")
-    parser.add_argument(
-        "-v", "--verbose", action="store_true", help="all lines of the log, not only warnings and errors"
-    )
     parser.add_argument(
         "--restart",
         action="store_true",
