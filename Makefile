@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: help demo page bundle test thorough mutants docs lint clean
+.PHONY: help demo page bundle data test thorough mutants docs lint clean
 .DEFAULT_GOAL := demo
 
 help:  ## list the targets
@@ -37,6 +37,9 @@ page: bundle  ## track them live and without end, on a page in a browser
 
 bundle: $(VENV)/page  ## the page's own files, for --dashboard with any graph
 	@$(BIN)/python tools/bundle.py
+
+data: $(VENV)/demo  ## list the public data of experiments; NAMES="..." fetches some
+	@$(BIN)/python tools/get_data.py $(NAMES)
 
 # A file on each core, and one more, for many tests wait; neither threads of BLAS, which would wait for each other,
 # nor deadlines on a busy machine.

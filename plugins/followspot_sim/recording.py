@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import csv
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -14,6 +13,7 @@ import numpy as np
 from followspot import Array, Camera, InputError, Room
 from followspot.errors import Mistake
 from followspot.geometry import project
+from followspot.notes import note
 from followspot_sim.parameters import CameraParams, SimParams
 from followspot_sim.picture import Picture
 from followspot_sim.video import finite, open_video
@@ -50,9 +50,9 @@ def clock_offset_of(camera: Camera) -> float:
 
 def record(room: Room, params: SimParams, folder: Path) -> None:
     """Write `folder`/CAMERA.mkv and `folder`/truth.csv. Raises FollowspotError if it cannot."""
-    _progress(f"{len(room.cameras)} videos of {params.frames} frames")
+    note(f"simulate: {len(room.cameras)} videos of {params.frames} frames")
     write_videos(room, params, folder)
-    _progress("truth.csv")
+    note("simulate: truth.csv")
     write_truth(room, params, folder / "truth.csv")
 
 
@@ -60,7 +60,7 @@ def record_templates(room: Room, params: SimParams, folder: Path, frames: int | 
     """Write `folder`/TARGET/CAMERA.mkv for each target alone. Raises FollowspotError as :func:`record`."""
     for name in room.targets:
         clip = params.model_copy(update={"only_target": name, "frames": frames or CLIP_FRAMES})
-        _progress(f"{name}: {len(room.cameras)} clips of {clip.frames} frames")
+        note(f"simulate: {name}: {len(room.cameras)} clips of {clip.frames} frames")
         write_videos(room, clip, folder / name)
 
 
@@ -115,7 +115,3 @@ def _rows(
         for k in range(len(targets))
         if not np.isnan(scene.balls[k, 0])
     ]
-
-
-def _progress(text: str) -> None:
-    print(f"simulate: {text}", file=sys.stderr)  # noqa: T201  # a command's progress, not a frame's

@@ -100,7 +100,7 @@ def test_the_walk_of_a_swap_is_the_documented_one_and_has_at_most_ten_files(tmp_
         traced(is_the_change) as files,
         fs.run(graph, plugin_files=[STAGES / "ticks.py"], out=tmp_path / "out") as run,
     ):
-        assert main(["swap", run.run, WORD]) == 0
+        assert main(["swap", "--run", run.run, WORD]) == 0
     assert files == documented("The life of a swap")
     assert len(files) <= 10
 

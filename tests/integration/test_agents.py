@@ -149,7 +149,7 @@ def page_of(run: str, connect: list[str]) -> Started | None:
     if code == UNREACHED:
         return None
     assert code == 0, said
-    page = launch("dashboard", run, "--dashboard-at", "127.0.0.1:0", "--plugin", STAGES, *connect)
+    page = launch("dashboard", "--run", run, "--dashboard-at", "127.0.0.1:0", "--plugin", STAGES, *connect)
     url = page.stderr.readline().split()[-1]
     assert wait_until(lambda: shown_hosts(url) == {"pc-left", "pc-right"})
     return page
@@ -184,13 +184,13 @@ def test_a_detached_run_outlives_its_operators(room: Room) -> None:
     room.agents["pc-left"].process.kill()
     room.agents["pc-left"].process.communicate()
     grows(written, lambda value: not of_left(value), 50)
-    seen = command("top", run, "--json", *room.connect)
+    seen = command("top", "--run", run, "--json", *room.connect)
     assert seen.returncode == 0, seen.stderr
     assert json.loads(seen.stdout)["faults"] == ["host pc-left is absent: nothing is heard of the run there"]
     assert {s["stage"] for s in json.loads(seen.stdout)["stages"] if s["state"] == "absent"} == {"a", "more"}
     room.agent("pc-left")  # it takes up by itself what it was at
     grows(written, of_left, 5)
-    done = command("attach", "graph", "--stop", "--json", *room.connect)
+    done = command("attach", "--run", "graph", "--stop", "--json", *room.connect)
     assert done.returncode == 0, done.stderr + done.stdout
     if page is not None:
         page.communicate(timeout=60)
@@ -198,10 +198,10 @@ def test_a_detached_run_outlives_its_operators(room: Room) -> None:
     summary: dict[str, Any] = json.loads(done.stdout)
     assert balanced(summary)
     assert any("worker left is back" in line for line in summary["warnings"])
-    kept = command("logs", *room.folder.glob(f"pc-left/runs/*-{run}-pc-left"))
+    kept = command("logs", "--run", *room.folder.glob(f"pc-left/runs/*-{run}-pc-left"))
     assert "killed by SIGKILL" in kept.stdout, kept.stderr
     assert "worker left is back" in kept.stdout
-    gone = command("attach", "graph", *room.connect)
+    gone = command("attach", "--run", "graph", *room.connect)
     assert gone.returncode == 1
     assert "there is no run graph" in gone.stderr
 
@@ -232,7 +232,7 @@ def test_the_next_run_ends_what_a_dead_operator_left_on_hosts(room: Room) -> Non
 @pytest.mark.thorough
 def test_attach_ends_what_a_dead_operator_left_on_hosts(room: Room) -> None:
     killed(room)
-    done = command("attach", "graph", "--stop", "--json", *room.connect)
+    done = command("attach", "--run", "graph", "--stop", "--json", *room.connect)
     assert json.loads(done.stdout)["edges"], done.stderr
     assert wait_until(lambda: not any(workers(agent.process.pid) for agent in room.agents.values()), 60.0)
 
@@ -241,7 +241,7 @@ def watched_from_elsewhere(run: str, connect: list[str]) -> None:
     """Any host can watch a run without an operator."""
     where = ("--run", run, "--json", "--plugin", STAGES, *connect)
     done = [
-        command("top", run, "--json", *connect),
+        command("top", "--run", run, "--json", *connect),
         command("hz", "more", "--seconds", "1", *where),
         command("echo", "less", "-n", "1", *where),
     ]

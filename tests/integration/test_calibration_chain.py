@@ -1,6 +1,6 @@
 """From lenses and camera centres to tracks: import, wand, planes, targets, run, as a user types it.
 
-Needs `../shared/data/glowballs-dev`: ray-traced recordings, a waved bulb, dots on planes, and the truth.
+Needs the recordings `glowballs-dev`: ray-traced recordings, a waved bulb, dots on planes, and the truth.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from tests.commands import command
+from tests.datasets import dataset, needs_data
 from tests.integration.running import balanced
 
 from followspot import Room
@@ -23,12 +24,12 @@ from followspot_calibrate.planes.fit import fit_plane
 from followspot_calibrate.planes.marks import read_marks
 
 ROOT = Path(__file__).parent.parent.parent
-DATA = ROOT.parent / "shared" / "data" / "glowballs-dev"
+DATA = dataset("glowballs-dev")
 POINTS, DOTS, CLIPS = DATA / "wand/points.csv", DATA / "planes/plane_points.csv", DATA / "templates"
 SEQUENCES = ("dev2", "dev3")
 FUSIONS = ("balls.mean_shift", "balls.bundle")
 
-pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/glowballs-dev")
+pytestmark = needs_data("glowballs-dev")
 
 
 class Chain(NamedTuple):

@@ -11,12 +11,13 @@ from pathlib import Path
 
 import pytest
 from tests.commands import command
+from tests.datasets import dataset, needs_data
 from tests.integration.hosts import Hosts, namespaces_are_permitted
 from tests.integration.running import balanced
 
 ROOT = Path(__file__).parent.parent.parent
 GRAPH = ROOT / "graphs" / "glowballs.yaml"
-DATA = ROOT.parent / "shared" / "data" / "glowballs-dev"
+DATA = dataset("glowballs-dev")
 RECORDING = DATA / "dev3"
 FRAMES = "30"
 PLACEMENT = """
@@ -82,7 +83,7 @@ def test_a_simulated_room_on_three_hosts_gives_the_tracks_of_one_process(
     assert tracks_on_three_hosts(hosts, room, tmp_path / "three", "camera") == alone
 
 
-@pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/glowballs-dev")
+@needs_data("glowballs-dev")
 def test_a_recording_on_three_hosts_gives_the_tracks_of_one_process(hosts: Hosts, tmp_path: Path) -> None:
     room = tmp_path / "imported.yaml"
     command("room", "import", DATA / "calibration.json", "--videos", RECORDING, "-o", room, check=True)

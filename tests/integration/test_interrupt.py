@@ -33,6 +33,37 @@ def interrupted(process: Started, came: Path) -> Finished:
     return finish(process, came.parent)  # gives up long before the second frame is due
 
 
+HELD = """
+import time
+from followspot import Stage
+from followspot.tracking import Frame
+
+class Held(Stage):
+    def process(self, frame: Frame) -> None:
+        (self.context.out / "came").write_text("yes")
+
+    def close(self) -> None:
+        while not (self.context.out / "go").exists():
+            time.sleep(0.01)
+"""
+
+
+def test_a_stopped_run_says_what_is_still_to_be_finished(tmp_path: Path) -> None:
+    (tmp_path / "held.py").write_text(HELD)
+    held = "held: {uses: held.held, each: cameras, in: {frame: camera}}"
+    stages = f"{{camera: {{uses: room.source, each: cameras}}, {held}}}"
+    graph, out = tmp_path / "graph.yaml", tmp_path / "out"
+    graph.write_text(f"graph: g\nroom: {GRAPHS / 'rooms/simulated.yaml'}\nstages: {stages}\n")
+    process = launch("run", graph, "--plugin", tmp_path / "held.py", "--out", out, "--json")
+    wait_until(lambda: process.poll() is not None or (out / "came").exists(), 60.0)
+    assert (out / "came").exists()
+    process.send_signal(signal.SIGINT)
+    said = next((line for line in process.stderr if "still to be finished" in line), "")
+    (out / "go").touch()
+    assert "stopped; still to be finished: held/cam0, held/cam1, held/cam2, held/cam3 and 2 more" in said
+    assert finish(process, out).summary["stopped"]
+
+
 def slow(folder: Path, name: str) -> Path:
     """A shipped room that plays in real time, one frame every 100 s."""
     before, fps, after = (GRAPHS / "rooms" / name).read_text().partition("fps: ")

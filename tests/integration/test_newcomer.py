@@ -115,7 +115,7 @@ def test_own_stage_on_the_page_and_a_marked_moment_that_is_verified(newcomer: Ne
             scene = json.loads(socket.recv(timeout=60))
             assert "still" in {stage["name"] for stage in scene["stages"]}
         time.sleep(3)
-        newcomer.types(f"followspot mark {process.pid} --after 1s --note first", plugin)
+        newcomer.types(f"followspot mark --run {process.pid} --after 1s --note first", plugin)
         process.send_signal(signal.SIGINT)
         assert "moment-" in process.communicate(timeout=120)[1]
     moment = next((newcomer.folder / plugin).rglob("moment-*.mcap"))

@@ -1,6 +1,6 @@
 """Accuracy with a slightly wrong calibration, after `calibrate targets` has corrected it.
 
-Needs `../shared/data/glowballs-dev`: its noisy calibration has errors of 0.2 to 0.75 px, as a good
+Needs the recordings `glowballs-dev`: its noisy calibration has errors of 0.2 to 0.75 px, as a good
 self-calibration leaves them; exact images of the balls are the truth.
 """
 
@@ -14,13 +14,14 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from tests.commands import command
+from tests.datasets import dataset, needs_data
 
 from followspot.geometry import project
 from followspot.messages import Array
 from followspot.room_file import load, update
 
 ROOT = Path(__file__).parent.parent.parent
-DATA = ROOT.parent / "shared" / "data" / "glowballs-dev"
+DATA = dataset("glowballs-dev")
 FUSIONS = ("balls.mean_shift", "balls.bundle")
 MADE = "dev3"
 """Sequence from which the rooms are made."""
@@ -28,7 +29,7 @@ CASES = [(sequence, fusion) for sequence in ("dev1", "dev2", MADE, "dev4") for f
 
 pytestmark = [
     pytest.mark.thorough,
-    pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/glowballs-dev"),
+    needs_data("glowballs-dev"),
 ]
 
 

@@ -152,7 +152,7 @@ def test_a_paused_run_ends_at_once_and_well(
         return bool(found)
 
     until(is_there)
-    assert "is paused" in said("pause", process.pid)
+    assert "is paused" in said("pause", "--run", process.pid)
     (graph.parent / "out").mkdir(exist_ok=True)
     (graph.parent / "out" / "gate").touch()
     until(lambda: paused(found[0]))

@@ -1,6 +1,6 @@
 """People in recordings get poses as exact as promised, whichever process the slow instance runs in.
 
-The recordings are `../shared/data/persons-dev`: rendered people with ground truth. Short parts, and a
+The recordings are `persons-dev`: rendered people with ground truth. Short parts, and a
 detector that looks at every third picture, for speed; `docs/persons.md` has the figures of whole ones.
 """
 
@@ -12,15 +12,16 @@ from typing import Any
 
 import pytest
 from tests.commands import command
+from tests.datasets import dataset, needs_data
 from tests.integration.running import balanced
 
 ROOT = Path(__file__).parent.parent.parent
 GRAPHS = ROOT / "graphs"
-DATA = ROOT.parent / "shared" / "data" / "persons-dev"
+DATA = dataset("persons-dev")
 PERIOD = 3
 """Pictures from one that the detector processes to the next."""
 
-needs_recordings = pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/persons-dev")
+needs_recordings = needs_data("persons-dev")
 
 
 def said(*words: str | int | Path) -> str:

@@ -1,6 +1,6 @@
 """From recordings to tracks with three commands, as accurate as promised, in every placement.
 
-Needs `../shared/data/glowballs-dev`: ray-traced recordings with ground truth.
+Needs the recordings `glowballs-dev`: ray-traced recordings with ground truth.
 """
 
 from __future__ import annotations
@@ -16,10 +16,11 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.commands import command
+from tests.datasets import dataset, needs_data
 from tests.integration.running import balanced
 
 ROOT = Path(__file__).parent.parent.parent
-DATA = ROOT.parent / "shared" / "data" / "glowballs-dev"
+DATA = dataset("glowballs-dev")
 GRAPH = ROOT / "graphs" / "glowballs.yaml"
 SEQUENCES = ("dev1", "dev2", "dev3", "dev4")
 BARS = {"balls.mean_shift": (12.0, 22.0), "balls.bundle": (7.0, 15.0)}
@@ -33,7 +34,7 @@ MANY = [
 Score = Callable[[str, str], dict[str, Any]]
 """Figures of each target, by a sequence and a fusion."""
 
-pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/glowballs-dev")
+pytestmark = needs_data("glowballs-dev")
 
 
 def track(room: Path, out: Path, *options: str, graph: Path = GRAPH) -> dict[str, Any]:

@@ -239,17 +239,17 @@ def test_a_run_under_an_agent_is_changed_without_its_operator(tmp_path: Path) ->
             return int(lines[-1].split(",")[2]) if lines else 0
 
         def change(*words: str) -> str:
-            done = command(words[0], "faraway", words[1], *stages, *connect)
+            done = command(words[0], "--run", "faraway", words[1], *stages, *connect)
             return done.stdout + done.stderr
 
         assert wait_until(lambda: last() > 0)
         stages = ("--plugin", str(STAGES))
-        done = command("set", "faraway", "b.step=1000000", "--json", *stages, *connect)
+        done = command("set", "--run", "faraway", "b.step=1000000", "--json", *stages, *connect)
         assert done.returncode == 0, done.stderr
         (found,) = json.loads(done.stdout)["stages"]
         assert (found["stage"], found["params"]) == ("b", {"step": 1000000})
         assert wait_until(lambda: last() > 1_000_000)
-        refused = command("set", "faraway", "save.path=../elsewhere.csv", *stages, *connect)
+        refused = command("set", "--run", "faraway", "save.path=../elsewhere.csv", *stages, *connect)
         assert refused.returncode == 1
         assert "not below the output folder" in refused.stderr
         for name in ("tally", "faraway"):

@@ -60,7 +60,7 @@ class Watched:
 
     def top(self) -> dict[str, Any]:
         """The output of `followspot top` as data."""
-        done = self.looked("top", str(self.process.pid), "--json")
+        done = self.looked("top", "--run", str(self.process.pid), "--json")
         assert done.returncode == 0, done.stderr
         return dict(json.loads(done.stdout))
 
@@ -189,7 +189,7 @@ def test_a_run_with_a_suspended_operator_is_old_not_over(tmp_path: Path) -> None
         told = run.until_fault(r"the run has not answered for \d+ s")
         assert set(states(told).values()) == {"old"}
         assert told["rate"] is None
-        top = run.looked("top", str(run.process.pid))
+        top = run.looked("top", "--run", str(run.process.pid))
         assert top.returncode == 1
         assert f"process {run.process.pid} is suspended; kill -CONT {run.process.pid}" in top.stderr
         run.process.send_signal(signal.SIGCONT)

@@ -92,7 +92,7 @@ class Journaled:
 
     def status(self) -> list[dict[str, Any]]:
         """The ledger as `followspot top` shows it now."""
-        edges: list[dict[str, Any]] = json.loads(self.told("top", self.name, "--json"))["edges"]
+        edges: list[dict[str, Any]] = json.loads(self.told("top", "--run", self.name, "--json"))["edges"]
         return edges
 
     def end(self) -> Finished:

@@ -74,7 +74,7 @@ class TwoHosts(Journaled):
 
     def move(self, stage: str, place: str) -> None:
         """As an operator does."""
-        self.told("move", self.name, stage, place)
+        self.told("move", "--run", self.name, stage, place)
 
     def stop_agent(self) -> None:
         """Until the operator misses it."""
@@ -184,7 +184,7 @@ class Detached(Near):
         return [self.agent.process.pid]
 
     def end(self) -> Finished:
-        said = launch("attach", self.name, "--stop", "--json", "--connect", self.endpoint)
+        said = launch("attach", "--run", self.name, "--stop", "--json", "--connect", self.endpoint)
         return finish(said, self.out)
 
 

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from tests.datasets import dataset, needs_data
 
 import bench_bounces
 
-REAL = Path(__file__).resolve().parents[2].parent / "shared/data/ball-trajectories-tt3d"
+REAL = dataset("ball-trajectories-tt3d")
 SETS = {"side+oblique+back", "side+oblique", "side+back", "oblique+back"}
 
 
 @pytest.mark.thorough
-@pytest.mark.skipif(not REAL.is_dir(), reason="needs shared/data/ball-trajectories-tt3d")
+@needs_data("ball-trajectories-tt3d")
 def test_the_filter_is_never_worse_than_no_filter_at_bounces_whichever_views_there_are() -> None:
     result = bench_bounces.measure(REAL)
     assert set(result) == SETS
@@ -24,7 +23,7 @@ def test_the_filter_is_never_worse_than_no_filter_at_bounces_whichever_views_the
             assert rmse_mm["filter, covariance"] <= rmse_mm["no filter"]
 
 
-@pytest.mark.skipif(not REAL.is_dir(), reason="needs shared/data/ball-trajectories-tt3d")
+@needs_data("ball-trajectories-tt3d")
 def test_every_trajectory_bounces_once() -> None:
     found = [int(flight.bounce.sum()) for flight in bench_bounces.flights(REAL)]
     assert len(found) == 70

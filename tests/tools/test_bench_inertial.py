@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from tests.datasets import dataset, needs_data
 
 import bench_inertial
 from bench_inertial import Setting
 
-REAL = Path(__file__).resolve().parents[2].parent / "shared/data/imu-broad"
-needs_broad = pytest.mark.skipif(not REAL.is_dir(), reason="needs shared/data/imu-broad")
+REAL = dataset("imu-broad")
+needs_broad = needs_data("imu-broad")
 TRIALS = sorted(bench_inertial.BASELINE)
 
 

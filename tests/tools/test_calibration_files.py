@@ -1,16 +1,14 @@
 """Calibrations of real rooms, as other programs wrote them."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from tests.datasets import dataset, needs_data
 
 from followspot_calibrate.triangulation import triangulate
 from followspot_room.calibration import NO_POSES, read_calibration
 
-DATA = Path(__file__).parents[2] / "../shared/data"
-POSE2SIM = DATA / "room-pose2sim-single-4cam"
-pytestmark = pytest.mark.skipif(not DATA.parent.exists(), reason="needs ../shared")
+POSE2SIM = dataset("room-pose2sim-single-4cam")
+pytestmark = needs_data("room-pose2sim-single-4cam", "calib-charuco-4cam-caliscope", "opencv-samples")
 
 
 def test_both_calibrations_of_one_room_agree_on_the_lenses() -> None:
@@ -59,7 +57,7 @@ def test_qualisys_axes_agree_with_the_videos() -> None:
 
 
 def test_old_and_new_files_of_caliscope_say_the_same() -> None:
-    folder = DATA / "calib-charuco-4cam-caliscope"
+    folder = dataset("calib-charuco-4cam-caliscope")
     new = read_calibration(folder / "camera_array.toml").cameras
     old = read_calibration(folder / "config.toml").cameras
     assert [c.name for c in new] == [c.name for c in old] == ["cam_0", "cam_1", "cam_2", "cam_3"]
@@ -69,7 +67,7 @@ def test_old_and_new_files_of_caliscope_say_the_same() -> None:
 
 
 def test_sample_of_opencv_is_read() -> None:
-    (camera,) = read_calibration(DATA / "opencv-samples/left_intrinsics.yml").cameras
+    (camera,) = read_calibration(dataset("opencv-samples") / "left_intrinsics.yml").cameras
     assert (camera.name, camera.size) == ("left_intrinsics", (640, 480))
     assert camera.matrix[0, 0] == pytest.approx(535.9157, abs=1e-4)
     assert camera.distortion[4] == pytest.approx(0.23839, abs=1e-5)

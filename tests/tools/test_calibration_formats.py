@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.datasets import dataset, needs_data
 
 from followspot import InputError
 from followspot_room.calibration import read_calibration
 
-GLOWBALLS = Path(__file__).parents[2] / "../shared/data/glowballs-dev"
-needs_shared = pytest.mark.skipif(not GLOWBALLS.parents[1].exists(), reason="needs ../shared")
+GLOWBALLS = dataset("glowballs-dev")
+needs_recordings = needs_data("glowballs-dev")
 
 
 def camera(**changes: Any) -> dict[str, Any]:
@@ -104,7 +105,7 @@ def test_unknown_format_is_answered_with_the_known_ones(tmp_path: Path, text: st
     assert "K, dist, and R and t" in str(caught.value)
 
 
-@needs_shared
+@needs_recordings
 @pytest.mark.parametrize("name", ["calibration.json", "calibration_noisy.json"])
 def test_shared_calibrations_are_read(name: str) -> None:
     got = read_calibration(GLOWBALLS / name)

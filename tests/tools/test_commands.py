@@ -6,13 +6,14 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from tests.datasets import dataset, needs_data
 
 from followspot.cli.main import main
 from followspot.room_file import load
 
 SIZE = (160, 120)
-GLOWBALLS = Path(__file__).parents[2] / "../shared/data/glowballs-dev"
-needs_shared = pytest.mark.skipif(not GLOWBALLS.parents[1].exists(), reason="needs ../shared")
+GLOWBALLS = dataset("glowballs-dev")
+needs_recordings = needs_data("glowballs-dev")
 
 
 def camera(name: str, kind: str) -> dict[str, object]:
@@ -206,7 +207,7 @@ def test_score_prints_a_table_or_json(tmp_path: Path, capsys: pytest.CaptureFixt
     assert main(["score", str(tracks), str(tmp_path / "none.csv")]) == 2
 
 
-@needs_shared
+@needs_recordings
 @pytest.mark.thorough
 def test_shared_recording_becomes_a_room_with_all_templates(tmp_path: Path) -> None:
     room = str(tmp_path / "room.yaml")

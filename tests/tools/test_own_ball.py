@@ -9,6 +9,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from tests.datasets import dataset, needs_data
 
 from followspot import room_file
 from followspot.cli.main import main
@@ -19,7 +20,7 @@ from followspot_calibrate.targets.pick_command import read_pick
 
 ROOT = Path(__file__).parents[2]
 GRAPH = str(ROOT / "graphs/single_camera.yaml")
-THROWS = ROOT / "../shared/data/balls-thrown-room"
+THROWS = dataset("balls-thrown-room")
 SIZE, RADIUS, FRAMES = (200, 150), 10, 12
 RED, BLUE = (30, 20, 200), (200, 60, 20)
 
@@ -179,7 +180,7 @@ def test_a_webcam_makes_a_room(tmp_path: Path) -> None:
     assert main(["check", GRAPH, "--room", str(room)]) == 0
 
 
-@pytest.mark.skipif(not THROWS.exists(), reason="needs ../shared")
+@needs_data("balls-thrown-room")
 def test_a_clicked_ball_is_found_in_a_real_throw(tmp_path: Path) -> None:
     """40 frames around the top of a throw, learnt by a click in one: as good as a template by hand."""
     room = tmp_path / "room.yaml"

@@ -9,6 +9,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from tests.datasets import dataset, needs_data
 
 from followspot import InputError
 from followspot.cli.main import build_parser, main
@@ -16,8 +17,8 @@ from followspot.geometry import project
 from followspot.room_file import load
 from followspot_room.calibration import read_calibration
 
-PERSONS = Path(__file__).parents[2] / "../shared/data/persons-dev"
-needs_shared = pytest.mark.skipif(not PERSONS.parents[1].exists(), reason="needs ../shared")
+PERSONS = dataset("persons-dev")
+needs_recordings = needs_data("persons-dev")
 LEVEL = [[0, -1, 0], [0, 0, -1], [1, 0, 0]]
 PANORAMA = {
     "type": "cylinder",
@@ -192,7 +193,7 @@ def test_plots_are_pictures_of_errors_and_ways(recordings: Path, capsys: pytest.
     assert "reported" in (recordings / "pictures/floor_plan.svg").read_text()
 
 
-@needs_shared
+@needs_recordings
 def test_recorded_boxes_of_upper_bodies_hold_their_heads() -> None:
     """The imported cameras project the middle of each head to where the recordings say it is."""
     import csv

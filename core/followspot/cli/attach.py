@@ -8,19 +8,14 @@ import sys
 from pathlib import Path
 
 from followspot.cli.agent_options import add_network_options, network_of
+from followspot.cli.run_option import add_run_option
 from followspot.plugins.hooks import Command
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "run",
-        nargs="?",
-        metavar="RUN",
-        help="the graph, or the beginning of the run's name, if several go on",
-    )
+    add_run_option(parser)
     parser.add_argument("--stop", action="store_true", help="end the run; its outputs are complete")
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
-    parser.add_argument("-q", "--quiet", action="store_true", help="no progress")
     add_network_options(parser)
 
 
@@ -30,7 +25,7 @@ def _run(args: argparse.Namespace) -> int:
     Examples:
       followspot run graphs/glowballs.yaml --placement camera --host pc-left --detach
       followspot attach --connect tls/pc-left:7450 --certificates certs
-      followspot attach glowballs --stop
+      followspot attach --run glowballs --stop
 
     Ctrl-C leaves the run to its agents again.
     """

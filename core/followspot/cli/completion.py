@@ -66,9 +66,9 @@ def _plans(args: argparse.Namespace) -> Iterator[Plan]:
     from followspot.library.handle import runs_here
 
     said = vars(args)
-    if "run" in said or "words" in said:
-        runs, words = runs_here(), (said.get("run"), *(said.get("words") or ()))
-        yield from (run.plan() for run in [run for run in runs if run.graph in words] or runs)
+    if "run" in said:
+        runs = runs_here()
+        yield from (run.plan() for run in [run for run in runs if run.graph == said["run"]] or runs)
     elif graph := said.get("graph") or next(iter(said.get("graphs") or ()), None):
         yield compile_graph(graph, room=said.get("room"), plugin_files=said["plugin_files"])
 
@@ -113,23 +113,18 @@ def _parameters(prefix: str, args: argparse.Namespace) -> Words:
 
 
 def _changes(prefix: str, args: argparse.Namespace) -> Words:
-    """[RUN], then STAGE=USES or STAGE.PARAMETER=VALUE."""
+    """STAGE=USES or STAGE.PARAMETER=VALUE."""
     key, equals, _ = prefix.partition("=")
     if equals and "." not in key:
         for name, distribution in _stages(prefix, args):
             yield f"{key}={name}", distribution
         return
-    if not args.words:
-        yield from _runs()
     for word, meaning in _parameters(prefix, args):
         yield word.replace(".uses=", "="), meaning
 
 
 def _places(prefix: str, args: argparse.Namespace) -> Words:
-    """[RUN], then a stage, then a worker."""
-    if not args.words:
-        yield from _runs()
-    yield from _stages_of_plan(prefix, args)
+    """Workers of the run."""
     for plan in _plans(args):
         yield from ((worker.name, worker.host or "this host") for worker in plan.workers)
 
@@ -145,8 +140,8 @@ _WORDS: Mapping[str, Callable[[str, argparse.Namespace], Words]] = {
     "STAGE[.PORT],...": _ports,
     "STAGE.KEY=VALUE": _parameters,
     "STAGE.KEY=VALUES": _parameters,
-    "[RUN] STAGE=USES|STAGE.PARAMETER=VALUE": _changes,
-    "[RUN] STAGE PLACE": _places,
+    "STAGE=USES|STAGE.PARAMETER=VALUE": _changes,
+    "PLACE": _places,
 }
 """What gives the words that an argument takes, by its metavar."""
 

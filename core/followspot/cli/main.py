@@ -9,11 +9,13 @@ import argparse
 import gc
 import os
 import sys
+import traceback
 from collections.abc import Sequence
 from typing import Any
 
 from followspot.cli import agent, attach, certs, check, completion, graph, move, plugins, router, run, swap
 from followspot.errors import FollowspotError, InputError, did_you_mean
+from followspot.notes import show_notes
 from followspot.plugins.hooks import load_commands
 
 CORE = (
@@ -53,14 +55,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 2
     if unknown and not args.parser.took_more(args, unknown):
         args.parser.error(args.parser.unknown(unknown))
+    show_notes(not args.quiet)
     try:
         return int(args.run_command(args))
     except InputError as error:
+        _trace(args)
         print(error, file=sys.stderr)
         count = len(error.mistakes)
         print(f"\n{count} mistake{'s' * (count != 1)}, nothing was started", file=sys.stderr)
         return 2
     except FollowspotError as error:
+        _trace(args)
         print(f"followspot: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
@@ -102,7 +107,21 @@ def build_parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
         added.set_defaults(run_command=command.run, parser=added)
         if words is None or command.name in words:
             command.configure(added)
+            _add_common_options(added)
     return parser
+
+
+def _add_common_options(parser: argparse.ArgumentParser) -> None:
+    """Add what every command takes."""
+    parser.add_argument("-q", "--quiet", action="store_true", help="no progress and no notes")
+    parser.add_argument(
+        "-v", "--verbose", action="store_true", help="all lines of a run's log; where an error comes from"
+    )
+
+
+def _trace(args: argparse.Namespace) -> None:
+    if args.verbose:
+        traceback.print_exc()
 
 
 class _Parser(argparse.ArgumentParser):
@@ -123,7 +142,9 @@ class _Parser(argparse.ArgumentParser):
     def unknown(self, words: Sequence[str]) -> str:
         """The error message for arguments that no option takes."""
         options = [word.partition("=")[0] for word in words if word.startswith("-")]
-        remedy = f"; {did_you_mean(options[0], self._option_string_actions, 'options')}" if options else ""
+        remedy = "; name a run by --run" if "--run" in self._option_string_actions else ""
+        if options:
+            remedy = f"; {did_you_mean(options[0], self._option_string_actions, 'options')}"
         return f"unrecognized arguments: {' '.join(words)}{remedy}"
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:

@@ -9,17 +9,14 @@ from pathlib import Path
 
 from followspot.cli.agent_options import add_network_options, network_of
 from followspot.cli.graph_options import add_plugin_option
+from followspot.cli.run_option import add_run_option
 from followspot.plugins.hooks import Command
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "words",
-        nargs="+",
-        metavar="[RUN] STAGE PLACE",
-        help="the graph, or the beginning of the run's name, if several runs go on; a stage of the graph "
-        "file or one of its instances; a worker of the run, or a host with an agent",
-    )
+    parser.add_argument("stage", metavar="STAGE", help="a stage of the graph file, or one of its instances")
+    parser.add_argument("place", metavar="PLACE", help="a worker of the run, or a host with an agent")
+    add_run_option(parser)
     parser.add_argument("--json", action="store_true", help="print the move as one JSON object")
     add_plugin_option(parser, "a file that agents have loaded, for runs under agents; repeatable")
     add_network_options(parser)
@@ -34,21 +31,15 @@ def _run(args: argparse.Namespace) -> int:
     says why.
 
     Examples:
-      followspot move glowballs camera/cam3 pc-right
-      followspot move fuse main                          in the only run
+      followspot move fuse main
+      followspot move camera/cam3 pc-right --run glowballs
     """
-    from followspot.errors import InputError, Mistake
     from followspot.library.handle import connected_run
     from followspot.plugins.registry import use_plugin_files
 
-    if len(args.words) not in (2, 3):
-        raise InputError(
-            [Mistake(None, "name a stage and its new place", "for example: camera/cam3 pc-right")]
-        )
     use_plugin_files([str(Path(file).absolute()) for file in args.plugin_files])
-    *wanted, stage, place = args.words
-    with connected_run(wanted[0] if wanted else None, network_of(args)) as run:
-        moved = run.move([stage], place)
+    with connected_run(args.run, network_of(args)) as run:
+        moved = run.move([args.stage], args.place)
     if args.json:
         print(json.dumps(asdict(moved)))
     else:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -14,19 +15,24 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress as Bar
 
+_NAMES = 4
+"""Stages that are named at most."""
 _LINE_EVERY = 5.0
 """Seconds between two lines if standard error is no terminal, and over which a bar takes the rate."""
 
 
 class ProgressBar:
-    """Shows frames done, the rate, the time left and faults. Its `show` is what a run calls."""
+    """Shows frames done, the rate, the time left, faults, and what a stopped run still finishes.
+
+    Its `show` is what a run calls.
+    """
 
     def __init__(self) -> None:
         self.terminal = is_screen(sys.stderr)
         self._line = time.monotonic(), 0
         """When the last line was printed, s, and how many frames were done then."""
-        self._faulty = False
-        """Whether the last line told of a fault."""
+        self._told = False, False
+        """Whether the last line told of a fault, and of a stop."""
 
     def show(self, progress: Progress, expected: int | None) -> None:
         """Draw the present state. expected: frames in all, None if the sources do not tell."""
@@ -34,14 +40,17 @@ class ProgressBar:
         if progress.faults:
             more = f" (+{len(progress.faults) - 1})" if len(progress.faults) > 1 else ""
             fault = f"! {progress.faults[0]}{more}"
+        stop = f"stopped; still to be finished: {_some(progress.unfinished)}" if progress.unfinished else ""
+        notes = "  ".join(note for note in (stop, fault) if note)
         if self.terminal:
-            self._draw(progress.fired, expected or None, fault)
+            self._draw(progress.fired, expected or None, notes)
             return
         now, (since, before) = time.monotonic(), self._line
-        if now >= since + _LINE_EVERY or bool(fault) != self._faulty:
-            self._line, self._faulty = (now, progress.fired), bool(fault)
+        told = bool(fault), bool(stop)
+        if now >= since + _LINE_EVERY or told != self._told:
+            self._line, self._told = (now, progress.fired), told
             rate = max(0, progress.fired - before) / max(1e-6, now - since)
-            self.say(f"{_frames(progress.fired, expected, rate)}  {fault}".rstrip())
+            self.say(f"{_frames(progress.fired, expected, rate)}  {notes}".rstrip())
 
     def say(self, line: str) -> None:
         """Print a line of text, above the bar if there is one."""
@@ -70,22 +79,28 @@ class ProgressBar:
             BarColumn(bar_width=30),
             TextColumn("{task.fields[frames]}", markup=False),
             TextColumn(
-                "{task.fields[fault]}", style=BAD_STYLE, markup=False, table_column=Column(no_wrap=True)
+                "{task.fields[notes]}", style=BAD_STYLE, markup=False, table_column=Column(no_wrap=True)
             ),
             console=self._console,
             auto_refresh=False,
             redirect_stdout=False,
             speed_estimate_period=_LINE_EVERY,
         )
-        bar.add_task("", frames="", fault="")
+        bar.add_task("", frames="", notes="")
         return bar
 
-    def _draw(self, fired: int, expected: int | None, fault: str) -> None:
+    def _draw(self, fired: int, expected: int | None, notes: str) -> None:
         (task,) = self._bar.tasks
         self._bar.update(task.id, completed=fired, total=expected)
         frames = _frames(fired, expected, task.speed or 0.0)
-        self._bar.update(task.id, frames=frames, fault=fault, refresh=True)
+        self._bar.update(task.id, frames=frames, notes=notes, refresh=True)
         self._bar.start()  # does nothing if it has begun
+
+
+def _some(names: Sequence[str]) -> str:
+    """The first names, and how many more there are."""
+    more = f" and {len(names) - _NAMES} more" if len(names) > _NAMES else ""
+    return ", ".join(names[:_NAMES]) + more
 
 
 def _frames(fired: int, expected: int | None, rate: float) -> str:

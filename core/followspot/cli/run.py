@@ -31,7 +31,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:
-    """Add --out, --frames, --json, --quiet, --verbose, --restart, --detach, --host, --media, the network."""
+    """Add --out, --frames, --json, --restart, --detach, --host, --media, the network."""
     parser.add_argument("--out", metavar="DIR", help="folder for outputs (default: runs/GRAPH-DATE-TIME)")
     parser.add_argument(
         "--frames",
@@ -40,10 +40,6 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         help="stop after N frames of each camera; sensors end with the last of them",
     )
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
-    parser.add_argument("-q", "--quiet", action="store_true", help="no progress")
-    parser.add_argument(
-        "-v", "--verbose", action="store_true", help="all lines of the log, not only warnings and errors"
-    )
     parser.add_argument(
         "--restart",
         action="store_true",
@@ -148,7 +144,11 @@ def _detach(plan: Plan, args: argparse.Namespace, network: Network) -> int:
     from followspot.library.execute import RunOptions
 
     run = detach(plan, RunOptions(frames=args.frames), network, media_folder(plan, args.media))
-    print(json.dumps({"run": run}) if args.json else f"run {run[:8]} goes on; followspot attach {plan.graph}")
+    print(
+        json.dumps({"run": run})
+        if args.json
+        else f"run {run[:8]} goes on; followspot attach --run {plan.graph}"
+    )
     return 0
 
 

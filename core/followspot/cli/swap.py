@@ -9,6 +9,7 @@ from pathlib import Path
 
 from followspot.cli.agent_options import add_network_options, network_of
 from followspot.cli.graph_options import add_plugin_option
+from followspot.cli.run_option import add_run_option
 from followspot.plugins.hooks import Command
 
 
@@ -16,9 +17,10 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "words",
         nargs="+",
-        metavar="[RUN] STAGE=USES|STAGE.PARAMETER=VALUE",
-        help="the graph, or the beginning of the run's name, if several runs go on; then the changes",
+        metavar="STAGE=USES|STAGE.PARAMETER=VALUE",
+        help="the changes, one word each",
     )
+    add_run_option(parser)
     parser.add_argument(
         "--fresh", action="store_true", help="start the new stages without the state of the old ones"
     )
@@ -28,17 +30,16 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _change(args: argparse.Namespace) -> int:
-    from followspot.errors import InputError, Mistake
+    from followspot.errors import InputError
     from followspot.library.handle import connected_run
     from followspot.plugins.registry import use_plugin_files
 
     use_plugin_files([str(Path(file).absolute()) for file in args.plugin_files])
-    named = "=" not in args.words[0]
-    wanted, words = (args.words[0], args.words[1:]) if named else (None, args.words)
-    if not words:
-        raise InputError([Mistake(None, "there is nothing to change", "for example: fuse=balls.mean")])
-    with connected_run(wanted, network_of(args)) as run:
-        changed = run.change(words, fresh=args.fresh)
+    if unclear := [word for word in args.words if "=" not in word]:
+        remedy = f"say STAGE=..., for example fuse=balls.mean; a run is named by --run {unclear[0]}"
+        raise InputError.of(f'"{unclear[0]}" says no change', remedy)
+    with connected_run(args.run, network_of(args)) as run:
+        changed = run.change(args.words, fresh=args.fresh)
     if args.json:
         print(json.dumps(asdict(changed)))
         return 0
@@ -59,7 +60,7 @@ def _swap(args: argparse.Namespace) -> int:
     processed everything; workers of a live run over several hosts start anew.
 
     Examples:
-      followspot swap glowballs fuse=balls.mean
+      followspot swap fuse=balls.mean --run glowballs
       followspot swap fuse=balls.mean_shift fuse.maximum_iterations=50
       followspot swap hall=quick_tracker.yaml
     """
@@ -74,8 +75,8 @@ def _set(args: argparse.Namespace) -> int:
     goes on, and the command says why.
 
     Examples:
-      followspot set glowballs color.similarity=0.7
-      followspot set color/cam0.similarity=0.7       one camera, of the only run
+      followspot set color.similarity=0.7 --run glowballs
+      followspot set color/cam0.similarity=0.7       of one camera
       followspot set hall.similarity=0.7             a parameter in the interface of a sub-graph
     """
     return _change(args)

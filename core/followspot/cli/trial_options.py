@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def add_trial_options(parser: argparse.ArgumentParser, out: str) -> None:
-    """Add --room, --frames, --out, --json and --quiet. out: help of --out."""
+    """Add --room, --frames, --out and --json. out: help of --out."""
     parser.add_argument(
         "--room",
         dest="rooms",
@@ -32,7 +32,6 @@ def add_trial_options(parser: argparse.ArgumentParser, out: str) -> None:
     )
     parser.add_argument("-o", "--out", metavar="DIR", help=out)
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
-    parser.add_argument("-q", "--quiet", action="store_true", help="no progress")
 
 
 def planned(

@@ -16,6 +16,8 @@ class Progress:
     """Newest capture time that a source sent, ns; -1 before the first."""
     faults: tuple[str, ...] = ()
     """Of a run: one line for each part that is absent or silent."""
+    unfinished: tuple[str, ...] = ()
+    """Of a run that was stopped: the sinks that may still write."""
 
 
 OnProgress = Callable[[Progress, int | None], None]

@@ -124,7 +124,7 @@ class Coordinator:
         for host in self.hosts:
             if not host.close():
                 line = f"host {host.name} was not told that the run is over; its workers end after the "
-                line += f"agent's --operator-timeout, or by followspot attach {self.name[:8]} --stop"
+                line += f"agent's --operator-timeout, or by followspot attach --run {self.name[:8]} --stop"
 
                 self._report_event(line, "warning")
 
@@ -239,7 +239,8 @@ class Coordinator:
         self.log.gather()
         if on_progress is not None:
             whole = self._view()
-            on_progress(whole.progress(), whole.expected())
+            unfinished = whole.unfinished() if self._stop_deadline is not None else ()
+            on_progress(replace(whole.progress(), unfinished=unfinished), whole.expected())
 
     def _watch_budgets(self) -> None:
         """Log each path that begins to miss its budget, or keeps it again, until a worker ends."""

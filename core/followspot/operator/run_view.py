@@ -9,7 +9,7 @@ from followspot.control.clock_status import ClockStatus
 from followspot.control.host import HostStatus, WorkerStatus
 from followspot.control.progress import Progress
 from followspot.control.worker_report import WorkerReport
-from followspot.graph.plan import Plan
+from followspot.graph.plan import Plan, PlannedStage
 from followspot.host.heartbeat import SILENCE
 from followspot.operator.budgets import missed, overruns
 from followspot.operator.reporting.report import RunReport, merge, summed
@@ -36,8 +36,7 @@ class RunView:
 
     def progress(self) -> Progress:
         """Frames done by the sink that is furthest behind, or by the sources if the graph has no sink."""
-        senders = {edge.from_stage for edge in self.plan.edges}
-        sinks = {stage.worker for stage in self.plan.stages if stage.name not in senders}
+        sinks = {stage.worker for stage in self._sinks()}
         fired = [worker.fired for worker in self.workers() if worker.name in sinks]
         newest = max((worker.time for worker in self.workers()), default=-1)
         return Progress(
@@ -45,6 +44,15 @@ class RunView:
             newest,
             (*faults(self._host_statuses(), self._worker_statuses()), *self.late()),
         )
+
+    def unfinished(self) -> tuple[str, ...]:
+        """The sinks of workers that have not ended."""
+        over = {worker.name for worker in self.workers() if worker.phase == "over"}
+        return tuple(stage.name for stage in self._sinks() if stage.worker not in over)
+
+    def _sinks(self) -> list[PlannedStage]:
+        senders = {edge.from_stage for edge in self.plan.edges}
+        return [stage for stage in self.plan.stages if stage.name not in senders]
 
     def expected(self) -> int | None:
         """Frames that the run will process; None if no source knows."""

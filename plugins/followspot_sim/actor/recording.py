@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import csv
-import sys
 from pathlib import Path
 
 import numpy as np
 
 from followspot import Camera, InputError, Room
 from followspot.errors import Mistake
+from followspot.notes import note
 from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.actor.picture import ActorPicture
 from followspot_sim.actor.scene import Play, stage_of
@@ -44,7 +44,7 @@ def actor_parameters_of(room: Room, *, frames: int | None = None, seed: int | No
 
 def record_people(room: Room, params: ActorParams, folder: Path) -> None:
     """Write `folder`/CAMERA.mkv and `folder`/CAMERA_gt.csv. Raises FollowspotError if it cannot."""
-    print(f"simulate: {len(room.cameras)} videos of {params.frames} frames", file=sys.stderr)  # noqa: T201
+    note(f"simulate: {len(room.cameras)} videos of {params.frames} frames")
     folder.mkdir(parents=True, exist_ok=True)
     for camera in room.cameras.values():
         with contextlib.ExitStack() as files:

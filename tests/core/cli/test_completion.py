@@ -74,11 +74,11 @@ def test_files_stages_parameters_and_ports_of_a_graph_are_offered(
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("followspot top PART", {RUN}),
+        ("followspot top --run PART", {RUN}),
         ("followspot echo --run RUN track.", {"track.tracks", "track.forecast"}),
-        ("followspot set RUN color.sim", {"color.similarity="}),
-        ("followspot move RUN color/cam0 mai", {"main"}),
-        ("followspot move RUN trac", {"track"}),
+        ("followspot set --run RUN color.sim", {"color.similarity="}),
+        ("followspot move --run RUN color/cam0 mai", {"main"}),
+        ("followspot move --run RUN trac", {"track"}),
     ],
 )
 @pytest.mark.usefixtures("run")

@@ -14,10 +14,10 @@ from followspot.cli import swap
 @pytest.mark.parametrize(
     "words",
     [
-        ["--fresh", "glowballs", "fuse=balls.mean", "color.similarity=0.7"],
-        ["glowballs", "--fresh", "fuse=balls.mean", "color.similarity=0.7"],
-        ["glowballs", "fuse=balls.mean", "--fresh", "color.similarity=0.7", "--json"],
-        ["glowballs", "fuse=balls.mean", "color.similarity=0.7", "--fresh"],
+        ["--fresh", "--run", "glowballs", "fuse=balls.mean", "color.similarity=0.7"],
+        ["--run", "glowballs", "--fresh", "fuse=balls.mean", "color.similarity=0.7"],
+        ["fuse=balls.mean", "--fresh", "color.similarity=0.7", "--run", "glowballs", "--json"],
+        ["fuse=balls.mean", "color.similarity=0.7", "--fresh", "--run=glowballs"],
     ],
 )
 def test_options_of_swap_stand_anywhere(words: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -32,14 +32,67 @@ def test_options_of_swap_stand_anywhere(words: list[str], monkeypatch: pytest.Mo
         command_line, "CORE", (replace(next(one for one in swap.COMMANDS if one.name == "swap"), run=note),)
     )
     assert command_line.main(["swap", *words]) == 0
-    assert asked[0].words == ["glowballs", "fuse=balls.mean", "color.similarity=0.7"]
+    assert asked[0].run == "glowballs"
+    assert asked[0].words == ["fuse=balls.mean", "color.similarity=0.7"]
     assert asked[0].fresh
 
 
 def test_a_wrong_option_among_the_words_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
-        command_line.main(["swap", "glowballs", "--frehs", "fuse=balls.mean"])
+        command_line.main(["swap", "fuse=balls.mean", "--frehs", "color.similarity=0.7"])
     assert "--fresh" in capsys.readouterr().err
+
+
+RUN_COMMANDS = {
+    *(
+        "top",
+        "hz",
+        "echo",
+        "logs",
+        "pause",
+        "resume",
+        "step",
+        "mark",
+        "save",
+        "set",
+        "swap",
+        "move",
+        "attach",
+    ),
+    "dashboard",
+}
+
+
+def test_every_command_names_its_run_in_the_same_way() -> None:
+    known = command_line.build_parser()._subparsers
+    assert known is not None
+    (commands,) = known._group_actions
+    assert isinstance(commands.choices, dict)
+    for name in RUN_COMMANDS:
+        actions = {action.dest: action for action in commands.choices[name]._actions}
+        assert actions["run"].option_strings == ["--run"], name
+        assert not actions["run"].required, name
+        assert actions["run"].help is not None, name
+        assert actions["run"].help.startswith("which run, if several go on"), name
+
+
+@pytest.mark.parametrize(
+    "words", [["top", "glowballs"], ["mark", "glowballs"], ["move", "a", "b", "glowballs"]]
+)
+def test_a_run_without_its_option_is_told_the_option(
+    capsys: pytest.CaptureFixture[str], words: list[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        command_line.main(words)
+    assert "unrecognized arguments: glowballs; name a run by --run" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["swap", "glowballs", "fuse=balls.mean"], ["dashboard", "glowballs"]])
+def test_a_run_in_the_place_of_something_else_is_told_the_option(
+    capsys: pytest.CaptureFixture[str], words: list[str]
+) -> None:
+    assert command_line.main(words) == 2
+    assert "--run glowballs" in capsys.readouterr().err
 
 
 def test_a_word_too_many_is_told_if_a_command_takes_one(capsys: pytest.CaptureFixture[str]) -> None:

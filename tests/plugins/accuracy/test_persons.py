@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.datasets import ROOT, dataset, needs_data
 
 from followspot import InputError, at
 from followspot.geometry import wrap
@@ -26,8 +27,10 @@ from followspot_accuracy import (
 )
 from followspot_accuracy.persons.visits import switches
 
-PERSONS = Path(__file__).parents[3] / "../shared/data/persons-dev"
-needs_shared = pytest.mark.skipif(not PERSONS.parents[1].exists(), reason="needs ../shared")
+PERSONS = dataset("persons-dev")
+RENDERED = ROOT / "tests/rendered/people"
+RECORDED = ("d_o", "d_p", "d_m_c1")
+needs_recordings = needs_data("persons-dev")
 FPS = 10.0
 HEAD = "frame,time,person,x,y,z_head_top,phi,r,torso_heading,head_pan,head_tilt,confidence"
 TRUE_HEAD = "time,person,x,y,z_head_top,r,torso_heading_room,torso_heading,head_pan,head_tilt,visible_upper"
@@ -319,17 +322,22 @@ def test_messages_become_a_table() -> None:
     np.testing.assert_array_equal(table.pose[0, 0], [1, 2, 1.8, 0.1, 0.2, 0.3])
 
 
-@needs_shared
-@pytest.mark.parametrize("name", ["d_o", "d_p", "d_m_c1"])
-def test_recorded_truth_scored_against_itself_is_perfect(name: str) -> None:
-    true = read_pose_truth_csv(PERSONS / f"{name}_gt.csv")
-    poses = read_poses_csv(PERSONS / f"{name}_gt.csv", lambda _: true.viewpoint)
+@pytest.mark.parametrize(
+    "path",
+    [
+        RENDERED / "left_gt.csv",
+        *(pytest.param(PERSONS / f"{name}_gt.csv", marks=needs_recordings) for name in RECORDED),
+    ],
+)
+def test_recorded_truth_scored_against_itself_is_perfect(path: Path) -> None:
+    true = read_pose_truth_csv(path)
+    poses = read_poses_csv(path, lambda _: true.viewpoint)
     score = score_persons(poses, true)
     assert score.overall.torso.median_deg < 0.02
     assert_perfect(score)
 
 
-@needs_shared
+@needs_recordings
 @pytest.mark.parametrize(
     ("name", "place"), [("d_p", (0, 0)), ("d_m_c1", (-2.1, 2.1)), ("d_m_c2", (1.78, 1.98))]
 )

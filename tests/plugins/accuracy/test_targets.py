@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.datasets import dataset, needs_data
 
 from followspot import Camera, InputError, Room, at
 from followspot.rotation import from_rotation_vector
@@ -27,8 +28,8 @@ from followspot_accuracy import (
 from followspot_accuracy.statistics import nearest
 from followspot_accuracy.targets.figures import PAPER_UNIT, found_while_sought, jerk_cost, recoveries
 
-GLOWBALLS = Path(__file__).parents[3] / "../shared/data/glowballs-dev"
-needs_shared = pytest.mark.skipif(not GLOWBALLS.parents[1].exists(), reason="needs ../shared")
+GLOWBALLS = dataset("glowballs-dev")
+needs_recordings = needs_data("glowballs-dev")
 FPS = 30.0
 
 
@@ -271,7 +272,7 @@ def test_table_has_a_line_per_target_and_json_has_no_nan() -> None:
     assert parsed["a"]["reprojection_px"] is None
 
 
-@needs_shared
+@needs_recordings
 def test_recorded_truth_is_perfect_against_itself() -> None:
     recorded = read_truth_csv(GLOWBALLS / "dev4/truth.csv")
     assert recorded.objects == ("yellow", "red", "blue")

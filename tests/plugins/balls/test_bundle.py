@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.datasets import needs_data
 from tests.plugins.balls.scene import RADIUS, forecast_at, make_room
 from tests.plugins.balls.test_tracker import RECORDINGS, recorded_frames, recorded_room, track
 
@@ -280,7 +281,7 @@ def test_the_glow_fades_with_the_clearance_from_the_nearest_plane() -> None:
     assert np.isinf(nearest_planes(np.zeros((0, 4)), xyz, np.ones(2))[1]).all()
 
 
-@pytest.mark.skipif(not RECORDINGS.is_dir(), reason="needs ../shared/data/glowballs-dev")
+@needs_data("glowballs-dev")
 def test_balls_that_people_hide_in_part_are_located_to_millimetres() -> None:
     """dev2: swaps, bowed people, balls side by side on the floor; the bar is the project's: 7 and 15 mm."""
     room = recorded_room(("red", "yellow", "blue"))

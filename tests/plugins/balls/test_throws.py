@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.datasets import dataset, needs_data
 
 from followspot import Camera, Context, Header, Room, Target
 from followspot.cli.main import main
@@ -19,8 +20,8 @@ from followspot_balls.throws.parabola import bend, residual
 from followspot_balls.throws.stage import Throws
 
 REPOSITORY = Path(__file__).parents[3]
-THROWS = REPOSITORY / "../shared/data/balls-thrown-room"
-needs_shared = pytest.mark.skipif(not THROWS.parents[1].exists(), reason="needs ../shared")
+THROWS = dataset("balls-thrown-room")
+needs_recordings = needs_data("balls-thrown-room")
 PERIOD = 1 / 30
 
 
@@ -180,7 +181,7 @@ and leave three later. With the yellow ball a pale disc flies, in 535 to 635, ab
 """
 
 
-@needs_shared
+@needs_recordings
 @pytest.mark.thorough
 def test_every_throw_of_the_recording_is_one_track_and_no_decoy_is(tmp_path: Path) -> None:
     """The throws are tracked from their 14th whole picture at the latest until the last.

@@ -10,6 +10,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from tests.datasets import dataset, needs_data
 from tests.plugins.balls.scene import learn_color, make_room, picture
 
 from followspot.messages import Array, Header, Message, seal, stamped
@@ -29,7 +30,7 @@ from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs
 from followspot_target_filter.stage import Outputs
 
-RECORDINGS = Path(__file__).resolve().parents[3].parent / "shared/data/glowballs-dev"
+RECORDINGS = dataset("glowballs-dev")
 FRAME_NS = 33_333_333
 
 
@@ -188,7 +189,7 @@ def recorded_frames(room: Room, sequence: str) -> list[dict[str, Frame]]:
 
 # Bars: coverage and switches as required of the tracker; errors with a fifth to spare over what it reached
 # (dev1 7 mm, dev2 10 mm, dev4 8 mm). False positions: none was seen.
-@pytest.mark.skipif(not RECORDINGS.exists(), reason="needs the recordings in ../shared")
+@needs_data("glowballs-dev")
 @pytest.mark.parametrize(
     ("sequence", "rmse_mm"),
     [

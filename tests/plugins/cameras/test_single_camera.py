@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.datasets import dataset, needs_data
 
 from followspot import Camera, Room, Target
 from followspot.cli.main import main
@@ -12,8 +13,8 @@ from followspot.room import StageUse
 from followspot.room_file import save
 
 REPOSITORY = Path(__file__).parents[3]
-THROWS = REPOSITORY / "../shared/data/balls-thrown-room"
-needs_shared = pytest.mark.skipif(not THROWS.parents[1].exists(), reason="needs ../shared")
+THROWS = dataset("balls-thrown-room")
+needs_recordings = needs_data("balls-thrown-room")
 
 
 def hue(**degrees: float) -> np.ndarray:
@@ -44,7 +45,7 @@ def office(folder: Path, start: int, frames: int) -> Path:
     return path
 
 
-@needs_shared
+@needs_recordings
 @pytest.mark.parametrize(
     ("target", "first", "last"), [("red", 158, 266), ("yellow", 540, 632)], ids=["red", "yellow"]
 )

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.datasets import dataset, needs_data
 from tests.plugins.cameras.recordings import SIZE, context, numbers, record
 
 import followspot as fs
@@ -16,8 +17,8 @@ from followspot import InputError, Room, room_file
 from followspot.frame_times import capture_time, exact_rate
 from followspot_cameras.video.stage import Video
 
-GLOWBALLS = Path(__file__).parents[3] / "../shared/data/glowballs-dev"
-needs_shared = pytest.mark.skipif(not GLOWBALLS.parents[1].exists(), reason="needs ../shared")
+GLOWBALLS = dataset("glowballs-dev")
+needs_recordings = needs_data("glowballs-dev")
 
 
 def play(path: Path, kind: str = "color", **params: object) -> tuple[list, list[str]]:
@@ -171,7 +172,7 @@ def test_ntsc_rate_is_exact() -> None:
     assert exact_rate(29.97002997) == Fraction(30000, 1001)
 
 
-@needs_shared
+@needs_recordings
 def test_recording_with_useless_time_stamps_plays_at_its_frame_rate() -> None:
     base = context("infrared", size=(320, 240))
     video = Video(base, path=GLOWBALLS / "dev1/cam1.mkv")

@@ -3,11 +3,11 @@
 import csv
 import pickle
 from dataclasses import replace
-from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
+from tests.datasets import dataset, needs_data
 
 from followspot import Camera, InputError
 from followspot.files import DATA
@@ -22,8 +22,8 @@ from followspot_persons.hog.stage import Hog
 from followspot_persons.hog.window import BODY, HEIGHT, WIDTH, cut
 from followspot_persons.people_detector import PeopleDetector
 
-SHARED = Path(__file__).parents[4] / "shared/data"
-needs_shared = pytest.mark.skipif(not SHARED.is_dir(), reason="no ../shared beside the checkout")
+PERSONS = dataset("persons-dev")
+needs_recordings = needs_data("persons-dev")
 FACING = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0.0]])
 PLACE = -FACING @ [0, 0, 1.2]
 
@@ -183,14 +183,14 @@ def test_grey_pictures_are_searched_too():
 
 
 def pictures_of(video, numbers):
-    capture = cv2.VideoCapture(str(SHARED / "persons-dev" / video))
+    capture = cv2.VideoCapture(str(PERSONS / video))
     for number in range(max(numbers) + 1):
         assert capture.grab()
         if number in numbers:
             yield number, capture.retrieve()[1]
 
 
-@needs_shared
+@needs_recordings
 def test_a_person_on_the_seam_is_found_as_elsewhere():
     made = ready(Hog, panorama())
     [(_, pixels)] = pictures_of("d_o.mp4", [0])
@@ -206,10 +206,10 @@ def test_a_person_on_the_seam_is_found_as_elsewhere():
     assert moved.score[again] == pytest.approx(plain.score[best], abs=1)
 
 
-@needs_shared
+@needs_recordings
 def test_people_whose_heads_are_above_the_picture_are_found():
     """A quarter of the upper body is cut off with the picture's upper rows."""
-    with (SHARED / "persons-dev/d_p_gt.csv").open(newline="") as stream:
+    with (PERSONS / "d_p_gt.csv").open(newline="") as stream:
         truth = {int(row["frame"]): row for row in csv.DictReader(stream)}
     hits = []
     for number, pixels in pictures_of("d_p.mp4", range(0, 200, 80)):
@@ -231,14 +231,14 @@ def likeliest(likelihood):
     return 2 * np.pi * np.argmax(likelihood, axis=-1) / DIRECTIONS
 
 
-@needs_shared
+@needs_recordings
 @pytest.mark.parametrize(
     ("video", "view"), [("d_o", panorama()), pytest.param("d_p", perspective(), marks=pytest.mark.thorough)]
 )
 def test_strangers_in_strange_pictures_are_found_with_their_headings(video, view):
     """The shipped weights never saw these videos or the persons in them."""
     made = ready(Hog, view)
-    with (SHARED / f"persons-dev/{video}_gt.csv").open(newline="") as stream:
+    with (PERSONS / f"{video}_gt.csv").open(newline="") as stream:
         truth = {int(row["frame"]): row for row in csv.DictReader(stream)}
     hits, extra, errors = [], 0, []
     numbers = range(0, 200, 40)

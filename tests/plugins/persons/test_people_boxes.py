@@ -5,10 +5,10 @@ from __future__ import annotations
 import csv
 import json
 from collections import defaultdict
-from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.datasets import dataset, needs_data
 from tests.plugins.persons.crowded import followed, table
 
 from followspot import Camera, Room
@@ -17,11 +17,11 @@ from followspot.people import Boxes
 from followspot.points import Points2D
 from followspot_accuracy import PoseTruthTable, score_persons
 
-DATA = Path(__file__).parents[3] / "../shared/data/people-boxes-cmc1"
+DATA = dataset("people-boxes-cmc1")
 AREA = (2.03, 0.0, 6.3, 3.41)
 """Part of the floor that the truth covers, m."""
 FPS = 4
-pytestmark = pytest.mark.skipif(not DATA.exists(), reason="needs ../shared/data/people-boxes-cmc1")
+pytestmark = needs_data("people-boxes-cmc1")
 
 
 def room() -> Room:

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import numpy as np
-import pytest
+from tests.datasets import dataset, needs_data
 
 from followspot import Camera, Context, Header, Room
 from followspot.messages import stamped
@@ -12,8 +12,8 @@ from followspot.testing import check_stage
 from followspot_accuracy import read_pose_truth_csv, read_poses_csv
 from followspot_sinks.csv_file import CsvFile
 
-PERSONS = Path(__file__).parents[3] / "../shared/data/persons-dev"
-needs_shared = pytest.mark.skipif(not PERSONS.parents[1].exists(), reason="needs ../shared")
+PERSONS = dataset("persons-dev")
+needs_recordings = needs_data("persons-dev")
 AT = np.array([1.0, 1.0, 1.2])
 ALONG_Y = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Rotation of a level camera that looks along the room's y axis."""
@@ -79,7 +79,7 @@ def test_saved_poses_read_back(tmp_path: Path) -> None:
     np.testing.assert_allclose(table.pose[:, 3], [2, -3, 3], atol=1e-3)
 
 
-@needs_shared
+@needs_recordings
 def test_recorded_directions_distances_and_headings_are_met() -> None:
     """A camera as the recordings describe it, with what its truth says of the first frame."""
     yaw = -0.8028514559173915

@@ -7,6 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from tests.datasets import dataset, needs_data
 from tests.tools.calibrate.drawn_boards import Photographer, Place, lens
 
 from followspot.cli.main import main
@@ -25,9 +26,7 @@ from followspot_calibrate.boards.board import parse_board
 from followspot_calibrate.boards.detection import View
 from followspot_calibrate.similarity import Similarity
 
-SHARED = Path(__file__).parents[3] / "../shared/data"
-needs_shared = pytest.mark.skipif(not SHARED.parent.exists(), reason="needs ../shared")
-CALISCOPE = SHARED / "calib-charuco-4cam-caliscope"
+CALISCOPE = dataset("calib-charuco-4cam-caliscope")
 BOARD = parse_board("charuco:6x5:0.06:DICT_4X4_50")
 
 
@@ -377,7 +376,7 @@ def test_recording_of_another_size_is_refused(room: Path, capsys: pytest.Capture
     assert "left is calibrated for 320x240 px, its recording is 640x480" in capsys.readouterr().err
 
 
-@needs_shared
+@needs_data("calib-charuco-4cam-caliscope")
 @pytest.mark.thorough
 def test_real_board_is_rigid_to_two_millimetres(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Four webcams, 54 mm squares; the poses agree with an earlier calibration by another program."""

@@ -8,6 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from tests.datasets import dataset, needs_data
 from tests.tools.calibrate.rooms import made_room
 
 from followspot import Camera, Room, Target
@@ -20,9 +21,8 @@ from followspot_calibrate.check.agreement import agreement, bias, typical_error,
 from followspot_calibrate.check.findings import Findings
 from followspot_calibrate.check.lengths import MeasuredLength, measured_length
 
-SHARED = Path(__file__).parents[3] / "../shared/data"
-GLOWBALLS = SHARED / "glowballs-dev"
-needs_shared = pytest.mark.skipif(not SHARED.parent.exists(), reason="needs ../shared")
+GLOWBALLS = dataset("glowballs-dev")
+needs_recordings = needs_data("glowballs-dev")
 CAMERAS = made_room(5, 1).cameras
 
 
@@ -288,7 +288,7 @@ def test_mistakes_name_the_remedy(tmp_path: Path, capsys: pytest.CaptureFixture[
         assert said in capsys.readouterr().err
 
 
-@needs_shared
+@needs_recordings
 def test_glowballs_wand_finds_its_own_calibration_good_and_a_turned_camera_bad(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -306,7 +306,7 @@ def test_glowballs_wand_finds_its_own_calibration_good_and_a_turned_camera_bad(
     assert [camera["camera"] for camera in found["points"]["cameras"] if camera["suspect"]] == ["cam3"]
 
 
-@needs_shared
+@needs_recordings
 @pytest.mark.thorough
 def test_a_turned_camera_is_found_by_tracking_the_recording(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.datasets import dataset, needs_data
 from tests.tools.calibrate.rooms import made_room
 
 from followspot import Camera
@@ -17,8 +18,8 @@ from followspot.errors import InputError
 from followspot_calibrate.check.against import common_points, compare
 from followspot_calibrate.similarity import Similarity
 
-POSE2SIM = Path(__file__).parents[3] / "../shared/data/room-pose2sim-single-4cam"
-needs_shared = pytest.mark.skipif(not POSE2SIM.parents[1].exists(), reason="needs ../shared")
+POSE2SIM = dataset("room-pose2sim-single-4cam")
+needs_recordings = needs_data("room-pose2sim-single-4cam")
 CAMERAS = made_room(4, 1).cameras
 
 
@@ -90,7 +91,7 @@ def test_compared_points_are_where_the_cameras_look() -> None:
     assert np.abs(points.mean(axis=0) - [0, 0, 0.9]).max() < 0.5
 
 
-@needs_shared
+@needs_recordings
 def test_two_calibrations_of_one_lab_are_imported_and_their_difference_reported(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

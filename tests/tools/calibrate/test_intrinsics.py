@@ -10,6 +10,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from tests.datasets import dataset, needs_data
 from tests.tools.calibrate.drawn_boards import Photographer, lens, places
 
 from followspot import at
@@ -32,8 +33,6 @@ from followspot_calibrate.intrinsics.coverage import Coverage, coverage
 from followspot_calibrate.intrinsics.fitting import fit
 from followspot_calibrate.intrinsics.selection import diverse, sharp
 
-SHARED = Path(__file__).parents[3] / "../shared/data"
-needs_shared = pytest.mark.skipif(not SHARED.parent.exists(), reason="needs ../shared")
 CHARUCO = "charuco:7x5:0.04:DICT_4X4_50"
 BOARD = parse_board(CHARUCO)
 SIZE = (640, 480)
@@ -370,10 +369,10 @@ def test_command_refuses_what_it_cannot_do(
     assert not (tmp_path / "room.yaml").exists()
 
 
-@needs_shared
+@needs_data("room-pose2sim-single-4cam")
 def test_chessboards_of_a_real_room_give_the_published_lens(tmp_path: Path) -> None:
     """The focal length that another program found from the same seven pictures, to 0.2 %."""
-    folder = SHARED / "room-pose2sim-single-4cam/intrinsics/int_cam02_img"
+    folder = dataset("room-pose2sim-single-4cam") / "intrinsics/int_cam02_img"
     room = tmp_path / "room.yaml"
     arguments = ["--clip", f"cam02={folder}", "--board", "chessboard:7x4:0.06"]
     assert main(["calibrate", "intrinsics", "--room", str(room), *arguments]) == 0
@@ -384,9 +383,9 @@ def test_chessboards_of_a_real_room_give_the_published_lens(tmp_path: Path) -> N
     assert camera.distortion[0] == pytest.approx(-0.052, abs=0.02)
 
 
-@needs_shared
+@needs_data("calib-charuco-4cam-caliscope")
 def test_inverted_charuco_on_video_gives_a_lens_near_the_given_one(tmp_path: Path) -> None:
-    folder = SHARED / "calib-charuco-4cam-caliscope/calibration/extrinsic"
+    folder = dataset("calib-charuco-4cam-caliscope") / "calibration/extrinsic"
     room = tmp_path / "room.yaml"
     board = "charuco:4x5:0.054:DICT_4X4_1000:inverted"
     arguments = ["--videos", str(folder), "--camera", "cam_0", "--board", board, "--pictures", "60"]

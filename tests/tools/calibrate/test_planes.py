@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.datasets import dataset, needs_data
 from tests.tools.calibrate.rooms import made_room
 
 from followspot import Room
@@ -24,8 +25,8 @@ from followspot_calibrate.planes.frame import moved_plane, onto_floor
 from followspot_calibrate.planes.marks import read_marks, sightings
 from followspot_calibrate.sightings import Sightings
 
-GLOWBALLS = Path(__file__).parents[3] / "../shared/data/glowballs-dev"
-needs_shared = pytest.mark.skipif(not GLOWBALLS.parents[1].exists(), reason="needs ../shared")
+GLOWBALLS = dataset("glowballs-dev")
+needs_recordings = needs_data("glowballs-dev")
 CAMERAS = made_room(4, 1).cameras
 
 normals = st.tuples(*[st.floats(-1, 1)] * 3).map(np.array).filter(lambda n: np.linalg.norm(n) > 0.2)
@@ -215,7 +216,7 @@ def test_planes_from_clips_of_dots(studio: Path) -> None:
     assert main(["calibrate", "planes", "--room", room, "--clips", clips]) == 2
 
 
-@needs_shared
+@needs_recordings
 def test_glowballs_planes_are_within_3_mm_and_a_fifth_of_a_degree(tmp_path: Path) -> None:
     room = str(tmp_path / "room.yaml")
     calibration, videos = str(GLOWBALLS / "calibration.json"), str(GLOWBALLS / "dev1")

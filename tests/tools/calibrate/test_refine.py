@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.datasets import dataset, needs_data
 from tests.tools.calibrate.rooms import camera_of, made_room
 
 from followspot import Camera, Room
@@ -27,8 +28,8 @@ from followspot_calibrate.triangulation import triangulate
 from followspot_calibrate.wand.rounds import SCALE, chosen
 
 ROOT = Path(__file__).parents[3]
-GLOWBALLS = ROOT / "../shared/data/glowballs-dev"
-needs_shared = pytest.mark.skipif(not GLOWBALLS.exists(), reason="needs ../shared")
+GLOWBALLS = dataset("glowballs-dev")
+needs_recordings = needs_data("glowballs-dev")
 FLOOR = {"floor": np.array([0.0, 0.0, 1.0, 0.0])}
 RADIUS = 0.0762
 TRUE = made_room(6, 1).cameras
@@ -204,7 +205,7 @@ def test_the_derivatives_of_a_prior_are_those_of_its_errors():
 
 
 @pytest.mark.thorough
-@needs_shared
+@needs_recordings
 def test_a_noisy_calibration_is_corrected_from_one_recording(tmp_path, capsys):
     """glowballs-dev, six balls in three seconds: 6 mm become less than 2.5 mm; planes follow the cameras."""
     room, noisy = tmp_path / "room.yaml", GLOWBALLS / "calibration_noisy.json"

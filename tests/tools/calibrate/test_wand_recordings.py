@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.datasets import dataset, needs_data
 from tests.tools.calibrate.rooms import camera_of
 
 from followspot import Camera
@@ -15,14 +15,11 @@ from followspot_calibrate.points_file import read_points
 from followspot_calibrate.similarity import similarity, spread
 from followspot_calibrate.wand.solving import solve
 
-DATA = Path(__file__).parents[3] / "../shared/data"
-needs_shared = pytest.mark.skipif(not DATA.exists(), reason="needs ../shared")
 
-
-@needs_shared
+@needs_data("selfcal-mcsc-2010")
 def test_the_old_toolbox_is_beaten_on_its_own_recording():
     """selfcal-mcsc-2010: its own figure is a mean of 0.62 px; here over all points, also those left out."""
-    solved = solve(read_points(DATA / "selfcal-mcsc-2010"), None)
+    solved = solve(read_points(dataset("selfcal-mcsc-2010")), None)
     settled, seen = solved.settled, solved.sightings.seen.sum()
     every = np.hypot(settled.residual[..., 0], settled.residual[..., 1])
     assert np.isfinite(every).sum() > 0.99 * seen
@@ -32,10 +29,10 @@ def test_the_old_toolbox_is_beaten_on_its_own_recording():
 
 
 @pytest.mark.thorough
-@needs_shared
+@needs_data("selfcal-ball-9cam")
 def test_nine_cameras_and_a_ball_agree_with_their_authors():
     """selfcal-ball-9cam, every 20th frame: median under 3.1 px, shape within 1 % of the authors'."""
-    folder = DATA / "selfcal-ball-9cam"
+    folder = dataset("selfcal-ball-9cam")
     rough = json.loads((folder / "intrinsics_initial.json").read_text())
     poses = json.loads((folder / "reference_calibration_unscaled.json").read_text())["reference_poses"]
     cameras = [nine(number, rough[str(number)]) for number in range(9)]
@@ -50,11 +47,11 @@ def test_nine_cameras_and_a_ball_agree_with_their_authors():
     assert np.sqrt(np.square(apart).sum(axis=1).mean()) < 0.01 * spread(authors)
 
 
-@needs_shared
+@needs_data("glowballs-dev")
 def test_a_wand_in_the_rendered_room_places_the_cameras():
     """glowballs-dev: within 5 mm and 0.2 degrees of the truth, mean under 0.4 px."""
     truth = glowballs()
-    sightings = read_points(DATA / "glowballs-dev/wand/points.csv", truth)
+    sightings = read_points(dataset("glowballs-dev") / "wand/points.csv", truth)
     solved = solve(sightings, truth, "auto")
     assert solved.intrinsics == "known"
     assert np.nanmean(solved.settled.distance) < 0.4
@@ -63,11 +60,11 @@ def test_a_wand_in_the_rendered_room_places_the_cameras():
     assert degrees.max() < 0.2
 
 
-@needs_shared
+@needs_data("glowballs-dev")
 def test_a_wand_in_the_rendered_room_finds_the_intrinsics_too():
     """glowballs-dev with nothing known: focal lengths within 2 %, centres within 4 cm (depth ratio 1.6)."""
     truth = glowballs()
-    solved = solve(read_points(DATA / "glowballs-dev/wand/points.csv", truth), truth, "free")
+    solved = solve(read_points(dataset("glowballs-dev") / "wand/points.csv", truth), truth, "free")
     assert np.nanmean(solved.settled.distance) < 0.4
     assert differences(solved.settled.cameras, truth)[0].max() < 40
     for found, true in zip(solved.settled.cameras, truth, strict=True):
@@ -85,7 +82,7 @@ def differences(cameras, truth) -> tuple[Array, Array]:
 
 
 def glowballs() -> list[Camera]:
-    calibration = json.loads((DATA / "glowballs-dev/calibration.json").read_text())
+    calibration = json.loads((dataset("glowballs-dev") / "calibration.json").read_text())
     return [camera_of(one["name"], (320, 240), one) for one in calibration["cameras"]]
 
 

@@ -194,7 +194,9 @@ def test_the_command_line_keeps_and_marks_and_a_failure_marks_by_itself(graph: P
             return False
 
     wait_until(ready)
-    said = command("mark", str(process.pid), "--after", "100ms", "--note", "now", "--json", check=True)
+    said = command(
+        "mark", "--run", str(process.pid), "--after", "100ms", "--note", "now", "--json", check=True
+    )
     moment = json.loads(said.stdout)
     run_here(str(process.pid)).set("louder.torn", True)
     _, errors = process.communicate(timeout=TIMEOUT)

@@ -86,14 +86,14 @@ def test_what_is_asked_for_is_told(
     file = LogFile(tmp_path)
     for record in SAID:
         file.write(record)
-    assert said(capsys, str(tmp_path), "--json", *words) == expected
+    assert said(capsys, "--run", str(tmp_path), "--json", *words) == expected
 
 
 def test_a_run_that_goes_on_is_asked_once_or_followed_to_its_end(
     run: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert said(capsys, run, "--json") == ["warm", "dark\nvery", "broken"]
-    assert main(["logs", run, "-f"]) == 0
+    assert said(capsys, "--run", run, "--json") == ["warm", "dark\nvery", "broken"]
+    assert main(["logs", "--run", run, "-f"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[1].endswith("warning pc-left/left color/cam1: dark")
     assert lines[2] == "    very"
@@ -101,5 +101,5 @@ def test_a_run_that_goes_on_is_asked_once_or_followed_to_its_end(
 
 
 def test_a_folder_without_a_log_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["logs", str(tmp_path)]) == 2
+    assert main(["logs", "--run", str(tmp_path)]) == 2
     assert "log.jsonl" in capsys.readouterr().err

@@ -132,7 +132,7 @@ def said(*line: str) -> int:
 
 
 def test_top_tells_once_what_everything_is_doing(run: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert said("top", run) == 0
+    assert said("top", "--run", run) == 0
     text = capsys.readouterr().out
     assert text.startswith(f"glowballs ({run[:8]}): 7 of 100 frames")
     fuse = next(line for line in text.splitlines() if line.startswith("  fuse "))
@@ -148,7 +148,7 @@ def test_top_tells_once_what_everything_is_doing(run: str, capsys: pytest.Captur
 
 
 def test_top_in_json_is_one_object(run: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert said("top", run, "--json") == 0
+    assert said("top", "--run", run, "--json") == 0
     found = json.loads(capsys.readouterr().out)
     assert (found["run"], found["fired"], found["edges"][0]["late"]) == (run, 7, 1)
     assert (found["edges"][0]["produced"], found["edges"][0]["away"]) == (12, 2)

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 from followspot.cli.agent_options import add_network_options
 from followspot.cli.graph_options import add_plugin_option
+from followspot.cli.run_option import add_run_option
 from followspot.plugins.hooks import Command, PlanOptions, hookimpl
 from followspot_page.address import HOST, PORT
-from followspot_watch.run_option import RUN
 
 if TYPE_CHECKING:
     from followspot.graph.plan import Plan
@@ -63,7 +63,8 @@ def watched(args: argparse.Namespace) -> Iterator[None]:
 
 
 def _configure_dashboard(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("run", nargs="?", metavar="RUN", help=f"{RUN}; or FILE.mcap, a recording")
+    parser.add_argument("recording", nargs="?", metavar="FILE.mcap", help="a recording instead of a run")
+    add_run_option(parser)
     _add_address(parser)
     add_plugin_option(parser, "load a Python file with stages that agents have loaded; repeatable")
     add_network_options(parser)
@@ -79,8 +80,8 @@ def _dashboard(args: argparse.Namespace) -> int:
     Examples:
       followspot dashboard
       followspot dashboard show.mcap
-      followspot dashboard glowballs --dashboard-at 127.0.0.1:9000
-      followspot dashboard glowballs --connect tls/pc-left:7450 --certificates certs
+      followspot dashboard --run glowballs --dashboard-at 127.0.0.1:9000
+      followspot dashboard --connect tls/pc-left:7450 --certificates certs
     """
     from followspot_page.options import order_of_run
     from followspot_page.showing import shown

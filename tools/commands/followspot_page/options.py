@@ -43,9 +43,12 @@ def order_of(args: argparse.Namespace, pid: int | None = None) -> PageOrder:
 
 def order_of_run(args: argparse.Namespace) -> PageOrder:
     """The page of a recording, or of a run that goes on, here or under agents. Raises FollowspotError."""
-    if args.run is not None and args.run.endswith(".mcap"):
+    if args.recording is not None:
+        if not args.recording.endswith(".mcap"):
+            text = f"{args.recording} is no recording FILE.mcap"
+            raise InputError.of(text, f"name a run with --run {args.recording}")
         files = tuple(str(Path(file).absolute()) for file in args.plugin_files)
-        return replace(order_of(args, 0), recording=str(Path(args.run).absolute()), plugin_files=files)
+        return replace(order_of(args, 0), recording=str(Path(args.recording).absolute()), plugin_files=files)
     network = network_of(args)
     with connected_run(args.run, network) as run:
         order = order_of(args, run.pid or 0)

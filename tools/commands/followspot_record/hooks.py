@@ -145,7 +145,6 @@ def configure_verify(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("recording", metavar="FILE.mcap", help="the recording")
     add_plugin_option(parser, "load the stages of a Python file that the recorded run had loaded; repeatable")
     parser.add_argument("--json", action="store_true", help="end with one JSON object")
-    parser.add_argument("-q", "--quiet", action="store_true", help="no progress")
 
 
 def configure_export(parser: argparse.ArgumentParser) -> None:
@@ -241,7 +240,7 @@ def mark(args: argparse.Namespace) -> int:
 
     Examples:
       followspot mark
-      followspot mark glowballs --after 10s --note "blue jumped"
+      followspot mark --run glowballs --after 10s --note "blue jumped"
     """
     from followspot_record.flight.mark_command import mark_command
 

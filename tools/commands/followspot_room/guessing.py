@@ -14,6 +14,7 @@ import numpy as np
 from followspot import Camera, Room
 from followspot.errors import InputError, writing
 from followspot.messages import Array
+from followspot.notes import progress_is_shown
 from followspot.room import StageUse
 from followspot.room_file import save
 from followspot_cameras.video.file import announced_frames, open_video
@@ -92,12 +93,12 @@ def _pictures(video: Path) -> Iterator[Array]:
                 picture = capture.retrieve()[1]
                 if picture is not None:
                     yield picture
-                if sys.stderr.isatty():
+                if progress_is_shown():
                     print(f"\rlooking for people: frame {number}", end="", file=sys.stderr)
             number += 1
     finally:
         capture.release()
-        if sys.stderr.isatty():
+        if progress_is_shown():
             print(file=sys.stderr)
 
 

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from followspot.errors import InputError, Mistake
+from followspot.notes import progress_is_shown
 from followspot_persons.hog.model import HogModel, save
 from followspot_persons.hog.window import ABOVE
 from followspot_train import baseline, figures, recipe
@@ -24,7 +25,7 @@ from followspot_train.recipe import Tell, Trial
 
 def train_hog(args: argparse.Namespace) -> int:
     """Read, try, learn, write, print. Returns the exit code."""
-    tell = _told if sys.stderr.isatty() else _untold
+    tell = _told if progress_is_shown() else _untold
     pictures = reduce(add, [read_folder(folder) for folder in args.folders])
     _check(pictures, args.out)
     rng = np.random.default_rng(args.seed)

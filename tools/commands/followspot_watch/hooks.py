@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 from followspot.cli.agent_options import add_network_options
 from followspot.cli.graph_options import add_plugin_option
+from followspot.cli.run_option import add_run_option
 from followspot.plugins.hooks import Command, hookimpl
 from followspot_watch.run_commands import RUN_COMMANDS
-from followspot_watch.run_option import RUN
 
 
 @hookimpl
@@ -28,7 +28,7 @@ def followspot_commands() -> Sequence[Command]:
 
 
 def _configure_top(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("run", nargs="?", metavar="RUN", help=RUN)
+    add_run_option(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object, and exit")
     parser.add_argument(
         "--every", type=float, default=1.0, metavar="S", help="seconds between two tables (default 1)"
@@ -37,14 +37,14 @@ def _configure_top(parser: argparse.ArgumentParser) -> None:
 
 
 def _configure_hold(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("run", nargs="?", metavar="RUN", help=RUN)
+    add_run_option(parser)
     add_network_options(parser)
 
 
 def _configure_step(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("number", nargs="?", type=_count, default=1, metavar="N", help="how many (default 1)")
     parser.add_argument("--source", metavar="STAGE", help="whose capture times count (default: first camera)")
-    parser.add_argument("--run", metavar="RUN", help=RUN)
+    add_run_option(parser)
     add_network_options(parser)
 
 
@@ -70,13 +70,13 @@ def _configure_echo(parser: argparse.ArgumentParser) -> None:
 
 def _add_run(parser: argparse.ArgumentParser) -> None:
     """Add --run, --plugin and the network options."""
-    parser.add_argument("--run", metavar="RUN", help=RUN)
+    add_run_option(parser)
     add_plugin_option(parser, "load a Python file with stages that agents have loaded; repeatable")
     add_network_options(parser)
 
 
 def _configure_logs(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("run", nargs="?", metavar="RUN|DIR", help=f"{RUN}; or an output folder")
+    add_run_option(parser, or_folder=True)
     parser.add_argument(
         "-f", "--follow", action="store_true", help="print new records until the run ends, or Ctrl-C"
     )
@@ -103,8 +103,8 @@ def _top(args: argparse.Namespace) -> int:
 
     Examples:
       followspot top
-      followspot top glowballs --json
-      followspot top glowballs --connect tls/pc-left:7450 --certificates certs
+      followspot top --run glowballs --json
+      followspot top --connect tls/pc-left:7450 --certificates certs
     """
     from followspot_watch.top import top
 
@@ -153,9 +153,9 @@ def _logs(args: argparse.Namespace) -> int:
 
     Examples:
       followspot logs
-      followspot logs glowballs -f --level warning
-      followspot logs runs/glowballs-20261121-180000 --stage color --json
-      followspot logs glowballs --connect tls/pc-left:7450 --certificates certs
+      followspot logs --run glowballs -f --level warning
+      followspot logs --run runs/glowballs-20261121-180000 --stage color --json
+      followspot logs --connect tls/pc-left:7450 --certificates certs
     """
     from followspot_watch.logs import logs
 
@@ -169,7 +169,7 @@ def _pause(args: argparse.Namespace) -> int:
 
     Examples:
       followspot pause
-      followspot pause glowballs --connect tls/pc-left:7450 --certificates certs
+      followspot pause --run glowballs --connect tls/pc-left:7450 --certificates certs
     """
     from followspot_watch.hold import pause
 

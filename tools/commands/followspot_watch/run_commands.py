@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 
 from followspot.cli.agent_options import add_network_options
+from followspot.cli.run_option import add_run_option
 from followspot.plugins.hooks import Command
-from followspot_watch.run_option import RUN
 
 
 def _configure_save(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", metavar="NAME.yaml", help="the new graph file")
-    parser.add_argument("--run", metavar="RUN", help=RUN)
+    add_run_option(parser)
 
 
 def _configure_runs(parser: argparse.ArgumentParser) -> None:

@@ -40,7 +40,7 @@ def end_abandoned_runs(client: RpcClient, host: str, here: Origin) -> Iterator[s
         elif run.silent_s > SILENT:
             yield (
                 f"{name} goes on there, whose operator has been silent for {run.silent_s:.0f} s; "
-                f"followspot attach {run.run[:8]} --stop ends it"
+                f"followspot attach --run {run.run[:8]} --stop ends it"
             )
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from tests.datasets import dataset
 from tests.plugins.persons.drawn import frame_of, ready
 from tests.plugins.persons.test_hog import perspective
 
@@ -19,9 +20,8 @@ from followspot_persons.pose_net.blazepose import BlazePose
 from followspot_persons.pose_net.loading import network
 from followspot_persons.pose_net.stage import PoseNet
 
-BESIDE = Path(__file__).parents[5]
 MODELS = Path(os.environ.get("FOLLOWSPOT_POSE_MODELS", "models"))
-RECORDINGS = BESIDE / "shared/data/persons-dev"
+RECORDINGS = dataset("persons-dev")
 MOVENET, BLAZEPOSE = MODELS / "movenet_multipose.onnx", MODELS / "pose_landmark_full.tflite"
 DETECTOR = MODELS / "pose_detection.tflite"
 EVERY = 25

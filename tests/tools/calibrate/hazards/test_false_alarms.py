@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import pytest
+from tests.datasets import dataset, needs_data
 from tests.tools.calibrate.rooms import camera_of, made_room, off_by, waved_room
 
 from followspot_calibrate.points_file import read_points
 from followspot_calibrate.wand.diagnostics import warnings_of
 from followspot_calibrate.wand.solving import Solved, solve
-
-DATA = Path(__file__).parents[4] / "../shared/data"
-needs_shared = pytest.mark.skipif(not DATA.exists(), reason="needs ../shared")
 
 
 @pytest.mark.parametrize(("cameras", "missing"), [(3, 0.1), (6, 0.6)])
@@ -37,17 +34,17 @@ def test_reflections_are_all_that_is_told_of_a_room_full_of_them(cameras, missin
     assert all("fit no other camera" in text for text in warnings_of(solved, 1.0))
 
 
-@needs_shared
+@needs_data("selfcal-mcsc-2010")
 @pytest.mark.thorough
 def test_the_recording_of_the_old_toolbox():
-    told = quiet(solve(read_points(DATA / "selfcal-mcsc-2010"), None))
+    told = quiet(solve(read_points(dataset("selfcal-mcsc-2010")), None))
     assert all("focal length" in text for text in told)
 
 
-@needs_shared
+@needs_data("glowballs-dev")
 @pytest.mark.parametrize("intrinsics", ["auto", pytest.param("free", marks=pytest.mark.thorough)])
 def test_the_rendered_room(intrinsics):
-    folder = DATA / "glowballs-dev"
+    folder = dataset("glowballs-dev")
     given = json.loads((folder / "calibration.json").read_text())["cameras"]
     lenses = [camera_of(one["name"], (320, 240), one) for one in given]
     told = quiet(solve(read_points(folder / "wand/points.csv", lenses), lenses, intrinsics))

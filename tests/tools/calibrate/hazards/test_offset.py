@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.datasets import dataset, needs_data
 from tests.tools.calibrate.rooms import camera_of, off_by, wand_file, waved_room
 
 from followspot import Room
@@ -20,8 +20,6 @@ from followspot_calibrate.wand.rounds import NothingFits, settle
 from followspot_calibrate.wand.solving import solve
 from followspot_calibrate.wand.timing import with_offsets
 
-DATA = Path(__file__).parents[4] / "../shared/data"
-needs_shared = pytest.mark.skipif(not DATA.exists(), reason="needs ../shared")
 WITHIN = 0.05
 """Frames: 0.3 px at 6 px a frame, less than the noise of 0.4 px."""
 PLACE_MM = 8.0
@@ -122,10 +120,10 @@ def test_an_offset_that_no_room_file_takes_is_refused():
 
 
 @pytest.mark.thorough
-@needs_shared
+@needs_data("selfcal-ball-9cam")
 def test_real_cameras_out_of_step_fit_better_once_that_is_corrected():
     """selfcal-ball-9cam, a ball at 15 px a frame: without the correction the median is 2.7 px."""
-    folder = DATA / "selfcal-ball-9cam"
+    folder = dataset("selfcal-ball-9cam")
     rough = json.loads((folder / "intrinsics_initial.json").read_text())
     lenses = [camera_of(f"cam{i}", (1280, 800), rough[str(i)]) for i in range(9)]
     sightings = read_points(folder / "single_ball.npz", lenses, confidence=0.5).rows(slice(3000, 3300))

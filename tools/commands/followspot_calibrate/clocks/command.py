@@ -17,6 +17,7 @@ from followspot.cli.progress import ProgressBar
 from followspot.errors import FollowspotError, InputError, did_you_mean, writing
 from followspot.graph.plan import Plan
 from followspot.messages import Array
+from followspot.notes import progress_is_shown
 from followspot.tables import table
 from followspot_calibrate.clocks.estimation import Offsets, estimated
 from followspot_calibrate.clocks.moments import moments
@@ -85,7 +86,7 @@ def found_in_rounds(plan: Plan, out: Path, args: argparse.Namespace) -> Offsets:
 
 def tracked_aloud(plan: Plan, out: Path, frames: int | None, number: int) -> Tracked:
     """One round, with progress on a terminal."""
-    if not sys.stderr.isatty():
+    if not progress_is_shown():
         return track(plan, out, frames, None)
     print(f"round {number + 1}", file=sys.stderr)
     with closing(ProgressBar()) as bar:

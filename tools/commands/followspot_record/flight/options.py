@@ -9,11 +9,10 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from followspot.cli.agent_options import add_network_options
+from followspot.cli.run_option import add_run_option
 
 if TYPE_CHECKING:
     from followspot.graph.plan import Plan
-
-_RUN = "the graph, the beginning of the run's name, or its process id, if several runs go on"
 
 
 def configure_keeping(parser: argparse.ArgumentParser) -> None:
@@ -41,7 +40,7 @@ def configure_keeping(parser: argparse.ArgumentParser) -> None:
 
 def configure_mark(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command mark."""
-    parser.add_argument("run", nargs="?", metavar="RUN", help=_RUN)
+    add_run_option(parser)
     parser.add_argument(
         "--after", default="5s", metavar="TIME", help="time after now that belongs to it (default 5s)"
     )

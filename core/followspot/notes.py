@@ -1,0 +1,27 @@
+"""What commands say on standard error beside their results and warnings; --quiet leaves it out."""
+
+from __future__ import annotations
+
+import sys
+
+
+class _Shown:
+    """Whether notes are shown; a process runs one command."""
+
+    now = True
+
+
+def show_notes(shown: bool) -> None:
+    """Decide it for this process."""
+    _Shown.now = shown
+
+
+def note(text: str) -> None:
+    """Say a line."""
+    if _Shown.now:
+        print(text, file=sys.stderr, flush=True)  # noqa: T201
+
+
+def progress_is_shown() -> bool:
+    """Whether a line that renews itself may be shown: standard error is a terminal."""
+    return _Shown.now and sys.stderr.isatty()
