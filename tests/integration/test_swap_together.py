@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from tests.core.graph.files import ROOM
+from tests.integration.hosts import near_agent
 from tests.integration.running import STAGES
 from tests.integration.test_pause import GATED
 
@@ -45,6 +46,14 @@ stages:
 """
 
 
+APART = """
+placement: apart
+workers:
+  left: {host: pc-left, stages: [eyes/cam0, hall/sum, side]}
+"""
+"""A camera and what joins both of them on another host: each file sends both ways."""
+
+
 @pytest.fixture(scope="module")
 def stages(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("plugins") / "held.py"
@@ -64,9 +73,11 @@ def graph(tmp_path: Path) -> Path:
     return tmp_path / "graph.yaml"
 
 
-def begun(graph: Path, stages: Path, placement: str | None) -> fs.OwnRun:
-    out = graph.parent / (placement or "one")
-    return fs.run(graph, placement=placement, plugin_files=[stages], out=out)
+def begun(
+    graph: Path, stages: Path, placement: str | Path | None, network: fs.Network = fs.Network()
+) -> fs.OwnRun:
+    out = graph.parent / Path(placement or "one").stem
+    return fs.run(graph, placement=placement, plugin_files=[stages], out=out, network=network)
 
 
 def reached(run: fs.OwnRun, number: int) -> None:
@@ -75,11 +86,14 @@ def reached(run: fs.OwnRun, number: int) -> None:
         pass
 
 
-def there_and_back(graph: Path, stages: Path, placement: str | None) -> tuple[bytes, bytes]:
+def there_and_back(
+    graph: Path, stages: Path, placement: str | Path | None, network: fs.Network = fs.Network()
+) -> tuple[bytes, bytes]:
     """What two sinks of a run have written in which the sub-graph was swapped at two capture times."""
-    with begun(graph, stages, placement) as run:
+    with begun(graph, stages, placement, network) as run:
         run.pause()
-        (run.out / "gate").touch()
+        for out in (run.out, *graph.parent.glob("runs/*")):
+            (out / "gate").touch()
         reached(run, 4)
         run.swap("hall", str(graph.parent / "other.yaml"))
         run.step(9)
@@ -97,6 +111,17 @@ def test_each_camera_in_a_worker_of_its_own_gives_the_bytes_of_one_worker(graph:
     assert len(numbers) == COUNT
     assert 0 < sum(number > 100_000 for number in numbers) < COUNT, "both files worked for a while"
     assert there_and_back(graph, stages, "camera") == (one, kept)
+
+
+def test_two_hosts_give_the_bytes_of_one_worker(graph: Path, stages: Path, tmp_path: Path) -> None:
+    (tmp_path / "apart.yaml").write_text(APART)
+    agent = near_agent("pc-left", tmp_path, "--plugin", stages)
+    try:
+        network = fs.Network(connect=(agent.endpoint,))
+        found = there_and_back(graph, stages, tmp_path / "apart.yaml", network)
+    finally:
+        agent.end()
+    assert found == there_and_back(graph, stages, None)
 
 
 def test_a_stage_that_cannot_begin_in_one_worker_leaves_all_as_they_were(graph: Path, stages: Path) -> None:

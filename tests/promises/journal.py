@@ -7,6 +7,7 @@ there whatever happens to the process a moment later. Nothing here looks at the 
 
 from __future__ import annotations
 
+import itertools
 import os
 import threading
 import time
@@ -90,13 +91,15 @@ class Camera(Keeper, fs.Stage):
 
 
 class Film(Keeper, fs.Stage):
-    """A source that waits for its readers."""
+    """A source that waits for its readers; it gives more than its count as long as it is asked to."""
 
     Params = CameraParams
     params: CameraParams
 
     def process(self) -> fs.Source[Note]:
-        for n in range(self.params.count):
+        for n in itertools.count():
+            if n >= self.params.count and not self.asked("more"):
+                return
             yield fs.at(
                 n * 10_000_000, self.made(time.time_ns(), np.full(self.params.size, n % 256, "u1")), seq=n
             )

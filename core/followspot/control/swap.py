@@ -5,6 +5,7 @@ If one replacement cannot be built, none takes over.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
@@ -13,7 +14,7 @@ from followspot.graph.plan import PlannedStage
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.ranges import Count, Nanoseconds
 
-Step = Literal["try", "build", "hold", "rest", "take_over", "go_on", "discard"]
+Step = Literal["build", "hold", "rest", "take_over", "go_on", "discard"]
 ChangePhase = Literal["building", "built", "held", "resting", "done", "failed"]
 
 
@@ -23,7 +24,6 @@ class ChangeOrder(RunRequest):
 
     plan: the plan after a change in which stages and edges come or go, all of them in `workers`; else None.
 
-    In "try" the workers set up the stages that come and close them again: they will start anew.
     Several workers come to rest together: in "hold" their sources stop at once; in "rest" these
     go on to `until`, ns, the stages `leaving` give what they still have, and each worker answers once it has
     nothing more to do; all take over, and all go on. A live run has no "hold". turn: counts the steps.
@@ -51,6 +51,15 @@ class Rested:
     time: Nanoseconds = -1
     window: Nanoseconds = 0
     activity: Count = 0
+
+    @staticmethod
+    def of(parts: Collection[Rested]) -> Rested:
+        """What several workers or hosts say together."""
+        return Rested(
+            max((one.time for one in parts), default=-1),
+            max((one.window for one in parts), default=0),
+            sum(one.activity for one in parts),
+        )
 
 
 @dataclass(frozen=True)

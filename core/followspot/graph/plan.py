@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -195,6 +196,8 @@ class Plan:
     """Edges that have left the graph while it ran, with their numbers."""
     budgets: tuple[Budget, ...] = ()
     """The longest times of paths."""
+    additions: tuple[int, ...] = ()
+    """For each change of the graph while it ran, the first number of the edges that came with it."""
 
     def numbered(self) -> Iterable[tuple[int, PlannedEdge]]:
         """Each edge with its number, which is its row in the ledger."""
@@ -208,6 +211,10 @@ class Plan:
     def rows(self) -> int:
         """Rows of the ledger: more than the largest number of an edge that is or was."""
         return 1 + max((number for number, _ in (*self.numbered(), *self.former)), default=-1)
+
+    def addition(self, number: int) -> int:
+        """Which change of the graph an edge came with, 0 if it was there from the start."""
+        return bisect_right(self.additions, number)
 
     @property
     def live(self) -> bool:

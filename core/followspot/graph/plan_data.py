@@ -44,6 +44,7 @@ class _Data(pydantic.BaseModel):
     numbers: tuple[Annotated[int, pydantic.Field(ge=0)], ...] = ()
     former: tuple[tuple[Annotated[int, pydantic.Field(ge=0)], PlannedEdge], ...] = ()
     budgets: tuple[Budget, ...] = ()
+    additions: tuple[Annotated[int, pydantic.Field(ge=0)], ...] = ()
 
 
 def plan_to_data(plan: Plan) -> dict[str, Any]:
@@ -54,6 +55,7 @@ def plan_to_data(plan: Plan) -> dict[str, Any]:
         **({"subgraphs": _USES.dump_python(plan.subgraphs, mode="json")} if plan.subgraphs else {}),
         **({"numbers": list(plan.numbers)} if plan.numbers else {}),
         **({"former": [[number, asdict(edge)] for number, edge in plan.former]} if plan.former else {}),
+        **({"additions": list(plan.additions)} if plan.additions else {}),
         **(
             {"budgets": [{**asdict(budget), "written": ""} for budget in plan.budgets]}
             if plan.budgets
@@ -106,6 +108,7 @@ def plan_from_data(data: Any) -> Plan:
         numbers=found.numbers,
         former=found.former,
         budgets=found.budgets,
+        additions=found.additions,
     )
 
 

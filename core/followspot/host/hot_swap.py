@@ -13,7 +13,6 @@ from followspot.host.worker_pool import WorkerPool
 _TIMEOUT = 60.0
 """Seconds after which a change that was built but neither taken over nor discarded blocks no other."""
 _AFTER: Mapping[Step, ChangePhase] = {
-    "try": "done",
     "build": "built",
     "hold": "held",
     "rest": "resting",
@@ -31,10 +30,12 @@ class HostSwaps:
         self._change = HostChange()
 
     def obey(self, order: ChangeOrder) -> None:
-        """One step of a hot swap. Safe beside `attend`.
+        """One step of a hot swap, unless it is the one that is being done. Safe beside `attend`.
 
         Raises FollowspotError if another change is under way, the run has ended or a worker is not running.
         """
+        if self._change.repeats(order):
+            return
         if self._change.blocks(order):
             raise FollowspotError("another change is under way; try again when it is done")
         if order.plan is not None:
@@ -97,6 +98,11 @@ class HostChange:
         other = self.order is not None and self.order.id != order.id
         return other and self.status().phase not in ("done", "failed") and time.monotonic() < self._expires
 
+    def repeats(self, order: ChangeOrder) -> bool:
+        """True if an order is the last one again: the operator has not got the answer."""
+        known = self.order
+        return known is not None and (order.id, order.turn, order.step) == (known.id, known.turn, known.step)
+
     def heard(self, worker: str, answer: ChangeStatus) -> bool:
         """Take a worker's answer; return True if its replacements have taken over."""
         if self.order is None or (answer.id, answer.turn) != (self.order.id, self.order.turn):
@@ -126,14 +132,9 @@ class HostChange:
         turn = self.order.turn
         if errors:
             return ChangeStatus(self.order.id, "failed", "; ".join(errors), turn)
-        if self.order.step != "discard" and not all(self._answered(worker) for worker in self.orders):
+        if not all(self._answered(worker) for worker in self.orders):
             return ChangeStatus(self.order.id, "building", turn=turn)
-        found = [answer.rested for answer in self._answers.values()]
-        rested = Rested(
-            max((one.time for one in found), default=-1),
-            max((one.window for one in found), default=0),
-            sum(one.activity for one in found),
-        )
+        rested = Rested.of([answer.rested for answer in self._answers.values()])
         return ChangeStatus(self.order.id, _AFTER[self.order.step], turn=turn, rested=rested)
 
     def _answered(self, worker: str) -> bool:

@@ -88,6 +88,15 @@ class DroppingWriter:
         self._pass_on()
         return self.inner.flush() and not self._waiting
 
+    @property
+    def all_taken(self) -> bool:
+        """That of the inner writer."""
+        return self.inner.all_taken
+
+    def dismiss(self, index: int) -> None:
+        """Send the reader nothing more."""
+        self.inner.dismiss(index)
+
     def filenos(self) -> list[int]:
         """Those of the inner writer."""
         return self.inner.filenos()

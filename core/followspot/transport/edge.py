@@ -57,6 +57,13 @@ class PortWriter(Protocol):
     def flush(self) -> bool:
         """Send tokens that had to wait. True when none waits."""
 
+    @property
+    def all_taken(self) -> bool:
+        """False if a reader has not said yet that it has taken everything sent; see `tell_at_once`."""
+
+    def dismiss(self, index: int) -> None:
+        """Send a reader nothing more and wait for it no longer: its edge has left the graph."""
+
     def filenos(self) -> list[int]:
         """File descriptors that become readable when credit comes, a reader dies, or `flush` may go on."""
 
@@ -90,6 +97,13 @@ class PortReader(Protocol):
 
     def poll(self) -> list[Token]:
         """Tokens that have arrived: each message, or an `Invalid` in its place, and watermarks."""
+
+    @property
+    def caught_up(self) -> bool:
+        """False if `poll` is known not to have taken everything that was sent so far."""
+
+    def tell_at_once(self, at_once: bool) -> None:
+        """Whether to tell the writer of every token as it is taken, and not only now and then."""
 
     def fileno(self) -> int:
         """File descriptor, readable when `poll` has tokens or the writer died."""

@@ -53,6 +53,9 @@ class Links(Protocol):
     def writer(self, edges: Sequence[int], kind: EdgeKind) -> PortWriter:
         """The writing end of all edges of one output port that have the same kind and codec."""
 
+    def wait_matched(self, wanted: Callable[[], bool]) -> None:
+        """Block until the ends have found their other ends, or are not `wanted`. Raises FollowspotError."""
+
     def forget(self) -> None:
         """Close the ends for edges that the graph does not get after all."""
 
@@ -67,6 +70,9 @@ class NoLinks:
     def writer(self, edges: Sequence[int], kind: EdgeKind) -> PortWriter:
         """Raises LookupError."""
         raise LookupError(f"edges {edges} ({kind}) have no link")
+
+    def wait_matched(self, wanted: Callable[[], bool]) -> None:
+        """Do nothing: there are no ends."""
 
     def forget(self) -> None:
         """Do nothing: there are no ends."""
@@ -275,9 +281,14 @@ class Builder:
         return NewestInput(queues[0], delay=edge.delay, timed=self.wiring.timed(edge), initial=initial)
 
     def way(self, number: int) -> str:
-        """What edges must have in common to share a writer; an edge that drops has its own."""
+        """What edges must have in common to share a writer; an edge that drops has its own.
+
+        Over the network they also came together, for their key says where their streams begin.
+        """
         edge = self.plan.edge(number)
-        return f"{edge.way}, {number}" if edge.drops and edge.kind != "reference" else edge.way
+        if edge.drops and edge.kind != "reference":
+            return f"{edge.way}, {number}"
+        return f"{edge.way}, {self.plan.addition(number)}" if edge.kind == "zenoh" else edge.way
 
 
 def _shed(queue: InputQueue, wake: Callable[[], None]) -> None:

@@ -8,7 +8,6 @@ from functools import partial
 
 from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.ring.reader import RingReader
-from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import END
 from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.runners.stage_runner import StageRunner
@@ -60,7 +59,7 @@ class EdgeEnds:
         self.readers = tuple(queue for queue in self.readers if queue not in readers)
         self.writers = tuple(found for found in self.writers if found[0] not in writers)
 
-    def dismiss(self, writer: RingWriter, readers: Sequence[int]) -> None:
+    def dismiss(self, writer: PortWriter, readers: Sequence[int]) -> None:
         """Let readers of a writer go that has others. readers: their indices."""
         before = set(writer.filenos())
         for index in readers:
@@ -113,6 +112,17 @@ class EdgeEnds:
         """True if no message waits to be sent; call it until it is True."""
         flushed = [writer.flush() for writer, _ in self.writers]
         return all(flushed)
+
+    def settled(self) -> bool:
+        """False if anything is known to be on its way to or from other workers: sent and not yet taken."""
+        taken = all(writer.all_taken for writer, _ in self.writers)
+        return taken and all(queue.reader is None or queue.reader.caught_up for queue in self.readers)
+
+    def tell_at_once(self, at_once: bool) -> None:
+        """Whether other workers hear at once of all that is taken here: their `settled` waits for it."""
+        for queue in self.readers:
+            if queue.reader is not None:
+                queue.reader.tell_at_once(at_once)
 
     def flushed(self) -> bool:
         """True if all input streams have ended and all messages are sent; call it until it is True."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import socket
 import time
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -128,6 +128,7 @@ class EdgeLinks:
             self._refused[self.plan.edge(edge).name] += self._ring_readers.pop(edge)[0].strangers
         for edge in self._ring_writers.keys() - stay:
             del self._ring_writers[edge]
+        self._zenoh_ends += new._zenoh_ends
         self.plan = self._working = new.plan
         self._ring_readers |= new._ring_readers
         self._ring_writers |= new._ring_writers
@@ -138,10 +139,9 @@ class EdgeLinks:
         for ends in (self.sending, self.receiving):
             for edge in ends.keys() - known:
                 ends.pop(edge).close()
-
-    def caught_up(self) -> bool:
-        """Whether everything has been received that other workers on this host have sent."""
-        return all(reader.caught_up for reader, _ in self._ring_readers.values())
+        for _, end in self._zenoh_ends:
+            end.close()
+        self._zenoh_ends = []
 
     def renew(self, worker: Worker, edge: int, sock: socket.socket) -> None:
         """Connect a ring edge through `sock`: the worker at the other end was started again."""
@@ -176,14 +176,14 @@ class EdgeLinks:
         same = (mine.from_stage, mine.from_port) == (theirs.from_stage, theirs.from_port)
         return self._ring_readers[other][0] if same else None
 
-    def wait_matched(self) -> None:
+    def wait_matched(self, wanted: Callable[[], bool] = lambda: True) -> None:
         """Block until every Zenoh edge has found its other end, so that nothing is lost at the start.
 
-        Raises FollowspotError naming the edges that did not.
+        wanted: whether to wait on. Raises FollowspotError naming the edges that did not.
         """
         deadline = time.monotonic() + _MATCH_TIMEOUT
         waiting = self._zenoh_ends
-        while waiting:
+        while waiting and wanted():
             waiting = [(name, end) for name, end in waiting if not end.matched()]
             if waiting and time.monotonic() > deadline:
                 names = ", ".join(sorted({name for name, _ in waiting}))
@@ -220,11 +220,17 @@ class EdgeLinks:
         return AHEAD if edges[0].drops and self.plan.live else max(edge.capacity for edge in edges)
 
     def _key(self, edge: int) -> str:
-        """Key of the edge's port; an edge that drops has its own key, for it carries fewer messages."""
+        """Key of the edge's port, or one of its own if it carries other messages than the first edges.
+
+        An edge that drops carries fewer, and one that came while the run went on begins later.
+        """
         planned = self.plan.edge(edge)
         host = self.plan.host_of_stage(planned.from_stage)
         port = port_key(self.run, host, planned.from_stage, planned.from_port)
-        return f"{port}/{planned.policy}/{edge}" if planned.drops else port
+        if planned.drops:
+            return f"{port}/{planned.policy}/{edge}"
+        addition = self.plan.addition(edge)
+        return f"{port}/added/{addition}" if addition else port
 
 
 def uses_zenoh(plan: Plan, worker: str | None = None) -> bool:

@@ -10,7 +10,6 @@ import signal
 import socket
 import sys
 from collections.abc import Collection, Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,10 +34,9 @@ from followspot.graph.plan_data import plan_from_data
 from followspot.log.collector import LogCollector, collecting
 from followspot.plugins.registry import use_plugin_files
 from followspot.worker.blas_limit import ONE_BLAS_THREAD
-from followspot.worker.build import Builder, NoLinks, build_worker
+from followspot.worker.build import build_worker
 from followspot.worker.change.hot_swap import HotSwap
 from followspot.worker.change.rewiring import Rewiring
-from followspot.worker.change.trial import try_out
 from followspot.worker.clock import Clock
 from followspot.worker.edge_links import EdgeLinks, rows_of, uses_zenoh
 from followspot.worker.ledger import Ledger
@@ -180,9 +178,9 @@ class WorkerMain:
         if self.links.session is not None:
             from followspot.worker.taps.published_ports import published
 
-            self.published = published(self.links, self.worker, self.worker.runners)
+            self.published = published(self.links, self.worker)
         answer = self.reporter.send_change
-        self.change = HotSwap(self.worker, answer, self._rewiring, self._try_out, self.links.caught_up)
+        self.change = HotSwap(self.worker, answer, self._rewiring)
         handlers = self._handlers(self.worker, self.links)
         orders = Orders(
             self.channel, self.worker, handlers, in_process=self._in_process, restart=self.restart
@@ -217,13 +215,6 @@ class WorkerMain:
         rewired = partial(self._rewired, links)
         return Rewiring(self.worker, Wiring(links.plan), name, self.ledger, self.options, links, rewired)
 
-    def _try_out(self, data: dict[str, Any]) -> None:
-        """Set up what a new plan adds to the worker, and close it again. Raises FollowspotError."""
-        assert self.worker is not None
-        wiring, options = Wiring(plan_from_data(data)), replace(self.options, resumed=True)
-        builder = Builder(wiring, self.log.worker, self.ledger, options, NoLinks())
-        try_out(builder, {runner.name: runner for runner in self.worker.runners})
-
     def _rewired(self, links: EdgeLinks, new: Sequence[StageRunner]) -> None:
         """Have the plan of these links from now on. new: stages that it adds here."""
         assert self.worker is not None
@@ -234,7 +225,7 @@ class WorkerMain:
         if self.links.session is not None:
             from followspot.worker.taps.published_ports import published
 
-            self.published += published(self.links, self.worker, new)
+            self.published += published(self.links, self.worker, self.published)
 
     def _set_clock(self, order: SetClock) -> None:
         self.clock.captured, self.clock.steady = order.correction

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from followspot.control.host import HostStatus, WorkerPhase, WorkerStatus
+from followspot.control.host import HostLost, HostStatus, WorkerPhase, WorkerStatus
 from followspot.control.move import MoveOrder
 from followspot.control.observation import GetStates
-from followspot.control.swap import ChangeOrder, ChangeStatus
+from followspot.control.swap import ChangeOrder, ChangePhase, ChangeStatus
 from followspot.errors import FollowspotError
 from followspot.graph.change.move import moved
 from followspot.graph.change.stages import Change
@@ -65,21 +65,29 @@ def test_a_worker_that_dies_before_the_take_over_fails_the_change(tmp_path: Path
 
 @dataclass
 class Place:
-    """A host that does each step at once, except for the step that it refuses."""
+    """A host that does each step at once, except for the step that it refuses.
+
+    silent: how often it does not answer when it is told to take over.
+    """
 
     name: str
     refuses: str = ""
+    silent: int = 0
     steps: list[float] = field(default_factory=lambda: [1])
     """Values of the parameter `step` of its stage, newest last."""
     change_status: ChangeStatus = ChangeStatus()
 
     def ask(self, order: ChangeOrder) -> None:
+        if order.step == "take_over" and self.silent:
+            self.silent -= 1
+            raise HostLost(f"host {self.name} does not answer")
         if order.step == self.refuses:
-            self.change_status = ChangeStatus(order.id, "failed", f"{self.name} cannot")
+            self.change_status = ChangeStatus(order.id, "failed", f"{self.name} cannot", order.turn)
             return
         if order.step == "take_over":
             self.steps += [stage.params["step"] for stage in order.stages]
-        self.change_status = ChangeStatus(order.id, "built" if order.step == "build" else "done")
+        phase: ChangePhase = "built" if order.step == "build" else "done"
+        self.change_status = ChangeStatus(order.id, phase, turn=order.turn)
 
     def status(self) -> HostStatus:
         return HostStatus((WorkerStatus("w", "running"),), (), change=self.change_status)
@@ -103,6 +111,23 @@ def test_if_one_host_fails_all_keep_their_old_stages(
     else:
         changed(plan, places)
     assert [place.steps for place in places] == [left, right]
+
+
+def test_a_host_that_does_not_answer_takes_over_later_for_others_have_done_so(tmp_path: Path) -> None:
+    plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
+    places = [Place("pc-left"), Place("pc-right", silent=3)]
+    changed(plan, places)
+    assert [place.steps for place in places] == [[1, 7], [1, 7]]
+
+
+def test_a_step_that_a_host_is_told_again_is_the_same_step(tmp_path: Path) -> None:
+    """The answer to the first order was lost on its way."""
+    order = ChangeOrder(id="1", step="take_over", stages=(), turn=4)
+    change = HostChange(order)
+    assert change.repeats(order)
+    for other in ({"id": "2"}, {"turn": 5}, {"step": "go_on"}):
+        assert not change.repeats(order.model_copy(update=other))
+    assert not HostChange().repeats(order)
 
 
 class WorkerPool:

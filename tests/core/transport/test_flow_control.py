@@ -186,3 +186,37 @@ def test_a_report_takes_no_credit_back() -> None:
     assert flow.credit() == DEPTH
     assert flow.reports("far", 1, 1)
     assert flow.credit() == DEPTH
+
+
+def test_all_is_taken_once_every_reader_says_so() -> None:
+    flow = Flow()
+    flow.put(2)
+    flow.tokens += 1  # a watermark
+    flow.reports("near", 0, 3)
+    flow.reports("far", 2, 2)
+    assert not flow.all_taken
+    flow.reports("far", 2, 3)
+    assert flow.all_taken, "what is consumed does not count"
+    flow.put(1)
+    assert not flow.all_taken
+    flow.leaves("far", 0)
+    flow.reports("near", 0, 4)
+    assert flow.all_taken, "nothing is on its way to a reader that is away"
+
+
+def test_a_reader_whose_edge_has_left_counts_no_more() -> None:
+    flow = Flow()
+    flow.put(DEPTH)
+    flow.reports("near", DEPTH, DEPTH)
+    flow.dismiss(1)
+    assert flow.credit() == DEPTH
+    assert flow.all_taken
+    assert flow.reports("far", 1, DEPTH), "it may still speak"
+    flow.leaves("far", 0)
+    flow.comes("far", 1)
+    flow.close()
+    assert flow.deaths() == []
+    assert flow.lost == frozenset()
+    assert flow.refused == 0
+    flow.ends("near", 0)
+    assert flow.ended

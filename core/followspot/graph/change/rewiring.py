@@ -39,6 +39,7 @@ def rewired(plan: Plan, use: SubgraphUse, found: Composed, place: Place) -> Plan
         offered=_offered(plan, use, found),
         numbers=numbers,
         former=former,
+        additions=(*plan.additions, plan.rows),
     )
     _check(plan, new, place)
     return new

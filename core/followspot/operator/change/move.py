@@ -43,35 +43,28 @@ def move_stages(run: Coordinator, request: MoveStages) -> Moved:
         return report
 
 
-def move_hosts(
-    old: Plan, new: Plan, hosts: Sequence[Host], leaving: set[str] | None = None, *, fresh: bool = False
-) -> None:
+def move_hosts(old: Plan, new: Plan, hosts: Sequence[Host]) -> None:
     """Bring a run from the old plan to the new one. Safe beside the thread that attends the hosts.
 
-    leaving: the workers that restart, None for those with stages that move; fresh: whether stages that are
-    another plugin stage in the new plan begin without the state of the old ones.
     Raises FollowspotError if a host refuses the new plan, before any worker has left; or if a worker cannot
     begin at its new place: then all go back to their old places.
     """
     for host in hosts:
         host.ask(MoveOrder(plan=plan_to_data(new), trial=True))
-    leaving = anew(old, new) if leaving is None else leaving
+    leaving = anew(old, new)
     try:
-        _replace(old, new, hosts, leaving, fresh=fresh)
+        _replace(new, hosts, leaving)
     except FollowspotError:
-        _replace(new, old, hosts, leaving)
+        _replace(old, hosts, leaving)
         raise
 
 
-def _replace(old: Plan, new: Plan, hosts: Sequence[Host], leaving: set[str], *, fresh: bool = False) -> None:
+def _replace(new: Plan, hosts: Sequence[Host], leaving: set[str]) -> None:
     """Let the workers that must restart leave, and start them at their new places."""
     for host in hosts:
         host.ask(MoveOrder(leaving=tuple(sorted(leaving))))
     _await_absent(leaving, hosts)
     states = {stage: state for host in hosts for stage, state in host.ask(GetStates()).items()}
-    uses = {stage.name: stage.uses for stage in old.stages}
-    taken = {s.name for s in new.stages if uses.get(s.name) == s.uses or not (fresh and s.name in uses)}
-    states = {stage: state for stage, state in states.items() if stage in taken}
     before = {worker.name: worker.restarts for worker in _workers(hosts)}
     for host in hosts:
         own = {stage: state for stage, state in states.items() if new.host_of_stage(stage) == host.name}

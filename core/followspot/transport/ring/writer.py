@@ -76,8 +76,13 @@ class RingWriter:
         if self._over:
             link.send(OVER)
 
+    @property
+    def all_taken(self) -> bool:
+        """True: its readers see for themselves whether they have caught up."""
+        return True
+
     def dismiss(self, index: int) -> None:
-        """Send a reader nothing more and wait for it no longer: its edge has left the graph."""
+        """See `PortWriter.dismiss`."""
         self._links.dismiss(index, self._pool)
 
     def credit(self) -> int:

@@ -33,6 +33,8 @@ class ReaderRecord:
     """How often it came."""
     silent: bool = False
     """Whether it has not reported since it was told where to start."""
+    dismissed: bool = False
+    """Whether its edge has left the graph."""
     done_incarnation: int = -1
     """Latest incarnation that has taken the end of this writer's stream; -1 before the first."""
     given: int = 0
@@ -46,8 +48,8 @@ class ReaderRecord:
 
     @property
     def done(self) -> bool:
-        """Whether its present incarnation has taken the end of this writer's stream."""
-        return 0 <= self.done_incarnation == self.incarnation
+        """Whether it gets nothing more: its present incarnation has taken the end of this writer's stream."""
+        return self.dismissed or 0 <= self.done_incarnation == self.incarnation
 
 
 class _Change(NamedTuple):
@@ -100,6 +102,17 @@ class FlowControl:
         """Whether every reader that is not lost has taken the end."""
         return all(reader.done or reader.lost for reader in self.readers)
 
+    @property
+    def all_taken(self) -> bool:
+        """Whether every reader that is not lost has reported to have taken all tokens."""
+        return all(reader.taken == self.tokens for reader in self._living())
+
+    def dismiss(self, index: int) -> None:
+        """Forget a reader: whether it comes or goes means nothing any more."""
+        reader = self.readers[index]
+        reader.dismissed, reader.silent, reader.lost = True, False, False
+        reader.messages_before_it_left = None
+
     def deaths(self) -> list[tuple[int, int]]:
         """See `PortWriter.perished`."""
         deaths, self._deaths = self._deaths, []
@@ -134,6 +147,8 @@ class FlowControl:
         """Take over what Zenoh's threads noted; yields each reader that joins: tell it where it starts."""
         while self._changes:
             reader, incarnation, kind, arrivals = self._changes.popleft()
+            if reader.dismissed:
+                continue
             if kind == "done":
                 reader.done_incarnation = max(reader.done_incarnation, incarnation)
             elif incarnation < reader.incarnation:

@@ -35,6 +35,9 @@ from followspot.transport.zenoh.terms import (
     undeclare,
 )
 
+_SELDOM = WINDOW // 4
+"""Watermarks after which a reader that has consumed nothing reports."""
+
 
 class ZenohReader:
     """`PortReader` of a `ZenohWriter`, and of the writers that replace it when it dies."""
@@ -64,6 +67,7 @@ class ZenohReader:
         """Tokens for the first poll: messages that were missing when the writer told the start."""
         self.position = StreamPosition(self._limit)
         self._reported = 0
+        self._report_after = _SELDOM
         self._ended = False
         self._refused = self._flooded = self._floods_seen = 0
         self._there: set[int] = set()
@@ -109,6 +113,16 @@ class ZenohReader:
         self._send_report()  # an earlier one may have been lost
         return True
 
+    @property
+    def caught_up(self) -> bool:
+        """True: only the writer can know."""
+        return True
+
+    def tell_at_once(self, at_once: bool) -> None:
+        """See `PortReader.tell_at_once`."""
+        self._report_after = 1 if at_once else _SELDOM
+        self._send_report()
+
     def fileno(self) -> int:
         """The wake-up event."""
         return self._wakeup.fileno()
@@ -119,7 +133,7 @@ class ZenohReader:
         tokens, self._before = self._before, []
         for _ in range(len(self._arrived)):
             self._take(self._arrived.popleft(), tokens)
-        if self.position.tokens - self._reported >= WINDOW // 4:
+        if self.position.tokens - self._reported >= self._report_after:
             self._send_report()
         if self._flooded != self._floods_seen:
             self._floods_seen = self._flooded

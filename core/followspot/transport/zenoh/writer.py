@@ -141,6 +141,15 @@ class ZenohWriter:
         self._send_pending()
         return self._pending is None and (self._flow.ended or not self._ending)
 
+    @property
+    def all_taken(self) -> bool:
+        """Whether every reader has reported that it has taken all tokens."""
+        return self._flow.all_taken
+
+    def dismiss(self, index: int) -> None:
+        """See `PortWriter.dismiss`."""
+        self._flow.dismiss(index)
+
     def filenos(self) -> list[int]:
         """The wake-up event."""
         return [self._wakeup.fileno()]

@@ -23,8 +23,6 @@ Answer = Callable[[ChangeStatus], None]
 """Called with what became of a step, from any thread."""
 Rewire = Callable[[dict[str, Any]], Rewiring]
 """Builds what a plan, in JSON types, adds to the worker. Raises FollowspotError."""
-TryOut = Callable[[dict[str, Any]], None]
-"""Sets up the same, and closes it again. Raises FollowspotError."""
 
 
 class HotSwap:
@@ -38,39 +36,36 @@ class HotSwap:
         worker: Worker,
         answer: Answer,
         rewire: Rewire,
-        try_out: TryOut,
-        caught_up: Callable[[], bool] = lambda: True,
     ) -> None:
-        """caught_up: see `JointChange`."""
         self.worker = worker
-        self._joint = JointChange(worker, caught_up, answer, self._give_up)
+        self._joint = JointChange(worker, answer, self._give_up)
         self.answer = answer
         self._rewire = rewire
-        self._try_out = try_out
         self._id = ""
         self._built: Sequence[Replacement] = ()
         self._rewiring: Rewiring | None = None
+        self._beside = threading.Lock()
+        """Held by the thread that builds."""
 
     def obey(self, order: ChangeOrder) -> None:
         """Do one step; call between two firings, in the worker's thread."""
-        if order.step in ("hold", "rest", "go_on") or self._joint.holds:
+        if order.step == "discard":
+            if order.id == self._id:
+                self._give_up()
+            self._do_beside(self._tell_discarded, order)
+        elif order.step in ("hold", "rest", "go_on") or self._joint.holds:
             self._obey_together(order)
-        elif order.step in ("try", "build"):
+        elif order.step == "build":
             self._give_up()
             self._id = order.id
-            step = self._build if order.step == "build" else self._try_aside
-            threading.Thread(target=step, args=(order,), name="replacements", daemon=True).start()
-        elif order.id == self._id and order.step == "take_over":
-            self._take_over(order)
+            self._do_beside(self._build, order)
         elif order.id == self._id:
-            self._give_up()
+            self._take_over(order)
 
     def _obey_together(self, order: ChangeOrder) -> None:
         """Do one step of a change in several workers."""
         if order.id != self._id:
             self.answer(ChangeStatus(order.id, "failed", "another change is under way", order.turn))
-        elif order.step == "discard":
-            self._give_up()
         else:
             self._joint.obey(order, self._rewiring)
         if order.id == self._id and order.step == "take_over":
@@ -80,13 +75,17 @@ class HotSwap:
         """Discard what was built: the worker has ended."""
         self._give_up()
 
-    def _try_aside(self, order: ChangeOrder) -> None:
-        try:
-            self._try_out(order.plan or {})
-        except FollowspotError as error:
-            self.answer(ChangeStatus(order.id, "failed", str(error), order.turn))
-        else:
-            self.answer(ChangeStatus(order.id, "done", turn=order.turn))
+    def _do_beside(self, step: Callable[[ChangeOrder], None], order: ChangeOrder) -> None:
+        """Do a step in a thread beside the work, after the one that may be under way there."""
+
+        def do() -> None:
+            with self._beside:
+                step(order)
+
+        threading.Thread(target=do, name="replacements", daemon=True).start()
+
+    def _tell_discarded(self, order: ChangeOrder) -> None:
+        self.answer(ChangeStatus(order.id, "done", turn=order.turn))
 
     def _build(self, order: ChangeOrder) -> None:
         built: Sequence[Replacement] = ()
@@ -96,7 +95,9 @@ class HotSwap:
                 built = prepared(self.worker, order.stages)
             else:
                 rewiring = self._rewire(order.plan)
+                rewiring.wait_matched(lambda: order.id == self._id)
         except FollowspotError as error:
+            _discard(built, rewiring)
             self.answer(ChangeStatus(order.id, "failed", str(error), order.turn))
             return
         if order.id != self._id:
@@ -132,9 +133,9 @@ class HotSwap:
         try:
             take_over(self.worker, built, fresh=order.fresh)
         except FollowspotError as error:
-            self.answer(ChangeStatus(order.id, "failed", str(error)))
+            self.answer(ChangeStatus(order.id, "failed", str(error), order.turn))
         else:
-            self.answer(ChangeStatus(order.id, "done"))
+            self.answer(ChangeStatus(order.id, "done", turn=order.turn))
 
     def _rewire_at(self, order: ChangeOrder, rests: bool) -> None:
         """Put new stages and edges in. rests: whether all that the sources sent has been processed."""
@@ -151,9 +152,9 @@ class HotSwap:
             rewiring.take_over(fresh=order.fresh)
             rewiring.close_old()
         except FollowspotError as error:
-            self.answer(ChangeStatus(order.id, "failed", str(error)))
+            self.answer(ChangeStatus(order.id, "failed", str(error), order.turn))
         else:
-            self.answer(ChangeStatus(order.id, "done"))
+            self.answer(ChangeStatus(order.id, "done", turn=order.turn))
         finally:
             self.worker.sources.hold.set_free()
 

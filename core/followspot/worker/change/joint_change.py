@@ -27,19 +27,16 @@ _PATIENCE = 60.0
 class JointChange:
     """The part of one worker in such a change.
 
-    caught_up: whether everything has been received that other workers have sent; answer: gets what became of
-    a step; forgotten: called when the operator has gone.
+    answer: gets what became of a step; forgotten: called when the operator has gone.
     """
 
     def __init__(
         self,
         worker: Worker,
-        caught_up: Callable[[], bool],
         answer: Callable[[ChangeStatus], None],
         forgotten: Callable[[], None],
     ) -> None:
         self._worker = worker
-        self._caught_up = caught_up
         self._answer = answer
         self._forgotten = forgotten
         self._rewiring: Rewiring | None = None
@@ -51,6 +48,7 @@ class JointChange:
         if order.step in ("hold", "rest") and self._rewiring is None and rewiring is not None:
             self._rewiring = rewiring
             self._worker.sources.hold.freeze()
+            self._worker.ends.tell_at_once(True)
         if order.step == "hold" and self._rewiring is not None:
             self._tell(order, "held", Rested(self._worker.sources.hold.newest, self._rewiring.window))
         elif order.step == "rest" and self._rewiring is not None:
@@ -74,6 +72,7 @@ class JointChange:
             self._rewiring.close_old()
             self._rewiring = None
             self._worker.sources.hold.set_free()
+            self._worker.ends.tell_at_once(False)
 
     def _expect_another(self) -> None:
         """Go on without the operator if no other step follows."""
@@ -94,7 +93,7 @@ class JointChange:
 
     def _calm(self) -> bool:
         ends = self._worker.ends
-        return ends.all_sent() and self._caught_up() and not ends.credit_came()
+        return ends.all_sent() and ends.settled() and not ends.credit_came()
 
     def _rested(self, order: ChangeOrder, rewiring: Rewiring, reached: bool) -> None:
         if not (reached or rewiring.wiring.live):

@@ -12,7 +12,6 @@ from itertools import groupby
 
 from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.ring.reader import RingReader
-from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import END, Watermark
 from followspot.worker.build import Builder
 from followspot.worker.ledger import COLUMNS
@@ -92,9 +91,8 @@ class RemoteEnds:
         for writer, indices in output.detach(rows) if rows else ():
             if writer not in output.writers:
                 left.append(writer)
-                continue
-            assert isinstance(writer, RingWriter)  # several readers over the network: the operator refuses
-            self._worker.ends.dismiss(writer, indices)
+            else:
+                self._worker.ends.dismiss(writer, indices)
         return left
 
     def close_old(self) -> None:

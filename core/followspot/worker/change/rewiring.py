@@ -71,6 +71,10 @@ class Rewiring:
             self.discard()
             raise
 
+    def wait_matched(self, wanted: Callable[[], bool]) -> None:
+        """See `Links.wait_matched`; in the thread that built it."""
+        self._builder.links.wait_matched(wanted)
+
     def try_on(self) -> None:
         """Find out whether replacements can carry on from the stages that work. Raises FollowspotError."""
         try:

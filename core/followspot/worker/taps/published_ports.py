@@ -16,7 +16,6 @@ from followspot.transport.keys import port_key
 from followspot.transport.zenoh.terms import has_subscriber
 from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.output_port import OutputPort
-from followspot.worker.runners.stage_runner import StageRunner
 from followspot.worker.scheduler import Worker
 
 
@@ -24,7 +23,7 @@ class PublishedPort:
     """A tap of one output port that exists while its key has a subscriber. It waits for none."""
 
     def __init__(self, session: zenoh.Session, key: str, output: OutputPort, worker: Worker) -> None:
-        self._output = output
+        self.output = output
         self._worker = worker
         self._publisher = session.declare_publisher(
             key, congestion_control=zenoh.CongestionControl.DROP, priority=zenoh.Priority.DATA_LOW
@@ -43,31 +42,31 @@ class PublishedPort:
         self._worker.between_firings(self._follow)
 
     def _follow(self) -> None:
-        self._output.untap(self)
+        self.output.untap(self)
         if has_subscriber(self._publisher):
-            self._output.tap(self)
+            self.output.tap(self)
 
 
-def published(links: EdgeLinks, worker: Worker, runners: Sequence[StageRunner]) -> list[PublishedPort]:
-    """Publish those ports of some stages whose messages no edge puts on their key already.
+def published(links: EdgeLinks, worker: Worker, before: Sequence[PublishedPort] = ()) -> list[PublishedPort]:
+    """Publish those ports of a worker whose messages no edge puts on their key already.
 
-    There are none without a session; they end with that of the links.
+    before: those that are published. There are none without a session; they end with that of the links.
     """
     if links.session is None:
         return []
-    taken = _on_their_keys(links.plan)
+    taken, known = _on_their_keys(links.plan), {one.output for one in before}
     return [
         PublishedPort(links.session, port_key(links.run, host, runner.name, port), output, worker)
-        for runner, host in ((runner, links.plan.host_of_stage(runner.name)) for runner in runners)
+        for runner, host in ((runner, links.plan.host_of_stage(runner.name)) for runner in worker.runners)
         for port, output in runner.outputs
-        if port != FIRINGS and (runner.name, port) not in taken
+        if not (port == FIRINGS or (runner.name, port) in taken or output in known)
     ]
 
 
 def _on_their_keys(plan: Plan) -> set[tuple[str, str]]:
-    """Ports with a Zenoh edge on the port's own key: raw, and without a policy that drops."""
+    """Ports with a Zenoh edge on the port's own key: raw, from the start, and with no policy that drops."""
     return {
         (edge.from_stage, edge.from_port)
-        for edge in plan.edges
-        if edge.kind == "zenoh" and edge.codec == "raw" and not edge.drops
+        for number, edge in plan.numbered()
+        if edge.kind == "zenoh" and edge.codec == "raw" and not (edge.drops or plan.addition(number))
     }

@@ -1,0 +1,110 @@
+"""The steps of a change on all hosts of a run: each is done everywhere before the next begins."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+from followspot.control.host import Host, HostLost
+from followspot.control.swap import ChangeOrder, ChangePhase, Rested, Step
+from followspot.errors import FollowspotError
+
+_TIMEOUT = 60.0
+"""Seconds in which a step must be done: some stages load models."""
+_POLL_INTERVAL = 0.01
+"""Seconds between two polls of the hosts."""
+_NO_WAY_BACK: tuple[Step, ...] = ("take_over", "go_on")
+"""Steps that a host must do once another has begun."""
+
+
+@dataclass(frozen=True)
+class HostPart:
+    """The part of one host in a change. order: what the orders of all steps have in common."""
+
+    host: Host
+    order: ChangeOrder
+
+    def tell(self, fields: Mapping[str, Any], deadline: float) -> None:
+        """Pass a step on; again if the host does not answer, if there is no way back. Raises FollowspotError.
+
+        deadline: s, monotonic.
+        """
+        order = self.order.model_copy(update=fields)
+        while True:
+            try:
+                self.host.ask(order)
+            except HostLost:
+                if order.step not in _NO_WAY_BACK or time.monotonic() > deadline:
+                    raise
+                time.sleep(_POLL_INTERVAL)
+            else:
+                return
+
+    def answer(self, turn: int, phase: ChangePhase) -> Rested | None:
+        """What the workers here say once a step is done; None before. Raises FollowspotError."""
+        status = self.host.status()
+        mine = (status.change.id, status.change.turn) == (self.order.id, turn)
+        if mine and status.change.phase == "failed":
+            raise FollowspotError(status.change.error)
+        if mine and status.change.phase == phase:
+            return status.change.rested
+        if status.all("over"):
+            raise FollowspotError("the run has ended")
+        return None
+
+
+class ChangeSteps:
+    """Leads a change through its steps. parts: of the hosts that take part."""
+
+    def __init__(self, parts: Sequence[HostPart]) -> None:
+        self._parts = parts
+        self._turn = 0
+
+    def do(self, step: Step, phase: ChangePhase, until: int = -1, leaving: Sequence[str] = ()) -> Rested:
+        """Do one step on all hosts and wait until it is done; returns what the workers say.
+
+        until, leaving: see `ChangeOrder`. Raises FollowspotError.
+        """
+        deadline = self._begin()
+        for part in self._parts:
+            part.tell(self._fields(step, part, until=until, leaving=tuple(leaving)), deadline)
+        return self._wait_for(phase, deadline)
+
+    def build(self) -> None:
+        """Let all build what is new. Raises FollowspotError: what was built is discarded then."""
+        try:
+            self.do("build", "built")
+        except FollowspotError:
+            self.discard()
+            raise
+
+    def discard(self) -> None:
+        """Let the workers go on as they were, and wait until what was built is closed."""
+        deadline = self._begin()
+        for part in self._parts:
+            with suppress(FollowspotError):
+                part.tell(self._fields("discard", part), deadline)
+        with suppress(FollowspotError):
+            self._wait_for("done", deadline)
+
+    def _begin(self) -> float:
+        """Begin the next step; returns when it must be done, s, monotonic."""
+        self._turn += 1
+        return time.monotonic() + _TIMEOUT
+
+    def _fields(self, step: Step, part: HostPart, **fields: Any) -> dict[str, Any]:
+        plan = part.order.plan if step in ("build", "take_over") else None
+        return {**fields, "step": step, "turn": self._turn, "plan": plan}
+
+    def _wait_for(self, phase: ChangePhase, deadline: float) -> Rested:
+        """Wait until all hosts have done the step. Raises FollowspotError."""
+        while True:
+            found = [answer for part in self._parts if (answer := part.answer(self._turn, phase)) is not None]
+            if len(found) == len(self._parts):
+                return Rested.of(found)
+            if time.monotonic() > deadline:
+                raise FollowspotError(f"the change was not made within {_TIMEOUT:.0f} s")
+            time.sleep(_POLL_INTERVAL)
