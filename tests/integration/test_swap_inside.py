@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from tests.commands import Started
 from tests.integration.hosts import near_agent
-from tests.integration.running import STAGES, balanced, finish, start, write_graph
+from tests.integration.running import STAGES, balanced, finish, start, workers, write_graph
 from tests.integration.test_swap import APART as OTHER_WORKER
 from tests.integration.test_swap import Going, going, wait_until
 
@@ -256,57 +256,38 @@ def test_a_stage_that_cannot_be_built_leaves_the_graph_as_it_was(tmp_path: Path,
     assert all(not e["from"].startswith("hall/odd.") for e in finished.summary["edges"])
 
 
-def test_a_stage_that_cannot_be_built_lets_no_worker_start_anew(tmp_path: Path) -> None:
-    """Edges over the network: the workers would begin anew with the file."""
-    there, _ = files(tmp_path)
+def test_a_live_run_over_two_hosts_goes_on_with_another_inside_and_back(tmp_path: Path) -> None:
+    """A stage that cannot be built leaves all as it was; its edges find their ends when it is tried again."""
+    there, back = files(tmp_path)
     broken = QUICK.replace("ticks.add, with: {term: 1000}", "ticks.tally, with: {broken: true}")
     (tmp_path / "quick.yaml").write_text(broken)
-    (tmp_path / "apart.yaml").write_text(OTHER_WORKER.replace("STAGE", "hall/b"))
-    options = ("--placement", str(tmp_path / "apart.yaml"), "--edges", "zenoh")
+    agent = near_agent("pc-left", tmp_path)
+    (tmp_path / "far.yaml").write_text(FAR)
+    options = ("--placement", str(tmp_path / "far.yaml"), "--connect", agent.endpoint)
     run = Going.of(start(write_graph(tmp_path, LIVE), tmp_path / "out", *options), tmp_path / "out")
     try:
         run.grows()
-        before = run.workers()
+        before = run.workers(), workers(agent.process.pid)
         with pytest.raises(FollowspotError) as refused:
             run_here(run.name).change([there])
         assert str(refused.value).startswith("stage hall/odd (ticks.tally) cannot be built: RuntimeError")
         run.grows()
-        assert run.workers() == before
         (tmp_path / "quick.yaml").write_text(QUICK)
-        run_here(run.name).change([there])
-        assert is_reached(run, quick=True)
-        finished = run.stopped()
-    finally:
-        run.process.kill()
-    assert finished.code == 0, finished.errors
-    assert balanced(finished.summary)
-
-
-@pytest.mark.thorough
-def test_a_sub_graph_on_another_host_begins_anew_with_another_inside(tmp_path: Path) -> None:
-    """The edges from the desk to the new stages are other edges, so both workers start anew."""
-    there, back = files(tmp_path)
-    agent = near_agent("pc-left", tmp_path)
-    (tmp_path / "far.yaml").write_text(FAR)
-    out = tmp_path / "out"
-    options = ("--placement", str(tmp_path / "far.yaml"), "--connect", agent.endpoint)
-    process = start(write_graph(tmp_path, LIVE), out, *options)
-    run = Going.of(process, out)
-    try:
-        run.grows()
         run_here(run.name).change([there])
         assert is_reached(run, quick=True)
         run_here(run.name).change([back])
         assert is_reached(run, quick=False)
+        assert (run.workers(), workers(agent.process.pid)) == before, "none starts anew"
         finished = run.stopped()
     finally:
-        process.kill()
+        run.process.kill()
         agent.process.kill()
         agent.process.communicate()
     assert finished.code == 0, finished.errors
     assert balanced(finished.summary)
     assert finished.edge("a", "hall/b")["delivered"] > 0
     assert finished.edge("a", "hall/odd.")["delivered"] > 0
+    assert not [line for line in finished.summary["warnings"] if "refused" in line]
 
 
 @pytest.mark.thorough

@@ -12,10 +12,12 @@ import time
 import uuid
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.integration.hosts import near_agent
 from tests.integration.running import Finished, finish, start, write_graph
 from tests.promises.books import Books, books_of, impossible
 from tests.promises.journaled import STAGES, Journaled
@@ -23,7 +25,7 @@ from tests.promises.journaled import STAGES, Journaled
 from followspot.errors import FollowspotError
 from followspot.operator.connect import run_here
 
-COUNT = 100
+COUNT = 20
 """Notes of a film that nobody asks for more."""
 GRAPH = """
 cam:  {{uses: journal.{source}, with: {{size: {size}, count: {count}}}}}
@@ -82,6 +84,7 @@ class Run(Journaled):
     """A run of two to four workers."""
 
     def __init__(self, folder: Path, chance: random.Random, *, live: bool, edges: str) -> None:
+        """edges: as --edges; "hosts" for workers in turn here and under two agents."""
         self.chance, self.live, self.files = chance, live, folder
         stages = chance.sample(STAGES_APART, len(STAGES_APART))
         count = chance.choice([2, 3, 4])
@@ -94,14 +97,31 @@ class Run(Journaled):
         source, endless = ("camera", 10**9) if live else ("film", COUNT)
         text = GRAPH.format(source=source, size=chance.choice([0, 6000]), count=endless)
         placement = folder / "placement.yaml"
-        lines = (f"  {name}: {{stages: [{', '.join(group)}]}}\n" for name, group in groups.items())
-        placement.write_text(f"placement: apart\nworkers:\n{''.join(lines)}")
         os.environ["BOOKS"] = str(self.folder)
+        hosts = ("pc-left", "pc-right") if edges == "hosts" else ()
+        self.agents = [near_agent(host, folder, "--plugin", STAGES) for host in hosts]
+        lines = (
+            f"  {name}: {{{host}stages: [{', '.join(group)}]}}\n"
+            for (name, group), host in zip(groups.items(), cycle(["", *map("host: {}, ".format, hosts)]))
+        )
+        placement.write_text(f"placement: apart\nworkers:\n{''.join(lines)}")
         self.more = self.folder / "more.cam"
         self.more.touch()
-        words = ("--plugin", str(STAGES), "--placement", str(placement), "--edges", edges)
+        words = ["--plugin", str(STAGES), "--placement", str(placement)]
+        for agent in self.agents:
+            words += "--connect", agent.endpoint
+        words += () if self.agents else ("--edges", edges)
         self.process = start(write_graph(folder, text, self.name), self.out, *words)
         self.refused: list[str] = []
+
+    def __exit__(self, *found: object) -> None:
+        super().__exit__(*found)
+        for agent in self.agents:
+            agent.process.kill()
+            agent.process.communicate()
+
+    def parents(self) -> list[int]:
+        return [self.process.pid, *(agent.process.pid for agent in self.agents)]
 
     def swap(self) -> None:
         """Put any file in the place of any; a sick one is refused."""
@@ -197,7 +217,7 @@ def judge(run: Run, finished: Finished) -> None:
         assert [line.value for line in books.of(sink, "in.note")] == film, f"{sink} got each once, in order"
 
 
-MORE = [(live, edges, n) for live in (False, True) for edges in ("ring", "zenoh") for n in range(4)]
+MORE = [(live, edges, n) for live in (False, True) for edges in ("ring", "zenoh", "hosts") for n in range(4)]
 
 
 @pytest.mark.thorough

@@ -22,12 +22,18 @@ _AFTER: Mapping[Step, ChangePhase] = {
 }
 
 
+_LATE: tuple[Step, ...] = ("take_over", "go_on", "discard")
+"""Steps that are done without a worker that has died since the others did the steps before."""
+
+
 class HostSwaps:
     """The hot swaps of a run on this host, one after the other."""
 
     def __init__(self, pool: WorkerPool) -> None:
         self._pool = pool
         self._change = HostChange()
+        self._incarnations: dict[str, int] = {}
+        """Of the workers that build, or have built, what is new."""
 
     def obey(self, order: ChangeOrder) -> None:
         """One step of a hot swap, unless it is the one that is being done. Safe beside `attend`.
@@ -43,14 +49,32 @@ class HostSwaps:
         change, workers = HostChange(order, self._pool.plan), self._pool.workers
         if all(worker.phase == "over" for worker in workers.values()):
             raise FollowspotError("the run has ended")
-        for name in change.orders:
-            if workers[name].phase != "running":
-                raise FollowspotError(f"worker {name} is {workers[name].phase}; try again in a moment")
+        if order.step == "build":
+            self._incarnations = {name: workers[name].incarnation for name in change.orders}
+        away = [name for name in change.orders if not self._takes_part(name)]
+        if away and order.step not in _LATE:
+            raise FollowspotError(f"worker {away[0]} is not running; try again in a moment")
         self._change = change
         if order.step == "build" and order.plan is not None:
             self._pool.hand_over_rings(order.plan)
         for name, own_order in change.orders.items():
-            workers[name].channel.tell(own_order)
+            if name not in away:
+                workers[name].channel.tell(own_order)
+        for name in away:
+            self._leave_out(name)
+
+    def _takes_part(self, name: str) -> bool:
+        """True if a worker runs that has built what is new, or is to build it."""
+        worker = self._pool.workers[name]
+        return worker.phase == "running" and worker.incarnation == self._incarnations.get(name)
+
+    def _leave_out(self, name: str) -> None:
+        """Do not wait for a worker that died after the build; if the others take over, it begins anew so."""
+        if self._change.died(name):
+            self._adopt(self._change.orders[name])
+            worker = self._pool.workers[name]
+            if worker.busy:
+                worker.kill("the graph changed while it began")
 
     def attend(self, answers: Iterable[tuple[str, ChangeStatus]]) -> None:
         """Take the answers of workers; restarted workers get the stages that have taken over."""
@@ -114,15 +138,16 @@ class HostChange:
         """Note that a worker has ended or died; return True if it must restart with its replacements.
 
         It must if the order was to take over, because the replacements of other workers may have done so.
+        Nothing is left for it to do if the others go on.
         """
         if self.order is None or worker not in self.orders or self._answered(worker):
             return False
-        taken = self.order.step == "take_over"
-        why = "" if taken else f"worker {worker} has ended"
+        late = self.order.step in _LATE
+        why = "" if late else f"worker {worker} has ended"
         self._answers[worker] = ChangeStatus(
-            self.order.id, "done" if taken else "failed", why, self.order.turn
+            self.order.id, "done" if late else "failed", why, self.order.turn
         )
-        return taken
+        return self.order.step == "take_over"
 
     def status(self) -> ChangeStatus:
         """The status of the change over all workers."""

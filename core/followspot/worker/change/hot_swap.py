@@ -53,23 +53,18 @@ class HotSwap:
             if order.id == self._id:
                 self._give_up()
             self._do_beside(self._tell_discarded, order)
-        elif order.step in ("hold", "rest", "go_on") or self._joint.holds:
-            self._obey_together(order)
-        elif order.step == "build":
+        elif order.step == "build" and not self._joint.holds:
             self._give_up()
             self._id = order.id
             self._do_beside(self._build, order)
-        elif order.id == self._id:
-            self._take_over(order)
-
-    def _obey_together(self, order: ChangeOrder) -> None:
-        """Do one step of a change in several workers."""
-        if order.id != self._id:
+        elif order.id != self._id:
             self.answer(ChangeStatus(order.id, "failed", "another change is under way", order.turn))
-        else:
+        elif order.step in ("hold", "rest", "go_on") or self._joint.holds:
             self._joint.obey(order, self._rewiring)
-        if order.id == self._id and order.step == "take_over":
-            self._rewiring = None
+            if order.step == "take_over":
+                self._rewiring = None
+        else:
+            self._take_over(order)
 
     def close(self) -> None:
         """Discard what was built: the worker has ended."""
