@@ -11,7 +11,7 @@ from tests.commands import Started
 from tests.integration.hosts import near_agent
 from tests.integration.running import STAGES, balanced, finish, start, workers, write_graph
 from tests.integration.test_swap import APART as OTHER_WORKER
-from tests.integration.test_swap import Going, going, wait_until
+from tests.integration.test_swap import Going, going, heard_by_a_stranger, wait_until
 
 import followspot as fs
 from followspot.errors import FollowspotError
@@ -275,6 +275,8 @@ def test_a_live_run_over_two_hosts_goes_on_with_another_inside_and_back(tmp_path
         (tmp_path / "quick.yaml").write_text(QUICK)
         run_here(run.name).change([there])
         assert is_reached(run, quick=True)
+        (late,) = heard_by_a_stranger(agent.endpoint, ["followspot/*/pc-left/hall/late/out"], more=5)
+        assert min(late) > 20_000
         run_here(run.name).change([back])
         assert is_reached(run, quick=False)
         assert (run.workers(), workers(agent.process.pid)) == before, "none starts anew"

@@ -22,7 +22,8 @@ class ChangeOrder(RunRequest):
     """One step of a change. id: of the change; stages: the replacements; fresh: whether they start without
     the state of the old stages; subgraphs: of the plan after the change, for the hosts.
 
-    plan: the plan after a change in which stages and edges come or go, all of them in `workers`; else None.
+    plan: the plan after a change in which stages and edges come or go, else None; workers: of the host, those
+    that take part in it.
 
     Several workers come to rest together: in "hold" their sources stop at once; in "rest" these
     go on to `until`, ns, the stages `leaving` give what they still have, and each worker answers once it has

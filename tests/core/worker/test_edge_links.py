@@ -6,11 +6,20 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+from tests.integration.running import wait_until
+
 from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan
 from followspot.messages import Message
 from followspot.plugins.registry import use_plugin_files
+from followspot.transport.edge import PortReader
+from followspot.transport.token import Token, Watermark
 from followspot.transport.zenoh.edge import open_session
+from followspot.worker.build import build_worker
 from followspot.worker.edge_links import EdgeLinks, uses_zenoh
+from followspot.worker.ledger import Ledger
+from followspot.worker.taps.published_ports import published
+from followspot.worker.wiring import RunOptions, Wiring
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
 PAIR = """
@@ -42,6 +51,73 @@ def test_a_reader_that_waits_for_the_start_says_again_that_it_is_there(tmp_path:
         assert len(heard) > before
         for end in ends:
             end.close()
+
+
+def with_another_edge(plan: Plan) -> Plan:
+    """The plan after a change that puts another edge between the same ports in the place of the first."""
+    (edge,) = plan.edges
+    return replace(plan, numbers=(1,), former=((0, edge),), additions=(1,))
+
+
+def test_an_edge_that_came_later_has_its_own_stream_from_the_start(tmp_path: Path) -> None:
+    """While the former edge of the port is still there."""
+    (tmp_path / "g.yaml").write_text(PAIR)
+    use_plugin_files([str(TICKS)])
+    plan = compile_graph(tmp_path / "g.yaml", placement="stage", plugin_files=[TICKS], edges="zenoh")
+    with open_session() as session:
+        links = EdgeLinks(plan, {}, {}, session, "run")
+        reader, writer = links.reader(0, Message), links.writer([0], "zenoh")
+        links.wait_matched()
+        writer.send(Watermark(5))
+        more = links.for_plan(with_another_edge(plan))
+        later, _ = more.reader(1, Message), more.writer([1], "zenoh")
+        more.wait_matched(lambda: True)
+        assert poll(reader) == [Watermark(5)]
+        assert later.poll() == []
+        assert later.strangers == 0
+        more.forget()
+        again = links.for_plan(with_another_edge(plan))
+        last, sender = again.reader(1, Message), again.writer([1], "zenoh")
+        again.wait_matched(lambda: True)
+        sender.send(Watermark(7))
+        assert poll(last) == [Watermark(7)], "after an attempt that failed"
+        last.tell_at_once(True)
+        assert wait_until(lambda: sender.all_taken)
+        for end in (reader, writer, last, sender):
+            end.close()
+
+
+def test_the_end_of_an_attempt_ends_the_wait_for_other_ends(tmp_path: Path) -> None:
+    (tmp_path / "g.yaml").write_text(PAIR)
+    use_plugin_files([str(TICKS)])
+    plan = compile_graph(tmp_path / "g.yaml", placement="stage", plugin_files=[TICKS], edges="zenoh")
+    with open_session() as session:
+        links = EdgeLinks(plan, {}, {}, session, "run")
+        links.writer([0], "zenoh")
+        asked = iter([True, True, False])
+        links.wait_matched(lambda: next(asked))
+        links.forget()
+
+
+def test_a_port_is_published_if_no_edge_puts_its_messages_on_its_own_key(tmp_path: Path) -> None:
+    (tmp_path / "g.yaml").write_text(PAIR)
+    use_plugin_files([str(TICKS)])
+    plan = compile_graph(tmp_path / "g.yaml", placement="stage", plugin_files=[TICKS], edges="zenoh")
+    with open_session() as session:
+        links = EdgeLinks(plan, {}, {}, session, "run")
+        worker = build_worker(Wiring(plan), "a", Ledger(2), RunOptions(tmp_path), links)
+        assert published(links, worker) == []
+        later = links.for_plan(with_another_edge(plan))
+        (port,) = published(later, worker)
+        assert published(later, worker, [port]) == [], "once"
+        worker.close()
+
+
+def poll(reader: PortReader) -> list[Token]:
+    """What comes next to a reader."""
+    found: list[Token] = []
+    assert wait_until(lambda: found.extend(reader.poll()) or found)
+    return found
 
 
 def test_only_workers_at_an_edge_over_zenoh_need_a_session(tmp_path: Path) -> None:

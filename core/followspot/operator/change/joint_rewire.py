@@ -23,7 +23,7 @@ _POLL_INTERVAL = 0.01
 """Seconds between two polls of a host."""
 
 
-def running_workers(hosts: Sequence[Host], old: Plan, new: Plan) -> Mapping[str, tuple[str, ...]]:
+def _running_workers(hosts: Sequence[Host], old: Plan, new: Plan) -> Mapping[str, tuple[str, ...]]:
     """The workers of each host that run; those that have ended are none.
 
     Raises FollowspotError if one stays away, or has ended and would have to change.
@@ -41,7 +41,7 @@ def rewire_together(hosts: Sequence[Host], old: Plan, new: Plan, order: ChangeOr
     Raises FollowspotError if a stage cannot be built, or a worker has ended or does not come to rest: the run
     goes on as it was.
     """
-    running = running_workers(hosts, old, new)
+    running = _running_workers(hosts, old, new)
     parts = [
         HostPart(host, order.model_copy(update={"workers": running[host.name]}))
         for host in hosts
