@@ -72,10 +72,12 @@ def test_an_edge_that_came_later_has_its_own_stream_from_the_start(tmp_path: Pat
         more = links.for_plan(with_another_edge(plan))
         later, _ = more.reader(1, Message), more.writer([1], "zenoh")
         more.wait_matched(lambda: True)
-        assert poll(reader) == [Watermark(5)]
+        writer.send(Watermark(6))
+        assert poll(reader) == [Watermark(5), Watermark(6)]
         assert later.poll() == []
         assert later.strangers == 0
         more.forget()
+        assert not list(session.liveliness().get("**/alive/**/1/0")), "nothing is left of a failed attempt"
         again = links.for_plan(with_another_edge(plan))
         last, sender = again.reader(1, Message), again.writer([1], "zenoh")
         again.wait_matched(lambda: True)
