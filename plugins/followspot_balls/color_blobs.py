@@ -203,8 +203,9 @@ def measured(
         keep &= blobs.area <= np.maximum(p.maximum_expected_area * np.pi * ball * ball, SMALL)
         keep &= ~clipped(blobs, strip, windows)
         radius = np.where(keep, ball + p.radius_offset, np.nan)
-        pixel = disc_centers(level, strip, blobs, radius, p.edge_level)
-        right, down = (pixel - circles.center.take(owner, axis=0)).T
+        expected = circles.center.take(owner, axis=0)
+        pixel = disc_centers(level, strip, blobs, radius, p.edge_level, expected)
+        right, down = (pixel - expected).T
         keep &= np.hypot(right, down) <= circles.radius.take(owner)
     rows = keep.nonzero()[0]
     return Found(pixel.take(rows, axis=0), blobs.area.take(rows), similarity.take(rows), owner.take(rows))

@@ -205,9 +205,9 @@ def measured(
         keep &= ~clipped(blobs, strip, windows)
     rows = keep.nonzero()[0]
     near = circles_of(circles, seen.take(rows), len(limits.darkest))
-    radius = np.full(len(keep), np.nan)
-    radius[rows] = nearest_radius(near, blobs.center.take(rows, axis=0))
-    center = disc_centers(level, strip, blobs, radius + p.radius_offset, p.edge_level)
+    radius, expected = np.full(len(keep), np.nan), np.full((len(keep), 2), np.nan)
+    expected[rows], radius[rows] = nearest_ball(near, blobs.center.take(rows, axis=0))
+    center = disc_centers(level, strip, blobs, radius + p.radius_offset, p.edge_level, expected)
     return Found(center.take(rows, axis=0), blobs.area.take(rows), seen.take(rows))
 
 
@@ -222,17 +222,19 @@ def circles_of(circles: Circles, view: Array, views: int) -> Circles:
     )
 
 
-def nearest_radius(circles: Circles, pixel: Array) -> Array:
-    """Radius of the ball whose forecast is nearest to each blob, NaN without one: (N,) px.
+def nearest_ball(circles: Circles, pixel: Array) -> tuple[Array, Array]:
+    """The ball whose forecast is nearest to each blob: centre (N, 2) and radius (N,) px, NaN without one.
 
     circles: for each blob; pixel: (N, 2) px.
     """
     if not circles.ball.size:
-        return np.full(len(pixel), np.nan)
+        return np.full(pixel.shape, np.nan), np.full(len(pixel), np.nan)
     distance = distances(pixel, circles.center)
     distance = np.where(distance <= circles.radius + circles.ball, distance, np.inf)
     nearest = np.arange(len(pixel)), distance.argmin(axis=1)
-    return np.where(distance[nearest] < np.inf, circles.ball[nearest], np.nan)
+    near = distance[nearest] < np.inf
+    center = np.where(near[:, None], circles.center[nearest], np.nan)
+    return center, np.where(near, circles.ball[nearest], np.nan)
 
 
 def distinct(center: Array, view: Array) -> Array:

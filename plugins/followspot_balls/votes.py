@@ -2,7 +2,9 @@
 
 The centroid of a partly hidden ball is off by a pixel or more. Its visible rim is still a part of a
 circle whose radius follows from the forecast distance, so each edge pixel votes for the point one
-radius inward; the rim's votes agree, those of the edge of an occluder scatter.
+radius inward; the rim's votes agree, those of the edge of an occluder scatter. A blob that is larger than
+the ball shows it beside other light, and its centroid lies between them: then the votes around the
+forecast count as well. A smaller one does not ask the forecast, which few votes would always confirm.
 """
 
 from __future__ import annotations
@@ -28,14 +30,24 @@ UNHEARD = 1e-9
 """Weight of the centroid itself, so that it stays if there is no vote."""
 SPREADS = (2.0, 1.4, 1.0, 0.8)
 """Scale of the robust kernel in each iteration, px: wide enough to leave a biased centroid, then exact."""
+MERGED = 1.2
+"""Area over the disc's above which a component is merged with other light."""
 TOUCHING = np.ones((3, 3), np.uint8)
 
 
-def disc_centers(level: Array, strip: Strip, blobs: Components, radius: Array, edge: float) -> Array:
+def disc_centers(
+    level: Array,
+    strip: Strip,
+    blobs: Components,
+    radius: Array,
+    edge: float,
+    expected: Array | None = None,
+) -> Array:
     """Centres of the discs whose visible parts are the components.
 
     level: (H, W) u8 brightness that the components were cut from, in a strip;
-    radius: (N,) px of each component's disc, NaN if unknown; edge: of a disc over its peak.
+    radius: (N,) px of each component's disc, NaN if unknown; edge: of a disc over its peak; expected:
+    (N, 2) px, where the discs of known radius are forecast.
     Returns (N, 2) px in the picture; the centroid if the radius is unknown.
     """
     known = np.equal(radius, radius).nonzero()[0]
@@ -58,7 +70,20 @@ def disc_centers(level: Array, strip: Strip, blobs: Components, radius: Array, e
     votes[1] += y + shift[:, 1].take(label)
     votes[2] = 1.0
     center = blobs.center.copy()
-    center[known] = agreement(votes, slope, label, center.take(known, axis=0))
+    point, heard = agreement(votes, slope, label, center.take(known, axis=0))
+    center[known] = point
+    if expected is None:
+        return center
+    merged = (blobs.area.take(known) > MERGED * np.pi * np.square(radius.take(known))).nonzero()[0]
+    if len(merged):
+        number = np.full(len(known), -1)
+        number[merged] = np.arange(len(merged))
+        label = number.take(label)
+        mine = (label >= 0).nonzero()[0]
+        start = expected.take(known.take(merged), axis=0)
+        point, there = agreement(votes.take(mine, axis=1), slope.take(mine), label.take(mine), start)
+        better = there > heard.take(merged)
+        center[known.take(merged[better])] = point[better]
     return center
 
 
@@ -87,11 +112,11 @@ def derivatives(level: Array, index: Array) -> Array:
     return np.array([right.take(index), down.take(index), SCHARR * smooth.take(index)])
 
 
-def agreement(votes: Array, weight: Array, label: Array, start: Array) -> Array:
+def agreement(votes: Array, weight: Array, label: Array, start: Array) -> tuple[Array, Array]:
     """The point where most votes of each component agree: an iterated weighted mean with a narrowing kernel.
 
     votes: (3, P) x and y, px, and 1; weight, label: (P,); start: (K, 2) px, kept without votes.
-    Returns (K, 2) px.
+    Returns (K, 2) px, and the votes that agree on each, (K,).
     """
     count = len(start)
     bins = np.concatenate([label, label + count, label + 2 * count])
@@ -108,4 +133,4 @@ def agreement(votes: Array, weight: Array, label: Array, start: Array) -> Array:
         kernel *= kernel
         heard = np.bincount(bins, (votes * (weight / kernel)).reshape(-1), 3 * count)
         sums = heard.reshape(3, count) + faint
-    return np.asarray(sums[:2] / sums[2]).T
+    return np.asarray(sums[:2] / sums[2]).T, sums[2]

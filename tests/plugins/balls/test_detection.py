@@ -202,7 +202,43 @@ def test_without_a_radius_the_centre_is_the_centroid() -> None:
 def test_without_a_vote_the_centre_is_the_centroid() -> None:
     start = np.array([[6.5, 7.0], [30.0, 2.0]])
     nobody = np.empty(0, int)
-    assert agreement(np.empty((3, 0)), np.empty(0), nobody, start) == pytest.approx(start)
+    point, heard = agreement(np.empty((3, 0)), np.empty(0), nobody, start)
+    assert point == pytest.approx(start)
+    assert (heard < 1e-6).all()
+
+
+def discs(*centers: tuple[float, float]) -> Array:
+    """Bright discs of radius 8 px with blurred edges, (60, 60) u8. centers: x and y, px."""
+    y, x = np.mgrid[:60, :60]
+    edge = [1 / (1 + np.exp((np.hypot(x - a, y - b) - 8) / 0.5)) for a, b in centers]
+    return np.asarray(200 * np.max(edge, axis=0)).astype(np.uint8)
+
+
+@pytest.mark.parametrize("expected", [(19.0, 28.5), (34.0, 32.0)])
+def test_of_two_discs_in_one_blob_the_one_at_the_forecast_is_found(expected: tuple[float, float]) -> None:
+    both = (20.0, 30.0), (33.0, 31.0)
+    level, strip = discs(*both), whole_strip(60)
+    blobs = components(above_local_peak(level, 0.5), level, strip)
+    assert len(blobs.area) == 1
+    center = disc_centers(level, strip, blobs, np.array([8.0]), 0.5, np.array([expected]))
+    nearest = min(both, key=lambda disc: np.hypot(*np.subtract(disc, expected)))
+    assert center == pytest.approx(np.array([nearest]), abs=0.3)
+
+
+def test_a_forecast_beside_a_merged_blob_leads_to_a_disc_all_the_same() -> None:
+    level, strip = discs((20.0, 30.0), (26.0, 30.0)), whole_strip(60)
+    blobs = components(above_local_peak(level, 0.5), level, strip)
+    center = disc_centers(level, strip, blobs, np.array([8.0]), 0.5, np.array([[45.0, 12.0]]))
+    assert center == pytest.approx(np.array([[26.0, 30.0]]), abs=0.3)
+
+
+def test_a_part_of_a_disc_does_not_ask_the_forecast() -> None:
+    level, strip = discs((20.0, 30.0)), whole_strip(60)
+    level[:, 20:] = 0
+    blobs = components(above_local_peak(level, 0.5), level, strip)
+    alone = disc_centers(level, strip, blobs, np.array([8.0]), 0.5)
+    center = disc_centers(level, strip, blobs, np.array([8.0]), 0.5, np.array([[14.0, 30.0]]))
+    assert np.array_equal(center, alone)
 
 
 def clip(camera: str, color: tuple[int, int, int], seen: Array) -> list[Array]:
