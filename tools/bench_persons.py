@@ -17,17 +17,21 @@ import json
 import time
 from dataclasses import dataclass
 from itertools import islice
+from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
 
 from followspot import Room, Stage
+from followspot.graph.parameters import path_parameters
 from followspot.messages import Message, stamped
 from followspot.people import Appearances, Boxes
 from followspot.plugins.registry import load_stage
+from followspot.room import StageUse
 from followspot.room_file import load
 from followspot.stage import Context
+from followspot.stage_params import PathIn
 from followspot.tracking import Frame
 from scripting import options_of
 
@@ -67,7 +71,7 @@ def shots(room: Room, frames: int, every: int) -> list[Shot]:
     camera = next(iter(room.cameras.values()))
     if camera.source is None:
         raise SystemExit(f'camera "{camera.name}" has no source: give a room whose camera plays a video')
-    source = made(camera.source.uses, room, **camera.source.params)
+    source = used(camera.source, room)
     slow = ("persons.gradients", "persons.hog", "persons.appearance")
     gradients, hog, appearance = (made(name, room) for name in slow)
     people, boxes, taken = None, None, []
@@ -102,6 +106,13 @@ def measure(room: Room, taken: list[Shot], particles: int) -> dict[str, Any]:
         "pose_tracker_ms": each[1],
         "frames_per_s": 1000 / each.sum(),
     }
+
+
+def used(use: StageUse, room: Room) -> Stage:
+    """A stage that a room file names, set up; paths are relative to the file's folder."""
+    paths = path_parameters(load_stage(use.uses).Params, PathIn)
+    params = {name: str(Path(use.folder) / v) if name in paths and v else v for name, v in use.params.items()}
+    return made(use.uses, room, **params)
 
 
 def made(name: str, room: Room, **params: Any) -> Stage:

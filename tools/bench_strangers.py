@@ -21,7 +21,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from bench_persons import after, made, shots
+from bench_persons import after, made, shots, used
 from followspot import Array, Room
 from followspot.people import Poses
 from followspot.room_file import load
@@ -108,7 +108,7 @@ def room_of(kind: str, seed: int, frames: int) -> Room:
 def tracked(room: Room, frames: int) -> tuple[PersonsScore, float]:
     """The score of slow and fast instance, and how long the longest false person lasted, s."""
     assert room.truth is not None
-    truth = PosesScoring().read_truth(made(room.truth.uses, room, **room.truth.params).process(), room)
+    truth = PosesScoring().read_truth(used(room.truth, room).process(), room)
     gradients, tracker = made("persons.gradients", room), made("persons.pose_tracker", room)
     found = []
     for shot in shots(room, frames, EVERY):

@@ -21,7 +21,7 @@ from followspot_persons.color.model import learnt
 from followspot_persons.condensation import Search
 from followspot_persons.existence import EVIDENCE, STILL, THERE, averaged, evidence_of
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights, pictured, sampled
-from followspot_persons.floor_contact import presence
+from followspot_persons.floor_contact import Contact, presence
 from followspot_persons.foreground_box import STEP, foreground_box, shares, without_others
 from followspot_persons.foreground_people import completed
 from followspot_persons.girth import girths_of
@@ -36,6 +36,7 @@ from followspot_persons.shape import read_shape, with_girth
 from followspot_persons.spawning import spawned
 from followspot_persons.stature import USUAL, sized
 from followspot_persons.track import HIDDEN, Track, coasted, followed
+from followspot_persons.walkable import Walkable
 
 SHARP_VISIBILITY = 0.3
 """Cosine of the steepest view of a feature whose colour is learnt."""
@@ -60,8 +61,9 @@ class Appearance(Stage):
         self.relations = read_relations(self.params.color_relations)
         self.girths = girths_of(self.shape)
         self.bodies = Bodies(self.camera, self.shape)
-        self.weights = Weights()
         p = self.params
+        self.weights = Weights(real_valued=p.real_valued_boxes)
+        self.walkable = Walkable.within(p.walkable)
         self.recognition = Recognition(p.confirmation_score, p.minimum_likeness, self.relations)
         self.assignment = BoxAssignment(self.camera, self.shape, self.relations, p.specific_beats_generic)
         self.background = Background(turn_of(self.camera))
@@ -86,7 +88,7 @@ class Appearance(Stage):
         upright = np.arange(len(boxes.box)) >= detected
         shown = np.ones(len(boxes.box)) if mask is None else shares(self.camera, mask, boxes.box)
         still = shown < STILL
-        detections = [Detection(*row) for row in zip(boxes.box, boxes.torso, boxes.head, strict=True)]
+        detections = [Detection.row(boxes, row) for row in range(len(boxes.box))]
         present = [p for p in self.people if not p.absent]
         pairs = self.assignment.pairs(present, detections, still, upright, picture, now)
         shades, known = Shades(picture, picture), dict[int, Acquaintance | None]()
@@ -118,10 +120,13 @@ class Appearance(Stage):
         least = self.params.minimum_score + EVIDENCE * still
         new = self.assignment.unclaimed(boxes, pairs, self.bodies.boxes(unboxed), least)
         boxed = self.bodies.boxes(kept)
-        kept += [self.initiated(detections[i], float(boxes.score[i]), boxed, now) for i in new]
+        initiated = [self.initiated(detections[i], float(boxes.score[i]), boxed, now) for i in new]
+        kept += [person for person in initiated if person is not None]
         memory = self.params.memory_time
         kept += [p for p in self.people if p.absent and (now - p.seen) * NANOSECOND <= memory]
-        self.people, self.numbers = self.recognition.applied(kept, self.numbers)
+        self.people, self.numbers = self.recognition.applied(
+            kept, self.numbers, compared=self.scene is not None or self.background.median is None
+        )
         self.background = self.background.after(self.pixels, now, self.people_here())
         relations = self.relations if self.params.predict_colors else None
         return reported(self.people, frame.camera, len(self.shape.names), relations, self.illumination)
@@ -142,7 +147,7 @@ class Appearance(Stage):
         """
         known = stood(self.scene, detection, person.track.pose, person.stature.estimate[0], others)
         contact = person.contact_after(known.contact, seconds)
-        fitness = Fitness(picture, self.shape, self.weights, detection=known.detection, contact=contact)
+        fitness = self.fitness(picture, known.detection, contact)
         search = Search(self.params.particles)
         told = spawned(self.camera, self.shape, known.detection, int(JOINING * search.particles), self.rng)
         before = person.track.joined_by(told)
@@ -196,7 +201,7 @@ class Appearance(Stage):
         nearer people. Colours are not learnt.
         """
         unboxed = (now - person.boxed) * NANOSECOND
-        if not (person.number and person.comparable) or unboxed > self.params.maximum_unboxed_time:
+        if not person.number or unboxed > self.params.maximum_unboxed_time:
             return None
         there, box = self.unboxed(person, mask, seconds)
         seen = view(self.camera, self.shape, there.pose[None])
@@ -205,13 +210,19 @@ class Appearance(Stage):
         detection = Detection(box, np.zeros(0), np.zeros(0))
         told = stood(self.scene, detection, there.pose, person.stature.estimate[0], others).contact
         contact = person.contact_after(told, seconds)
-        fitness = Fitness(picture, self.shape, self.weights, detection=detection, contact=contact)
+        fitness = self.fitness(picture, detection, contact)
         search = Search(self.params.particles)
         track = followed(person.track, seconds, fitness, self.girths, search, self.rng)
         shown = presence(self.scene, track.pose, others)
         stature = person.stature.stood(None if shown is None else shown.height)
         track = replace(track, stature=stature.estimate)
         return replace(person, track=track, stature=stature, contact=contact, seen=now, left=False)
+
+    def fitness(self, picture: Picture, detection: Detection, contact: Contact | None) -> Fitness:
+        """Weighs poses of a person by edges, box, feet and the limits of space."""
+        return Fitness(
+            picture, self.shape, self.weights, detection=detection, contact=contact, walkable=self.walkable
+        )
 
     def unboxed(self, person: Acquaintance, mask: Array, seconds: float) -> tuple[Track, Array | None]:
         """Where a person is expected, and the upper body (4,) px in the foreground near there, if any."""
@@ -235,12 +246,17 @@ class Appearance(Stage):
             [p for p in self.people if not p.absent and p.number and (p.foreground or 0.0) >= THERE]
         )
 
-    def initiated(self, detection: Detection, score: float, others: Array, now: int) -> Acquaintance:
-        """A tentative person from one box; others: (K, 4) px, upper bodies of people who are known."""
+    def initiated(self, detection: Detection, score: float, others: Array, now: int) -> Acquaintance | None:
+        """A tentative person from one box, unless nobody can be there.
+
+        others: (K, 4) px, upper bodies of people who are known.
+        """
         particles = spawned(self.camera, self.shape, detection, self.params.particles, self.rng)
         known = stood(self.scene, detection, particles.mean(axis=0), USUAL, others)
         if known.part:
             particles = spawned(self.camera, self.shape, known.detection, self.params.particles, self.rng)
+        if self.walkable is not None and self.walkable.excludes(particles[:, :2]):
+            return None
         return Acquaintance.tentative(
             particles,
             len(self.shape.names),

@@ -27,6 +27,15 @@ class AppearanceParams(StageParams):
     confirmation_score: float = Field(
         4.0, unit="1", description="sum of scores that confirms a person; raising it avoids false persons"
     )
+    real_valued_boxes: bool = Field(
+        False, description="whether a box weighs poses as surely as the detector is of it, by its score"
+    )
+    walkable: tuple[tuple[float, float], ...] = Field(
+        (),
+        unit="m",
+        description="corners x, y of the part of the floor where people can be, taken as convex; none: "
+        "everywhere",
+    )
     maximum_missed_time: float = Field(
         1.5,
         gt=0,

@@ -8,9 +8,10 @@ import cv2
 import numpy as np
 
 from followspot import Array, Camera
-from followspot.people import Gradients
+from followspot.people import Boxes, Gradients
 from followspot.tracking import Frame
 from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT, BodyView, pixel_index, view
+from followspot_persons.certainty import certainty
 from followspot_persons.color.likelihood import color_likelihood, feature_responses
 from followspot_persons.color.pairs import difference_likelihood, pair_responses
 from followspot_persons.combination import gamma_operation
@@ -21,6 +22,7 @@ from followspot_persons.hsi import hsi
 from followspot_persons.illumination import in_usual_light
 from followspot_persons.panorama import turn_of
 from followspot_persons.shape import ShapeModel
+from followspot_persons.walkable import Walkable
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,8 @@ class Weights:
     """Sigma of an edge's orientation, rad."""
     box_width: float = 0.15
     """One sigma of the distance between box and body, in heights of the box."""
+    real_valued: bool = False
+    """Whether F^HOG counts as surely as the detector is of its box."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,11 +72,20 @@ def pictured(camera: Camera, frame: Frame, gradients: Gradients, light: float = 
 
 @dataclass(frozen=True, eq=False)
 class Detection:
-    """A detection of one person: box (4,) px, log-likelihoods (B,) of the headings of chest and face."""
+    """A detection of one person: box (4,) px, log-likelihoods (B,) of the headings of chest and face.
+
+    certainty: that the box spans the upper body, 0 to 1.
+    """
 
     box: Array
     torso: Array
     head: Array
+    certainty: float = 1.0
+
+    @classmethod
+    def row(cls, boxes: Boxes, row: int) -> Detection:
+        """One of a detector's."""
+        return cls(boxes.box[row], boxes.torso[row], boxes.head[row], certainty(float(boxes.score[row])))
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +100,8 @@ class Habits:
     concentration: float = 0.0
 
 
+UNSURE_BOX = 0.5
+"""F^HOG of a box that says nothing."""
 UNSEEN_EDGE, UNSEEN_COLOR = 0.35, 0.45
 """Responses of features that a nearer person hides: between those of a person and of the background."""
 PAN_SIGMA, TILT_SIGMA = 0.6, 0.2
@@ -110,6 +125,8 @@ class Fitness:
     """Where the person stands, by the feet."""
     pairs: Array | None = None
     """(2, N) of the surface features, for the colour difference."""
+    walkable: Walkable | None = None
+    """Where people can be; None: everywhere."""
 
     def __call__(self, pose: Array) -> Array:
         """Log-weights, up to a constant. pose: (P, 6). Returns (P,)."""
@@ -117,6 +134,8 @@ class Fitness:
         agreement = self.agreement(seen, self.weights.color_power)
         value = self.weights.sharpness * np.log(np.maximum(agreement, 1e-9))
         value += log_prior(pose, self.habits)
+        if self.walkable is not None:
+            value += self.walkable.log_prior(pose[:, :2])
         if self.contact is not None:
             away = np.hypot(*(pose[:, :2] - self.picture.camera.center[:2]).T)
             value -= 0.5 * ((away - self.contact.distance) / self.contact.sigma) ** 2
@@ -173,8 +192,11 @@ class Fitness:
     def box(self, seen: BodyView) -> Array:
         """F^HOG of bodies in view, (P,)."""
         assert self.detection is not None
-        camera = self.picture.camera
-        return box_likelihood(seen.box, self.detection.box[None], self.weights.box_width, turn_of(camera))
+        box, turn = self.detection.box[None], turn_of(self.picture.camera)
+        fit = box_likelihood(seen.box, box, self.weights.box_width, turn)
+        if not self.weights.real_valued:
+            return fit
+        return np.asarray(UNSURE_BOX + self.detection.certainty * (fit - UNSURE_BOX))
 
     def hidden(self, index: Array, inside: Array) -> Array:
         """Which features at these pixels a nearer person hides."""

@@ -28,6 +28,8 @@ STRIDE_SIGMA = 0.15
 """Sigma of a distance by the feet, m: the nearer foot of who walks is up to half a step before the axis."""
 WALK = 1.0
 """Growth of the sigma of a distance with its age, m/s."""
+GATE = 3.0
+"""Difference of two distances of one person at most, in sigmas."""
 LARGEST_CHANGE = 0.25
 """Difference of the distance from that by size, relative, up to which both are of one body. Feet farther away
 are none: furniture hides the legs. Feet much nearer are those of a person whose head or chest alone was taken
@@ -53,6 +55,10 @@ class Contact:
     def later(self, seconds: float) -> Contact:
         """The same some seconds later, when the person may have walked."""
         return Contact(self.distance, float(np.hypot(self.sigma, WALK * seconds)))
+
+    def agrees(self, other: Contact) -> bool:
+        """Whether both can be of one person."""
+        return abs(self.distance - other.distance) <= GATE * float(np.hypot(self.sigma, other.sigma))
 
 
 @dataclass(frozen=True)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from followspot import Array, Latest, Stage
+from followspot import Latest, Stage
 from followspot.people import Appearances, Boxes, Gradients, Poses
 from followspot.tracking import PREDICTED, TRACKED, Frame
 from followspot_persons.association import box_distance, matched
@@ -15,26 +16,26 @@ from followspot_persons.body_view import HEADING, view
 from followspot_persons.box_assignment import NANOSECOND
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.pairs import telling_pairs
-from followspot_persons.condensation import Search, scattered
+from followspot_persons.condensation import Search
 from followspot_persons.fitness import Detection, Fitness, Picture, pictured
-from followspot_persons.floor_contact import Contact
 from followspot_persons.followed_person import Followed
 from followspot_persons.girth import girths_of
 from followspot_persons.identity_change import changed
-from followspot_persons.illumination import Illumination
+from followspot_persons.illumination import Illumination, in_usual_light
 from followspot_persons.occlusion import covered
 from followspot_persons.panorama import turn_of
 from followspot_persons.pose_tracker_params import PoseTrackerParams
+from followspot_persons.reprocessing import PastPicture, PastPictures, reprocessed
 from followspot_persons.shape import read_shape, with_girth
+from followspot_persons.slow_pose import SlowPose, scattered_about
 from followspot_persons.track import HIDDEN, Track, coasted, followed
-from followspot_persons.trail import SlowPose, carried_contact, carried_detection, carried_pose
+from followspot_persons.trail import carried_contact, carried_detection, carried_pose
+from followspot_persons.walkable import Walkable
 
-SPAWN_SIGMA = np.array([0.06, 0.06, 0.03, 0.3, 0.3, 0.1])
-"""Sigma of particles about a pose of the slow instance: m, m, m, rad, rad, rad."""
 JOINING = 0.1
 """Share of the particles that a pose of the slow instance replaces."""
-STRAYING = np.array([0.5, 0.5, 0.0, 0.8, 0.8, 0.2])
-"""Growth of this sigma with the age of the pose: m/s, m/s, m/s, rad/s, rad/s, rad/s."""
+ASTRAY = 0.5
+"""Distance from a pose of the slow instance from which the track was another body's or furniture's, m."""
 NEAR = 0.6
 """Largest distance of a box from its person, in heights of the box."""
 
@@ -55,6 +56,7 @@ class PoseTracker(Stage):
         self.turn = turn_of(self.camera)
         p = self.params
         self.weights = p.weights
+        self.walkable = Walkable.within(p.walkable)
         self.pairs = telling_pairs(self.shape, read_relations(p.color_relations))
         self.search = Search(
             p.particles, p.random_share, p.ascent_share, p.search_rounds, p.local_search == "swarm"
@@ -63,6 +65,7 @@ class PoseTracker(Stage):
         self.known: dict[int, Track] = {}
         self.slow_poses: dict[int, SlowPose] = {}
         self.illumination = Illumination()
+        self.past = PastPictures()
         self.boxed = -1
         self.time = -1
 
@@ -73,21 +76,21 @@ class PoseTracker(Stage):
         seconds = max(now - self.time, 0) * NANOSECOND if self.time >= 0 else 0.0
         self.time = now
         self.illumination = self.illumination.after(frame.pixels, now)
+        seen = pictured(self.camera, frame, gradients)
+        lit = self.illumination.light
+        self.past = self.past.longer(PastPicture.kept(now, seen, lit), self.params.maximum_delay)
         if people is None:
             return self.poses(frame.camera)
         self.take_slow_poses(people, now)
         if seconds > self.params.maximum_missed_time:
             self.delete_missed(people, now)
-        light = people.light * self.illumination.light / self.illumination.at(people.header.time)
-        picture = pictured(self.camera, frame, gradients, light)
+        picture = self.in_light_of(people, seen, lit)
         told = self.detections(boxes, now, seconds)
         row = {number: i for i, number in enumerate(people.person.tolist())}
         self.change_identities(row)
         for number in self.nearest_first(row):
-            i = row[number]
-            colors = (people.mean[i].astype(np.float32), people.variance[i].astype(np.float32))
-            contact = carried_contact(people.contact[i], (now - int(people.seen[i])) * NANOSECOND)
-            picture = self.follow(number, picture, colors, told.get(number), contact, seconds, now)
+            fitness = self.fitness(people, row[number], picture, now, told.get(number))
+            picture = self.follow(number, fitness, seconds, now)
         self.delete_missed(people, now)
         return self.poses(frame.camera)
 
@@ -106,45 +109,70 @@ class PoseTracker(Stage):
         away = {n: float(np.hypot(*(p.track.pose[:2] - eye))) for n, p in self.people.items() if n in known}
         return sorted(away, key=lambda n: away[n])
 
+    def in_light_of(self, people: Appearances, picture: Picture, light: float) -> Picture:
+        """The picture, taken in a light, in that of the people's colours."""
+        over = people.light * light / self.illumination.at(people.header.time)
+        return replace(picture, colors=in_usual_light(picture.colors, over))
+
+    def fitness(
+        self, people: Appearances, row: int, picture: Picture, time: int, detection: Detection | None = None
+    ) -> Fitness:
+        """Weighs poses of one of the people in a picture of a time, ns."""
+        colors = (people.mean[row].astype(np.float32), people.variance[row].astype(np.float32))
+        return Fitness(
+            picture,
+            self.shape,
+            self.weights,
+            colors=colors if self.params.use_colors else None,
+            detection=detection,
+            contact=carried_contact(people.contact[row], (time - int(people.seen[row])) * NANOSECOND),
+            pairs=self.pairs,
+            walkable=self.walkable,
+        )
+
     def take_slow_poses(self, people: Appearances, now: int) -> None:
         """Initiate persons that the slow instance has found, and mix its poses into the particles of tracked
         ones.
         """
         rows = zip(people.person.tolist(), people.pose, people.stature, people.seen.tolist(), strict=True)
-        for number, pose, (tall, sigma), seen in rows:
+        for row, (number, pose, (tall, sigma), seen) in enumerate(rows):
             before = self.slow_poses.get(number)
             if (before is not None and seen <= before.time) or not np.isfinite(pose).all():
                 continue
             self.slow_poses[number] = SlowPose(seen, pose)
             known = self.people.get(number)
+            then = None if known is None else known.trail.at(seen)
+            if known is not None and then is not None and np.hypot(*(pose - then)[:2]) > ASTRAY:
+                self.known[number], known = self.people.pop(number).track, None
             if known is None:
-                track = replace(self.initiated(number, before, now), stature=(tall, sigma))
-                self.people[number] = Followed(number, track, now, seen)
+                kept = self.past.between(seen, now)
+                track = replace(self.initiated(number, before, seen if kept else now), stature=(tall, sigma))
+                track = replace(track, velocity=self.slow_poses[number].velocity(before)) if kept else track
+                track, trail = reprocessed(track, seen, kept, partial(self.followed_then, people, row))
+                self.people[number] = Followed(number, track, now, seen, trail=trail)
                 continue
             track = replace(known.track, stature=(tall, sigma))
-            then = known.trail.at(seen)
             told = pose if then is None else carried_pose(pose, then, track.pose)
             joining = max(1, int(JOINING * len(track.particles)))
-            track = track.joined_by(self.scattered_about(told, joining))
+            track = track.joined_by(scattered_about(told, joining, self.rng))
             self.people[number] = replace(known, track=track, boxed=max(known.boxed, seen))
 
-    def initiated(self, number: int, before: SlowPose | None, now: int) -> Track:
-        """The track of a person that the slow instance has just reported, with its past if it returns."""
+    def followed_then(
+        self, people: Appearances, row: int, track: Track, seconds: float, past: PastPicture
+    ) -> Track:
+        """The track of one of the people after a picture that was kept."""
+        picture = self.in_light_of(people, past.picture, past.light)
+        fitness = self.fitness(people, row, picture, past.time)
+        return followed(track, seconds, fitness, self.bodies, self.search, self.rng)
+
+    def initiated(self, number: int, before: SlowPose | None, time: int) -> Track:
+        """The track of a person that the slow instance has reported, at a time, with its past if any."""
         slow_pose = self.slow_poses[number]
-        age = (now - slow_pose.time) * NANOSECOND
-        places = self.scattered_about(slow_pose.forecast(before, age), self.params.particles, age)
+        age = (time - slow_pose.time) * NANOSECOND
+        pose = slow_pose.forecast(before, age)
+        places = scattered_about(pose, self.params.particles, self.rng, age)
         past = self.known.get(number)
         return past.resumed(places) if past else Track.initiated(places)
-
-    def scattered_about(self, pose: Array, count: int, age: float = 0.0) -> Array:
-        """Particles about a pose `age` seconds old, (count, 6); some are turned, because headings are often
-        wrong.
-        """
-        sigma = np.hypot(SPAWN_SIGMA, age * STRAYING)
-        particles = pose + sigma * self.rng.standard_normal((count, 6))
-        turned = count // 5
-        particles[:turned] = scattered(particles[:turned], self.rng)
-        return np.asarray(particles)
 
     def detections(self, boxes: Boxes | None, now: int, seconds: float) -> dict[int, Detection]:
         """The detection of each person, once per message of the detector, carried to this picture."""
@@ -165,32 +193,13 @@ class PoseTracker(Stage):
         told = {}
         for i, box in matched(distance, NEAR):
             self.people[numbers[i]] = replace(self.people[numbers[i]], boxed=self.boxed)
-            seen = Detection(boxes.box[box], boxes.torso[box], boxes.head[box])
+            seen = Detection.row(boxes, box)
             told[numbers[i]] = carried_detection(seen, self.camera, self.shape, then[i], pose[i])
         return told
 
-    def follow(
-        self,
-        number: int,
-        picture: Picture,
-        colors: tuple[Array, Array],
-        detection: Detection | None,
-        contact: Contact | None,
-        seconds: float,
-        now: int,
-    ) -> Picture:
+    def follow(self, number: int, fitness: Fitness, seconds: float, now: int) -> Picture:
         """Track one person in one picture; returns the picture with this person's occlusions."""
-        known = self.people[number]
-        known_colors = colors if self.params.use_colors else None
-        fitness = Fitness(
-            picture,
-            self.shape,
-            self.weights,
-            colors=known_colors,
-            detection=detection,
-            contact=contact,
-            pairs=self.pairs,
-        )
+        known, picture = self.people[number], fitness.picture
         track = followed(known.track, seconds, fitness, self.bodies, self.search, self.rng)
         unboxed = (self.boxed - known.boxed) * NANOSECOND
         enough = self.params.minimum_likelihood_share + (1 - self.params.minimum_likelihood_share) * min(

@@ -95,7 +95,16 @@ class PoseTrackerParams(StageParams):
     color_relations: InputPath = Field(
         SHIPPED_RELATIONS, description="how the colours of features relate, to choose pairs of features"
     )
+    real_valued_boxes: bool = Field(
+        False, description="whether a box weighs poses as surely as the detector is of it, by its score"
+    )
     use_colors: bool = Field(True, description="whether the persons' colours weigh their poses")
+    walkable: tuple[tuple[float, float], ...] = Field(
+        (),
+        unit="m",
+        description="corners x, y of the part of the floor where people can be, taken as convex; none: "
+        "everywhere",
+    )
     minimum_likelihood_share: float = Field(
         0.5,
         gt=0,
@@ -118,6 +127,14 @@ class PoseTrackerParams(StageParams):
         unit="s",
         description="time until a person that the slow instance does not see is deleted",
     )
+    maximum_delay: float = Field(
+        2.5,
+        ge=0,
+        le=10,
+        unit="s",
+        description="delay of the slow instance up to which kept pictures lead whom it finds to the present; "
+        "raising it costs memory, 0 keeps none",
+    )
 
     @property
     def weights(self) -> Weights:
@@ -127,6 +144,7 @@ class PoseTrackerParams(StageParams):
             color=self.color_weight,
             difference=self.difference_weight,
             hog=self.hog_weight,
+            real_valued=self.real_valued_boxes,
             gamma=self.gamma,
             color_power=self.color_power,
             sharpness=self.likelihood_power,

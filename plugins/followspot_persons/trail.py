@@ -13,12 +13,9 @@ from followspot_persons.fitness import Detection
 from followspot_persons.floor_contact import Contact
 from followspot_persons.hog.likelihood import heading_log_likelihood
 from followspot_persons.shape import ShapeModel
-from followspot_persons.track import FASTEST
 
 LENGTH = 64
 """Pictures that are remembered."""
-LONG_AGO = 2.0
-"""Time after which a person may have turned round, s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,23 +31,6 @@ class Trail:
     def at(self, time: int) -> Array | None:
         """The pose in the last picture up to a time; None from before the trail began."""
         return next((pose for then, pose in reversed(self.poses) if then <= time), None)
-
-
-@dataclass(frozen=True, eq=False)
-class SlowPose:
-    """A pose (6,) of a person that the slow instance reported for a time, ns."""
-
-    time: int
-    pose: Array
-
-    def forecast(self, before: SlowPose | None, seconds: float) -> Array:
-        """The pose some seconds later, with the velocity since the previous report."""
-        apart = (self.time - before.time) * 1e-9 if before is not None else np.inf
-        if before is None or apart > LONG_AGO:
-            return self.pose
-        velocity = (self.pose[:2] - before.pose[:2]) / apart
-        velocity *= min(1.0, FASTEST / max(float(np.hypot(*velocity)), 1e-9))
-        return np.concatenate([self.pose[:2] + velocity * seconds, self.pose[2:]])
 
 
 def carried_contact(told: Array, age: float) -> Contact | None:

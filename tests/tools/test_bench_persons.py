@@ -4,13 +4,36 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 
 import bench_persons
+from followspot.room import StageUse
+from followspot.room_file import load
 
 ROOM = Path(__file__).parent.parent.parent / "graphs/rooms/simulated_panorama.yaml"
+
+
+def test_recordings_are_found_from_the_folder_of_the_room_file(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    folder = tmp_path / "rooms"
+    folder.mkdir()
+    video = cv2.VideoWriter(str(folder / "c.avi"), cv2.VideoWriter.fourcc(*"MJPG"), 10.0, (64, 48))
+    for _ in range(3):
+        video.write(np.full((48, 64, 3), 90, np.uint8))
+    video.release()
+    monkeypatch.chdir(tmp_path)
+    use = StageUse("cameras.video", {"path": "c.avi"}, str(folder))
+    room = load(ROOM)
+    camera = replace(next(iter(room.cameras.values())), size=(64, 48), source=use)
+    source = bench_persons.used(use, replace(room, cameras={camera.name: camera}))
+    assert next(iter(source.process())).pixels.shape == (48, 64, 3)
+    source.close()
 
 
 @pytest.mark.thorough

@@ -6,10 +6,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.plugins.persons.drawn import clothes, drawn, perspective, picture_of, ready, standing
+from tests.plugins.persons.drawn import (
+    boxes_of,
+    clothes,
+    detection_of,
+    drawn,
+    frame_of,
+    perspective,
+    picture_of,
+    ready,
+    standing,
+)
 
 from followspot_persons.ascent import FINEST, STEPS, ascend
 from followspot_persons.body_view import HEADING, view
+from followspot_persons.certainty import HALF
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.likelihood import FLOOR
 from followspot_persons.color.pairs import (
@@ -19,7 +30,7 @@ from followspot_persons.color.pairs import (
     telling_pairs,
 )
 from followspot_persons.condensation import Search, condense
-from followspot_persons.fitness import Fitness, Weights, log_prior
+from followspot_persons.fitness import UNSURE_BOX, Detection, Fitness, Weights, log_prior
 from followspot_persons.hsi import hsi
 from followspot_persons.motion import MAX_TILT
 from followspot_persons.pose_tracker import PoseTracker
@@ -102,6 +113,28 @@ def test_a_cue_of_weight_0_does_not_count(scene):
     np.testing.assert_allclose(alone.likelihood(poses), edge, rtol=1e-6)
 
 
+def test_a_box_weighs_by_choice_as_surely_as_the_detector_is_of_it(scene):
+    poses = np.stack([standing(2.5), standing(2.5, 0.5)])
+    seen = view(scene.picture.camera, SHAPE, poses)
+
+    def told(real_valued, certainty):
+        detection = replace(detection_of(scene.picture.camera, standing(2.5)), certainty=certainty)
+        return replace(scene, weights=Weights(real_valued=real_valued), detection=detection).box(seen)
+
+    np.testing.assert_array_equal(told(False, 0.1), told(False, 1.0))
+    np.testing.assert_allclose(told(True, 1.0), told(False, 1.0))
+    np.testing.assert_allclose(told(True, 0.0), UNSURE_BOX)
+    np.testing.assert_allclose(told(True, 0.5), (told(False, 1.0) + UNSURE_BOX) / 2)
+
+
+def test_the_certainty_of_a_detection_is_by_its_score():
+    camera = perspective()
+    frame = frame_of(camera, drawn(camera))
+    for score, certain in ((HALF, 0.5), (HALF + 5, 0.99), (HALF - 5, 0.01)):
+        boxes = boxes_of(camera, frame, standing(2.5), score=score)
+        assert Detection.row(boxes, 0).certainty == pytest.approx(certain, abs=0.01)
+
+
 def test_weights_and_gamma_are_parameters():
     tracker = ready(
         PoseTracker,
@@ -113,9 +146,17 @@ def test_weights_and_gamma_are_parameters():
         gamma=0.5,
         color_power=0.4,
         likelihood_power=20,
+        real_valued_boxes=True,
     )
     assert tracker.weights == Weights(
-        edge=0.9, color=0.8, difference=0.7, hog=0.6, gamma=0.5, color_power=0.4, sharpness=20
+        edge=0.9,
+        color=0.8,
+        difference=0.7,
+        hog=0.6,
+        gamma=0.5,
+        color_power=0.4,
+        sharpness=20,
+        real_valued=True,
     )
     assert ready(PoseTracker, perspective()).weights == Weights()
 

@@ -12,11 +12,12 @@ from followspot.messages import Header, stamped
 from followspot.people import Appearances, Boxes, Gradients
 from followspot.stage import Context
 from followspot.tracking import PREDICTED, TRACKED, Frame
+from followspot_persons.acquaintance import Acquaintance
 from followspot_persons.body_view import HEADING, view
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.model import ColorModel
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights
-from followspot_persons.floor_contact import WALK, Contact
+from followspot_persons.floor_contact import STRIDE_SIGMA, WALK, Contact
 from followspot_persons.girth import girths_of
 from followspot_persons.hog.likelihood import heading_log_likelihood
 from followspot_persons.hsi import from_plane
@@ -26,15 +27,10 @@ from followspot_persons.occlusion import Shades, covered
 from followspot_persons.pose_tracker import PoseTracker
 from followspot_persons.shape import read_shape, with_girth
 from followspot_persons.sightings import blended, sightings_of
+from followspot_persons.slow_pose import SlowPose
 from followspot_persons.spawning import farthest, spawned
 from followspot_persons.track import Track
-from followspot_persons.trail import (
-    SlowPose,
-    Trail,
-    carried_contact,
-    carried_detection,
-    carried_pose,
-)
+from followspot_persons.trail import Trail, carried_contact, carried_detection, carried_pose
 
 FACING = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0.0]])
 SECOND = 1_000_000_000
@@ -137,6 +133,17 @@ def test_a_distance_by_the_feet_becomes_vague_with_its_age():
     assert carried_contact(told, 0.0) == Contact(3.0, 0.2)
     assert carried_contact(told, 2.0).sigma == pytest.approx(np.hypot(0.2, 2 * WALK))
     assert carried_contact(np.array([3.0, 0.0]), 0.0) is None
+
+
+def test_feet_where_nobody_walks_to_in_this_time_are_somebody_elses():
+    person = Acquaintance.tentative(
+        standing(3.0)[None], 45, 1.0, 0, comparable=True, contact=Contact(4.4, STRIDE_SIGMA)
+    )
+    near = Contact(4.0, STRIDE_SIGMA)
+    assert person.contact_after(near, 0.2) == near
+    assert person.contact_after(Contact(3.3, STRIDE_SIGMA), 0.2) == person.contact.later(0.2)
+    assert person.contact_after(Contact(3.3, STRIDE_SIGMA), 1.0).distance == 3.3
+    assert person.contact_after(None, 0.2) == person.contact.later(0.2)
 
 
 def test_two_hearings_tell_where_a_walker_is_by_now():

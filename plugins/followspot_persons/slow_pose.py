@@ -1,0 +1,47 @@
+"""What the slow instance says of a person: a pose at an earlier time, and particles about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from followspot import Array
+from followspot_persons.condensation import scattered
+from followspot_persons.track import FASTEST
+
+LONG_AGO = 2.0
+"""Time after which a person may have turned round, s."""
+SPAWN_SIGMA = np.array([0.06, 0.06, 0.03, 0.3, 0.3, 0.1])
+"""Sigma of particles about a pose of the slow instance: m, m, m, rad, rad, rad."""
+STRAYING = np.array([0.5, 0.5, 0.0, 0.8, 0.8, 0.2])
+"""Growth of this sigma with the age of the pose: m/s, m/s, m/s, rad/s, rad/s, rad/s."""
+
+
+@dataclass(frozen=True, eq=False)
+class SlowPose:
+    """A pose (6,) of a person that the slow instance reported for a time, ns."""
+
+    time: int
+    pose: Array
+
+    def velocity(self, before: SlowPose | None) -> Array:
+        """Velocity (2,) m/s since the previous report, 0 without one of the last seconds."""
+        apart = (self.time - before.time) * 1e-9 if before is not None else np.inf
+        if before is None or apart > LONG_AGO:
+            return np.zeros(2)
+        velocity = (self.pose[:2] - before.pose[:2]) / apart
+        return np.asarray(velocity * min(1.0, FASTEST / max(float(np.hypot(*velocity)), 1e-9)))
+
+    def forecast(self, before: SlowPose | None, seconds: float) -> Array:
+        """The pose some seconds later."""
+        return np.concatenate([self.pose[:2] + self.velocity(before) * seconds, self.pose[2:]])
+
+
+def scattered_about(pose: Array, count: int, rng: np.random.Generator, age: float = 0.0) -> Array:
+    """Particles about a pose `age` seconds old, (count, 6); some are turned, for headings are often wrong."""
+    sigma = np.hypot(SPAWN_SIGMA, age * STRAYING)
+    particles = pose + sigma * rng.standard_normal((count, 6))
+    turned = count // 5
+    particles[:turned] = scattered(particles[:turned], rng)
+    return np.asarray(particles)
