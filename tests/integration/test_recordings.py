@@ -31,6 +31,11 @@ MANY = [
     for sequence, count in {"dev1": 2, "dev2": 3, "dev3": 6, "dev4": 3, "simulated": 3}.items()
 ]
 """Number of targets that each sequence shows."""
+HARD = [
+    pytest.param("dev5", 2, fusion, marks=[pytest.mark.thorough] if fusion == "balls.mean_shift" else [])
+    for fusion in BARS
+] + [pytest.param("dev6", 3, fusion, marks=pytest.mark.thorough) for fusion in BARS]
+"""Balls that are half covered beside reflectors, and projections as bright as balls."""
 Score = Callable[[str, str], dict[str, Any]]
 """Figures of each target, by a sequence and a fusion."""
 
@@ -49,7 +54,7 @@ def track(room: Path, out: Path, *options: str, graph: Path = GRAPH) -> dict[str
 def rooms(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """A room file for each sequence, by the two commands that the README names; their balls are the same."""
     folder = tmp_path_factory.mktemp("rooms")
-    made = {sequence: folder / f"{sequence}.yaml" for sequence in SEQUENCES}
+    made = {sequence: folder / f"{sequence}.yaml" for sequence in (*SEQUENCES, "dev5", "dev6")}
     first = made[SEQUENCES[0]]
     videos = DATA / SEQUENCES[0]
     done = command("room", "import", DATA / "calibration.json", "--videos", videos, "-o", first)
@@ -70,7 +75,8 @@ def scored(rooms: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> 
     @cache
     def targets(sequence: str, fusion: str) -> dict[str, Any]:
         summary = track(places[sequence], out / sequence / fusion, "--set", f"fuse.uses={fusion}")
-        assert not summary["warnings"]  # the calibrations are the true ones
+        if sequence != "dev5":  # half covered balls look like cameras that contradict each other
+            assert not summary["warnings"]  # the calibrations are the true ones
         return {name: target for name, target in summary["targets"].items() if target["frames"] > 0}
 
     return targets
@@ -114,6 +120,21 @@ def test_errors_are_within_what_tracks_say(scored: Score, fusion: str, sequence:
     assert (rated[:, 0] > 100).all()
     assert rated[:, 1].min() > 0.92
     assert np.average(rated[:, 1], weights=rated[:, 0]) > 0.96
+
+
+@pytest.mark.parametrize(("sequence", "count", "fusion"), HARD)
+def test_balls_that_are_hardly_seen_are_tracked_and_their_errors_are_within_what_tracks_say(
+    scored: Score, sequence: str, count: int, fusion: str
+) -> None:
+    """98 to 100 % of each target's frames, and 90 to 99 % of its errors in the ellipsoid of 95 %."""
+    targets = scored(sequence, fusion)
+    assert len(targets) == count
+    for name, target in targets.items():
+        assert target["coverage"] >= 0.97, name
+        assert target["identity_switches"] == 0, name
+        assert target["false_positions"] == 0, name
+        assert target["rated_frames"] > 80, name
+        assert target["within_95"] > 0.87, name
 
 
 @pytest.mark.parametrize(
