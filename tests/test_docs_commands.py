@@ -28,6 +28,8 @@ ELSEWHERE = {
     r"python tools/learn_weights.py": "tests/tools/test_learn_weights.py",
     r"python tools/convert_movenet.py": "tests/tools/test_convert_movenet.py",
     r"python3 -m venv": ".ci/run",
+    r"python tools/speed_page.py": "tests/tools/test_speed_page.py",
+    r"python tools/bench_live.py": "tests/tools/test_bench_live.py",
     r"python tools/bench": "tests/tools/test_benchmarks.py",
     r"followspot .*--dashboard|followspot dashboard": "tests/integration/test_dashboard.py",
     r"followspot (runs|top|hz|echo|logs)": "tests/tools/watch",

@@ -221,8 +221,13 @@ def row(case: tuple[str, int, str], runs: Sequence[Cell], one: Sequence[Cell]) -
 
 def text(args: argparse.Namespace, rows: Sequence[Cell]) -> str:
     """A table for people."""
-    cells = [[f"{v:.3g}" if isinstance(v, float) else str(v) for v in found.values()] for found in rows]
+    cells = [[cell(value) for value in found.values()] for found in rows]
     return shown(args, tuple(rows[0]), cells)
+
+
+def cell(value: Any) -> str:
+    """Three digits of a number, and no more than the thousandths."""
+    return f"{round(value, 3):.3g}" if isinstance(value, float) else str(value)
 
 
 if __name__ == "__main__":

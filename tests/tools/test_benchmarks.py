@@ -11,6 +11,7 @@ import pytest
 import yaml
 
 import bench_cost
+import bench_cut
 import bench_delay
 import bench_edges
 import bench_hop
@@ -109,3 +110,15 @@ def test_the_overlays_of_bench_delay_delay_the_forecast_of_detectors_alone(tmp_p
     delays = {e.to_stage.split("/")[0]: e.delay for e in plan.edges if e.from_port == "forecast"}
     assert delays.pop("color") == delays.pop("infrared") == 2
     assert set(delays.values()) == {1}
+
+
+def test_what_a_cut_link_costs_is_told_from_when_pictures_were_sent_and_came() -> None:
+    second = 10**9
+    sent = {"sent": [n * second for n in range(8)], "cpu_us": 7.0}
+    came = {0: 0.01, 1: 1.01, 3: 6.0, 6: 6.01, 7: 7.01}
+    arrived = [(number, round(at * second)) for number, at in came.items()]
+    found = bench_cut.figures(sent, arrived, down=1_500_000_000, up=5_500_000_000)
+    assert found == {
+        **{"sent": 8, "missed": 3, "back_s": 0.51, "late": 1, "oldest_s": 3.0},
+        **{"p50_ms": 10.0, "cpu_us": 7.0},
+    }

@@ -13,7 +13,7 @@ RUN_AGAIN = "the results are not whole, so run the replay again"
 
 @dataclass(frozen=True)
 class StageReport:
-    """The figures of one stage in a run. busy_ms: time spent in the stage, ms."""
+    """The figures of one stage in a run. busy_ms: time on the clock, ms: what other programs took counts."""
 
     stage: str
     fired: Count
