@@ -8,9 +8,9 @@ Two hosts, network namespaces on this machine, so root is needed: one sends pict
 publishes as the edges of followspot do; `cache` is the AdvancedPublisher of zenoh-ext, which keeps the last
 pictures, with a subscriber that asks for what it missed.
 
-Missed are pictures that never came. Back is the time from the return of the link until a picture came that was
-sent after it. Late are those that came after the link and were over 100 ms old; age is that of the oldest.
-Processor time is that of the sender for a picture.
+Missed are pictures that never came. Back is the time from the return of the link until a picture came that
+was sent after it. Late are those that came after the link and were over 100 ms old; age is that of
+the oldest. Processor time is that of the sender for a picture.
 """
 
 from __future__ import annotations
