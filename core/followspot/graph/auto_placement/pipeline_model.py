@@ -14,9 +14,9 @@ from dataclasses import dataclass, field
 
 from followspot.graph.cycles import cyclic, successors, topological
 
-HOP_WORK = 0.25
-"""Processor time of each end of a message between two workers, ms (docs/speed.md: 0.5 for both)."""
-HOP_WAIT = 0.3
+HOP_WORK = 0.1
+"""Processor time of each end of a message between two workers, ms (docs/speed.md: 0.11 to 0.3 for both)."""
+HOP_WAIT = 0.1
 """Time from one worker to another, ms (docs/speed.md)."""
 _WINDOW = 8
 """Frame sets under way at once: the depth of an edge."""
