@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from pathlib import Path
 
@@ -18,6 +19,8 @@ import bench_hop
 import bench_hop_code
 import bench_recorded_bytes
 import bench_replay
+import bench_start
+from benching.processes import family, memory
 from followspot.graph.compile import compile_graph
 from followspot.room_file import load, save
 
@@ -122,3 +125,17 @@ def test_what_a_cut_link_costs_is_told_from_when_pictures_were_sent_and_came() -
         **{"sent": 8, "missed": 3, "back_s": 0.51, "late": 1, "oldest_s": 3.0},
         **{"p50_ms": 10.0, "cpu_us": 7.0},
     }
+
+
+def test_memory_of_a_session_is_told_by_process_and_by_kind_of_process() -> None:
+    found = memory(os.getsid(0))
+    own = found[os.getpid()]
+    assert own.resident >= own.shared_out >= own.own > 0
+    assert family(os.getsid(0))[os.getpid()] == os.getppid()
+    parents = {20: 10, 30: 20, 31: 20}
+    assert [bench_start.kind(pid, 10, parents, forked=True) for pid in (10, 20, 30)] == [
+        "command",
+        "fork server",
+        "worker",
+    ]
+    assert bench_start.kind(20, 10, parents, forked=False) == "worker"
