@@ -14,6 +14,7 @@ from followspot.control.dispatch import Request, verb
 from followspot.control.host import HostLost, HostRefused, HostStatus, RunOrder, WorkerStatus
 from followspot.control.lifecycle import EndWorkers, FindRun, PrepareRun, StartRun, StopRun
 from followspot.control.observation import GetHostStatus, GetLog
+from followspot.control.swap import ChangeOrder
 from followspot.log.record import LogPage, LogRecord
 from followspot.operator.remote import remote_host
 from followspot.operator.remote.remote_host import RemoteHost
@@ -227,3 +228,15 @@ def test_a_refused_order_does_not_block_later_ones() -> None:
     ]
     host._poll()
     assert agent.asked[5:] == ["get_host_status"]
+
+
+def test_a_host_that_was_cut_off_is_told_later_that_a_change_came_to_nothing() -> None:
+    """Its workers may hold for the change."""
+    agent = Forgetful("here", cut=["change_order"])
+    host = operated(agent)
+    host.ask(ChangeOrder(id="1", step="discard", stages=(), turn=3))
+    host._poll()
+    assert agent.asked == ["change_order", "get_host_status", "change_order"]
+    agent.cut.append("change_order")
+    with pytest.raises(HostLost):
+        host.ask(ChangeOrder(id="2", step="build", stages=()))

@@ -14,6 +14,8 @@ from followspot.errors import FollowspotError
 
 _TIMEOUT = 60.0
 """Seconds in which a step must be done: some stages load models."""
+_DISCARD_TIMEOUT = 5.0
+"""Seconds that hosts have to close what they built, before the user hears why it came to nothing."""
 _POLL_INTERVAL = 0.01
 """Seconds between two polls of the hosts."""
 _NO_WAY_BACK: tuple[Step, ...] = ("take_over", "go_on")
@@ -68,7 +70,7 @@ class ChangeSteps:
 
         until, leaving: see `ChangeOrder`. Raises FollowspotError.
         """
-        deadline = self._begin()
+        deadline = self._begin(_TIMEOUT)
         for part in self._parts:
             part.tell(self._fields(step, part, until=until, leaving=tuple(leaving)), deadline)
         return self._wait_for(phase, deadline)
@@ -82,18 +84,21 @@ class ChangeSteps:
             raise
 
     def discard(self) -> None:
-        """Let the workers go on as they were, and wait until what was built is closed."""
-        deadline = self._begin()
+        """Let the workers go on as they were, and wait until what was built is closed.
+
+        A host that does not answer closes it when it does.
+        """
+        deadline = self._begin(_DISCARD_TIMEOUT)
         for part in self._parts:
             with suppress(FollowspotError):
                 part.tell(self._fields("discard", part), deadline)
         with suppress(FollowspotError):
             self._wait_for("done", deadline)
 
-    def _begin(self) -> float:
+    def _begin(self, timeout: float) -> float:
         """Begin the next step; returns when it must be done, s, monotonic."""
         self._turn += 1
-        return time.monotonic() + _TIMEOUT
+        return time.monotonic() + timeout
 
     def _fields(self, step: Step, part: HostPart, **fields: Any) -> dict[str, Any]:
         plan = part.order.plan if step in ("build", "take_over") else None

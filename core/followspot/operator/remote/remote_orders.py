@@ -124,6 +124,9 @@ class RemoteOrders:
     def _change(self, order: ChangeOrder) -> None:
         """One step of a hot swap; an agent that restarts resumes with the stages as they are then."""
         assert self.order is not None
+        if order.step == "discard":
+            self._deliver(order)
+            return
         if order.plan is not None:
             data = packed(plan_from_data(order.plan), self._host, self._media)
             self._send(order.model_copy(update={"plan": data}))

@@ -31,12 +31,7 @@ class HotSwap:
     What is new is built in a thread beside the work; the rest happens between two firings.
     """
 
-    def __init__(
-        self,
-        worker: Worker,
-        answer: Answer,
-        rewire: Rewire,
-    ) -> None:
+    def __init__(self, worker: Worker, answer: Answer, rewire: Rewire) -> None:
         self.worker = worker
         self._joint = JointChange(worker, answer, self._give_up)
         self.answer = answer
