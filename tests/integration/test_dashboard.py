@@ -23,10 +23,12 @@ from tests.core.worker.solo import Solo
 from tests.integration.hosts import Agent, near_agent
 from tests.tools.page.browser import CHROMIUM, Browser, browser
 from tests.tools.page.bundled import bundle
+from tests.tools.test_own_ball import middle, pick, room_for
 from websockets.sync.client import ClientConnection, connect
 
 from followspot.graph.compile import compile_graph
 from followspot.operator.reporting.report import RunReport
+from followspot.room_file import load
 from followspot.worker.ledger import EdgeCount
 from followspot_dashboard.gate import SOCKET, make_gate
 from followspot_page.taps import shown_ports, tappings
@@ -118,10 +120,10 @@ def cameras_seen(page: ClientConnection) -> set[str]:
 
 
 @contextmanager
-def watched(out: Path, *options: str) -> Iterator[tuple[Started, str]]:
+def watched(out: Path, *options: str, graph: Path = GRAPH) -> Iterator[tuple[Started, str]]:
     """A run with a page, and the page's address."""
     bundle()
-    words = ["run", GRAPH, "--json", "--out", out, "--dashboard-at", "127.0.0.1:0", *options]
+    words = ["run", graph, "--json", "--out", out, "--dashboard-at", "127.0.0.1:0", *options]
     with launch(*words) as process:
         try:
             line = process.stderr.readline()
@@ -236,6 +238,51 @@ def pause_step_and_resume(chromium: Browser) -> None:
     assert chromium.ask(f"{places}.every((p, i, all) => {beside})")  # none overlaps
     chromium.ask(f"{toggle}.click()")
     chromium.wait("document.querySelector('#life').dataset.life === 'running'")
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")
+def test_a_ball_is_learnt_by_a_click_and_a_figure_of_its_blobs_is_plotted(tmp_path: Path) -> None:
+    room = Path(room_for(tmp_path))
+    assert pick(str(room), "red={},{}".format(*middle(6))) == 0
+    room.write_text(room.read_text().replace("cameras.video", "cameras.playback"))
+    options = ("--quiet", "--room", str(room), "--set", "camera.loop=true")
+    graph = ROOT / "graphs" / "single_camera.yaml"
+    with (
+        watched(tmp_path / "out", *options, graph=graph) as (process, url),
+        browser(tmp_path / "chromium") as chromium,
+    ):
+        chromium.open(url, 1280, 800)
+        chromium.wait("document.querySelectorAll('body.teaches figure:not(.dark)').length === 1")
+        chromium.ask("document.querySelector('.teach').click()")
+        chromium.wait("!document.querySelector('#picker canvas').hidden")
+        for number, text in enumerate(("blue", "0.05")):
+            field = f"document.querySelectorAll('#picker input')[{number}]"
+            chromium.ask(f"{field}.value = '{text}'; {field}.dispatchEvent(new Event('change'))")
+        left, top, scale = json.loads(
+            chromium.ask(
+                "(() => { const c = document.querySelector('#picker canvas'), r = c.getBoundingClientRect();"
+                " return JSON.stringify([r.left, r.top, r.width / c.width]) })()"
+            )
+        )
+        for kind in ("mousePressed", "mouseReleased"):  # on the ball that rests
+            place = {"x": left + scale * 30.5, "y": top + scale * 30.5, "button": "left", "clickCount": 1}
+            chromium.call("Input.dispatchMouseEvent", type=kind, **place)
+        chromium.wait("document.querySelectorAll('.lesson li').length === 5")
+        assert set(load(room).targets) == {"red"}
+        chromium.ask("document.querySelector('#picker .write').click()")
+        chromium.wait("/blue is in/.test(document.querySelector('#picker [role=status]').textContent)")
+        assert load(room).targets["blue"].radius == 0.05
+        chromium.ask("document.querySelector('#picker .close').click()")
+        chromium.ask("document.querySelector('#over').click()")
+        port, field = (
+            f"document.querySelector('.curves select[aria-label={name}]')" for name in ("port", "field")
+        )
+        chromium.ask(f"{port}.value = 'color/cam0.out'; {port}.dispatchEvent(new Event('change'))")
+        chromium.ask(f"{field}.value = 'rows'; document.querySelector('.curves').requestSubmit()")
+        chromium.wait("!!document.querySelector('.plot:has(button) polyline')")
+        assert chromium.errors == []
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
 
 
 @pytest.mark.thorough

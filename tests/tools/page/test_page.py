@@ -30,7 +30,7 @@ from followspot.wire import unpack
 from followspot.worker.ledger import AWAY, COLUMNS, DELIVERED, DROPPED, LATE, PRODUCED, UNMATCHED
 from followspot_dashboard.gate import WATCHED, make_gate
 from followspot_dashboard.picture import picture_of
-from followspot_page.page import Page
+from followspot_page.page import MAX_BROWSERS, Page
 from followspot_page.requests import Requests
 from followspot_record.embedded import plan_of_recording
 from followspot_recording.recording import Recording
@@ -292,10 +292,13 @@ def test_what_cannot_be_recorded_is_answered(page: Shown, said: str) -> None:
 
 def test_there_is_a_most_of_browsers(page: Shown) -> None:
     with ExitStack() as stack:
-        for _ in range(16):
+        for _ in range(MAX_BROWSERS):
             next(things(stack.enter_context(page.look()), "scene"))
-        with pytest.raises(InvalidStatus):
-            stack.enter_context(page.look())
+        with pytest.raises(ConnectionClosed) as refused:
+            list(things(stack.enter_context(page.look()), "scene"))
+    assert refused.value.rcvd is not None
+    assert refused.value.rcvd.code == 1013
+    assert refused.value.rcvd.reason.startswith(f"{MAX_BROWSERS} browsers show this page")
 
 
 def test_status_and_metrics_tell_the_ledger(page: Shown) -> None:
