@@ -3,7 +3,7 @@ import { type PerspectiveCamera, Spherical, Vector3 } from "three";
 
 const TURN = 0.006; // rad for each px
 const FLAT = 0.84; // half the height of a room as it is seen, over half of its diagonal
-const WIDE = 0.95; // half its width
+const WIDE = 1; // half its width
 const KEYS: Record<string, [number, number]> = {
   ArrowLeft: [-0.12, 0],
   ArrowRight: [0.12, 0],
