@@ -198,6 +198,29 @@ def test_a_watched_run_on_two_hosts_is_the_same_and_the_page_ends_with_it(
     assert (tmp_path / "tracks.csv").read_bytes().startswith(unwatched.tracks)
 
 
+def test_ports_that_are_not_shown_are_tapped_while_somebody_plots_them(tmp_path: Path) -> None:
+    endless = ("--quiet", "--set", "camera.frames=0")
+    with watched(tmp_path, *endless) as (process, url):
+        with connect(f"ws://{urlsplit(url).netloc}/look", max_size=None, proxy=None) as looking:
+            figures = told(looking, "scene", lambda scene: bool(scene["forms"]))["figures"]
+            port = next(port for port in figures["ports"] if port.startswith("triangulate."))
+            fields = [field["name"] for field in figures["kinds"][figures["ports"][port]]["fields"]]
+            wanted = [{"port": port, "row": "0", "field": field} for field in ("rows", fields[0])]
+            looking.send(json.dumps({"plot": wanted}))
+            assert told(looking, "answer", lambda _: True)["ok"]
+            plotted = told(looking, "curves", lambda told: told["values"][0][2] > 0)
+            assert (plotted["port"], len(plotted["values"])) == (port, 2)
+            assert isinstance(plotted["values"][1][2], float)
+            looking.send(json.dumps({"plot": []}))
+            assert told(looking, "answer", lambda _: True)["ok"]
+            looking.send(json.dumps({"plot": wanted[:1]}))  # once more, and the tab is closed
+            assert told(looking, "answer", lambda _: True)["ok"]
+        with connect(f"ws://{urlsplit(url).netloc}/look", max_size=None, proxy=None) as looking:
+            told(looking, "run", lambda run: run["fired"] > 0 and not run["faults"])
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+
+
 @pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")
 def test_a_browser_shows_pictures_room_and_graph_and_holds_a_replay(tmp_path: Path) -> None:
     endless = ("--set", "camera.frames=0")  # however long the browser takes to begin

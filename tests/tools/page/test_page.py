@@ -229,6 +229,18 @@ def test_a_parameter_is_set_and_a_stage_swapped_from_the_page(page: Shown) -> No
         '{"stage": "fuse", "key": "uses", "value": "balls.mean"}',
         '{"stage": ["fuse"], "key": "maximum_iterations", "value": "1"}',
         '{"stage": "nobody", "key": "maximum_iterations", "value": "1"}',
+        '{"open": "another run"}',
+        '{"seek": 1e308, "play": true}',
+        '{"plot": [{"port": "nobody.out", "row": "", "field": "z"}]}',
+        '{"plot": [[], {}]}',
+        '{"still": "nobody"}',
+        '{"still": "cam1"}',
+        '{"learn": "red", "box": [1, 2], "radius": 1}',
+        '{"learn": "red", "box": [99999999999999999999, 2], "radius": 1}',
+        '{"learn": "../../etc/passwd", "box": [1, 2], "radius": 1}',
+        '{"teach": true}',
+        "nul",
+        "1" * 4000,
     ],
 )
 def test_nothing_else_can_be_asked_for(page: Shown, said: str) -> None:
