@@ -98,7 +98,9 @@ def stalled(host: str) -> Iterator[None]:
 
 def told(page: ClientConnection, kind: str, fits: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
     """The first message of this kind that fits."""
+    limit = time.monotonic() + 120.0
     while True:
+        assert time.monotonic() < limit, f"no {kind} as wanted came"
         said = page.recv(timeout=60)
         if isinstance(said, str):
             thing: dict[str, Any] = json.loads(said)
