@@ -23,10 +23,12 @@ from tests.core.worker.solo import Solo
 from tests.integration.hosts import Agent, near_agent
 from tests.tools.page.browser import CHROMIUM, Browser, browser
 from tests.tools.page.bundled import bundle
+from tests.tools.test_own_ball import middle, pick, room_for
 from websockets.sync.client import ClientConnection, connect
 
 from followspot.graph.compile import compile_graph
 from followspot.operator.reporting.report import RunReport
+from followspot.room_file import load
 from followspot.worker.ledger import EdgeCount
 from followspot_dashboard.gate import SOCKET, make_gate
 from followspot_page.taps import shown_ports, tappings
@@ -96,7 +98,9 @@ def stalled(host: str) -> Iterator[None]:
 
 def told(page: ClientConnection, kind: str, fits: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
     """The first message of this kind that fits."""
+    limit = time.monotonic() + 120.0
     while True:
+        assert time.monotonic() < limit, f"no {kind} as wanted came"
         said = page.recv(timeout=60)
         if isinstance(said, str):
             thing: dict[str, Any] = json.loads(said)
@@ -118,10 +122,10 @@ def cameras_seen(page: ClientConnection) -> set[str]:
 
 
 @contextmanager
-def watched(out: Path, *options: str) -> Iterator[tuple[Started, str]]:
+def watched(out: Path, *options: str, graph: Path = GRAPH) -> Iterator[tuple[Started, str]]:
     """A run with a page, and the page's address."""
     bundle()
-    words = ["run", GRAPH, "--json", "--out", out, "--dashboard-at", "127.0.0.1:0", *options]
+    words = ["run", graph, "--json", "--out", out, "--dashboard-at", "127.0.0.1:0", *options]
     with launch(*words) as process:
         try:
             line = process.stderr.readline()
@@ -196,6 +200,29 @@ def test_a_watched_run_on_two_hosts_is_the_same_and_the_page_ends_with_it(
     assert (tmp_path / "tracks.csv").read_bytes().startswith(unwatched.tracks)
 
 
+def test_ports_that_are_not_shown_are_tapped_while_somebody_plots_them(tmp_path: Path) -> None:
+    endless = ("--quiet", "--set", "camera.frames=0")
+    with watched(tmp_path, *endless) as (process, url):
+        with connect(f"ws://{urlsplit(url).netloc}/look", max_size=None, proxy=None) as looking:
+            figures = told(looking, "scene", lambda scene: bool(scene["forms"]))["figures"]
+            port = next(port for port in figures["ports"] if port.startswith("triangulate."))
+            fields = [field["name"] for field in figures["kinds"][figures["ports"][port]]["fields"]]
+            wanted = [{"port": port, "row": "0", "field": field} for field in ("rows", fields[0])]
+            looking.send(json.dumps({"plot": wanted}))
+            assert told(looking, "answer", lambda _: True)["ok"]
+            plotted = told(looking, "curves", lambda told: told["values"][0][2] > 0)
+            assert (plotted["port"], len(plotted["values"])) == (port, 2)
+            assert isinstance(plotted["values"][1][2], float)
+            looking.send(json.dumps({"plot": []}))
+            assert told(looking, "answer", lambda _: True)["ok"]
+            looking.send(json.dumps({"plot": wanted[:1]}))  # once more, and the tab is closed
+            assert told(looking, "answer", lambda _: True)["ok"]
+        with connect(f"ws://{urlsplit(url).netloc}/look", max_size=None, proxy=None) as looking:
+            told(looking, "run", lambda run: run["fired"] > 0 and not run["faults"])
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+
+
 @pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")
 def test_a_browser_shows_pictures_room_and_graph_and_holds_a_replay(tmp_path: Path) -> None:
     endless = ("--set", "camera.frames=0")  # however long the browser takes to begin
@@ -236,6 +263,51 @@ def pause_step_and_resume(chromium: Browser) -> None:
     assert chromium.ask(f"{places}.every((p, i, all) => {beside})")  # none overlaps
     chromium.ask(f"{toggle}.click()")
     chromium.wait("document.querySelector('#life').dataset.life === 'running'")
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")
+def test_a_ball_is_learnt_by_a_click_and_a_figure_of_its_blobs_is_plotted(tmp_path: Path) -> None:
+    room = Path(room_for(tmp_path))
+    assert pick(str(room), "red={},{}".format(*middle(6))) == 0
+    room.write_text(room.read_text().replace("cameras.video", "cameras.playback"))
+    options = ("--quiet", "--room", str(room), "--set", "camera.loop=true")
+    graph = ROOT / "graphs" / "single_camera.yaml"
+    with (
+        watched(tmp_path / "out", *options, graph=graph) as (process, url),
+        browser(tmp_path / "chromium") as chromium,
+    ):
+        chromium.open(url, 1280, 800)
+        chromium.wait("document.querySelectorAll('body.teaches figure:not(.dark)').length === 1")
+        chromium.ask("document.querySelector('.teach').click()")
+        chromium.wait("!document.querySelector('#picker canvas').hidden")
+        for number, text in enumerate(("blue", "0.05")):
+            field = f"document.querySelectorAll('#picker input')[{number}]"
+            chromium.ask(f"{field}.value = '{text}'; {field}.dispatchEvent(new Event('change'))")
+        left, top, scale = json.loads(
+            chromium.ask(
+                "(() => { const c = document.querySelector('#picker canvas'), r = c.getBoundingClientRect();"
+                " return JSON.stringify([r.left, r.top, r.width / c.width]) })()"
+            )
+        )
+        for kind in ("mousePressed", "mouseReleased"):  # on the ball that rests
+            place = {"x": left + scale * 30.5, "y": top + scale * 30.5, "button": "left", "clickCount": 1}
+            chromium.call("Input.dispatchMouseEvent", type=kind, **place)
+        chromium.wait("document.querySelectorAll('.lesson li').length === 5")
+        assert set(load(room).targets) == {"red"}
+        chromium.ask("document.querySelector('#picker .write').click()")
+        chromium.wait("/blue is in/.test(document.querySelector('#picker [role=status]').textContent)")
+        assert load(room).targets["blue"].radius == 0.05
+        chromium.ask("document.querySelector('#picker .close').click()")
+        chromium.ask("document.querySelector('#over').click()")
+        port, field = (
+            f"document.querySelector('.curves select[aria-label={name}]')" for name in ("port", "field")
+        )
+        chromium.ask(f"{port}.value = 'color/cam0.out'; {port}.dispatchEvent(new Event('change'))")
+        chromium.ask(f"{field}.value = 'rows'; document.querySelector('.curves').requestSubmit()")
+        chromium.wait("!!document.querySelector('.plot:has(button) polyline')")
+        assert chromium.errors == []
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
 
 
 @pytest.mark.thorough

@@ -2,6 +2,8 @@
 import { type PerspectiveCamera, Spherical, Vector3 } from "three";
 
 const TURN = 0.006; // rad for each px
+const FLAT = 0.84; // half the height of a room as it is seen, over half of its diagonal
+const WIDE = 1; // half its width
 const KEYS: Record<string, [number, number]> = {
   ArrowLeft: [-0.12, 0],
   ArrowRight: [0.12, 0],
@@ -35,8 +37,10 @@ export class Orbit {
     this.center.addVectors(low, high).multiplyScalar(0.5);
     this.center.z = low.z + 0.3 * (high.z - low.z);
     const radius = high.clone().sub(low).length() / 2;
-    const angle = Math.min(this.camera.fov, this.camera.fov * this.camera.aspect) * (Math.PI / 360);
-    this.place.set((0.84 * radius) / Math.sin(angle), 1.13, -0.95);
+    const { fov, aspect } = this.camera;
+    const [up, across] = [fov, fov * aspect].map((angle) => Math.sin((angle * Math.PI) / 360));
+    const distance = Math.max((FLAT * radius) / up, (WIDE * radius) / across);
+    this.place.set(distance, 1.13, -0.95);
     this.home = { center: this.center.clone(), place: this.place.clone() };
     this.apply();
   }

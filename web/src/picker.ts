@@ -94,7 +94,9 @@ export class Picker {
   private ask(): void {
     if (!this.still) return;
     const { targets } = this.still;
-    const wish = wishOf(this.name.value.trim(), this.radius.value.trim(), this.box, targets);
+    const name = this.name.value.trim();
+    this.radius.placeholder = `${targets[name] ?? ""}`; // what stays if nothing is given
+    const wish = wishOf(name, this.radius.value.trim(), this.box, targets);
     this.unlearn();
     if (typeof wish === "string") this.say(wish, true);
     else {

@@ -30,7 +30,7 @@ from followspot.wire import unpack
 from followspot.worker.ledger import AWAY, COLUMNS, DELIVERED, DROPPED, LATE, PRODUCED, UNMATCHED
 from followspot_dashboard.gate import WATCHED, make_gate
 from followspot_dashboard.picture import picture_of
-from followspot_page.page import Page
+from followspot_page.page import MAX_BROWSERS, Page
 from followspot_page.requests import Requests
 from followspot_record.embedded import plan_of_recording
 from followspot_recording.recording import Recording
@@ -229,6 +229,18 @@ def test_a_parameter_is_set_and_a_stage_swapped_from_the_page(page: Shown) -> No
         '{"stage": "fuse", "key": "uses", "value": "balls.mean"}',
         '{"stage": ["fuse"], "key": "maximum_iterations", "value": "1"}',
         '{"stage": "nobody", "key": "maximum_iterations", "value": "1"}',
+        '{"open": "another run"}',
+        '{"seek": 1e308, "play": true}',
+        '{"plot": [{"port": "nobody.out", "row": "", "field": "z"}]}',
+        '{"plot": [[], {}]}',
+        '{"still": "nobody"}',
+        '{"still": "cam1"}',
+        '{"learn": "red", "box": [1, 2], "radius": 1}',
+        '{"learn": "red", "box": [99999999999999999999, 2], "radius": 1}',
+        '{"learn": "../../etc/passwd", "box": [1, 2], "radius": 1}',
+        '{"teach": true}',
+        "nul",
+        "1" * 4000,
     ],
 )
 def test_nothing_else_can_be_asked_for(page: Shown, said: str) -> None:
@@ -292,10 +304,13 @@ def test_what_cannot_be_recorded_is_answered(page: Shown, said: str) -> None:
 
 def test_there_is_a_most_of_browsers(page: Shown) -> None:
     with ExitStack() as stack:
-        for _ in range(16):
+        for _ in range(MAX_BROWSERS):
             next(things(stack.enter_context(page.look()), "scene"))
-        with pytest.raises(InvalidStatus):
-            stack.enter_context(page.look())
+        with pytest.raises(ConnectionClosed) as refused:
+            list(things(stack.enter_context(page.look()), "scene"))
+    assert refused.value.rcvd is not None
+    assert refused.value.rcvd.code == 1013
+    assert refused.value.rcvd.reason.startswith(f"{MAX_BROWSERS} browsers show this page")
 
 
 def test_status_and_metrics_tell_the_ledger(page: Shown) -> None:

@@ -14,7 +14,7 @@ from typing import Any
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
-MAX_WAITING = 32
+MAX_WAITING = 128
 """Idle connections; if there are more, the oldest makes room."""
 TIMEOUTS = {"silent": 5.0, "deaf": 60.0}
 """Seconds from a connection or its last answer to the next request, and for taking an answer."""

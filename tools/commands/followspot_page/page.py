@@ -34,7 +34,7 @@ from followspot_page.showing import FAREWELL
 from followspot_page.taps import plotted_ports, sent_kinds, shown_ports
 from followspot_watch.run_monitor import RunMonitor
 
-MAX_BROWSERS = 16
+MAX_BROWSERS = 32
 MAX_OF_ADDRESS = 12
 """Largest number from one other computer."""
 
@@ -166,7 +166,10 @@ class Page:
         """Take the run's status; None if it does not answer, and the last one becomes old."""
         if status is not None:
             self.run.take(status)
-        self.feed.put("run", json.dumps(self.run.data()))
+        data = self.run.data()
+        if self.scrub is not None:
+            data["faults"] = [*self.scrub.problems, *data["faults"]]
+        self.feed.put("run", json.dumps(data))
 
     def take_kept(self, kept: Kept | None) -> None:
         """Take what the flight recorder of the run holds; None if the run has none."""

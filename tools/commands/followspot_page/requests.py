@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from contextlib import suppress
 from pathlib import Path
 
 from followspot.errors import FollowspotError
@@ -55,7 +56,8 @@ class Requests:
     async def leave(self) -> None:
         """The browser has left."""
         self._page.curves.leave(self)
-        await self._page.look_at_curves()
+        with suppress(FollowspotError):  # the run has ended
+            await self._page.look_at_curves()
 
     async def _plot(self, asked: Plot) -> Reply:
         self._page.curves.choose(self, asked.plot, self._page.figures)

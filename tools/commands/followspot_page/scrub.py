@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from followspot import Message
+from followspot.messages import InvalidMessage
 from followspot.wire import pack, unpack
 from followspot_dashboard.picture import PICTURES, picture_of
 from followspot_page.changing import Seek
@@ -56,17 +57,26 @@ class Scrub:
         self._sought = asyncio.Event()
         self._shown: dict[str, tuple[int, bytes]] = {}
         """Capture time and preview of the newest message of each port."""
+        self._malformed: dict[str, str] = {}
+        """The first mistake of each port that has sent messages that cannot be read."""
 
     @property
     def about(self) -> dict[str, float]:
         """Begin and end of the recording, s of capture time."""
         return {"begin": self.begin / 1e9, "end": self.end / 1e9}
 
+    @property
+    def problems(self) -> list[str]:
+        """What is wrong with the recording, as far as it was read: it is cut short, damaged, or malformed."""
+        broken = [f"{port} cannot be read: {why}" for port, why in self._malformed.items()]
+        return [self._recording.problem, *broken] if self._recording.problem else broken
+
     def seek(self, asked: Seek) -> str:
         """Go to a moment, None for where it stands, and play from there or stand still."""
         start = self._position.time
         if asked.seek is not None:
-            start = min(max(self.begin, round(asked.seek * 1e9)), self.end)
+            within = min(max(asked.seek, self.begin / 1e9), self.end / 1e9)  # no float is too large for it
+            start = min(max(self.begin, round(within * 1e9)), self.end)
         elif asked.play and start >= self.end:
             start = self.begin
         self._position = Position(start, asked.play)
@@ -103,12 +113,22 @@ class Scrub:
                 continue
             known = self._shown.get(port.name)
             if known is None or known[0] != found.time:
-                message = unpack(bytes(found.data), port.type)
-                preview = _preview(message, port) if isinstance(message, Message) else None
+                preview = self._preview(port, bytes(found.data))
                 if preview is None:
                     continue
                 known = self._shown[port.name] = found.time, pack(preview)
             yield port.name, known[1]
+
+    def _preview(self, port: ShownPort, packed: bytes) -> Message | None:
+        """A message as browsers get it; None if nothing of it can be shown."""
+        try:
+            message = unpack(packed, port.type)
+        except InvalidMessage as error:
+            self._malformed.setdefault(port.name, str(error))
+            return None
+        if isinstance(message, PICTURES):
+            return picture_of(message, longest_side(port.size), port.farthest)
+        return message if isinstance(message, Message) else None
 
     def _newest(self, port: str, moment: int) -> Recorded | None:
         """The newest message of a port at a capture time, ns; None if it is too old."""
@@ -119,10 +139,3 @@ class Scrub:
             if found is not None:
                 return found
         return None
-
-
-def _preview(message: Message, port: ShownPort) -> Message | None:
-    """The message as browsers get it; None if nothing of it can be shown."""
-    if isinstance(message, PICTURES):
-        return picture_of(message, longest_side(port.size), port.farthest)
-    return message

@@ -89,8 +89,11 @@ def main() -> int:
     try:
         order = _order(sys.argv[1])
         asyncio.run(serve_recording(order) if order.recording else serve(order))
-    except (OSError, FollowspotError) as error:
-        print(f"error {getattr(error, 'strerror', None) or error}", flush=True)
+    except OSError as error:
+        print(f"error {error.strerror or error}; name another with --dashboard-at", flush=True)
+        return 1
+    except FollowspotError as error:
+        print(f"error {error}", flush=True)
         return 1
     return 0
 

@@ -89,6 +89,4 @@ def _port(process: subprocess.Popen[str], order: PageOrder) -> int:
     if line.isdigit():
         return int(line)
     why = line.removeprefix("error ") or f"its process ended with code {process.wait()}"
-    raise FollowspotError(
-        f"the page cannot be served on {order.host}:{order.port}: {why}; name another with --dashboard-at"
-    )
+    raise FollowspotError(f"the page cannot be served on {order.host}:{order.port}: {why}")
