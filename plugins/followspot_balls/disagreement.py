@@ -16,6 +16,9 @@ MOST = 256
 """Number of stored frames; the oldest are dropped."""
 FEWEST = 200
 """Smallest number of pairs for a judgement."""
+UNCOVERED = 0.8
+"""Smallest area of both blobs of a pair that counts, over that of the whole ball: the centre of a blob is off
+if the ball is hidden in part, however good the calibration is."""
 LIMIT = 0.05
 """Median distance of a blob from the epipolar line of its partner, over the width of the blobs, beyond which
 cameras disagree. A good calibration gives at most 0.03, with lamps anywhere on the balls."""
@@ -33,18 +36,18 @@ class Sample(NamedTuple):
 class Disagreement:
     """Collects pairs of tracked targets and judges at the end.
 
-    A target that is hidden in part spoils some pairs, a camera that is off most of its pairs.
+    A blob that is merged with other light spoils some pairs, a camera that is off most of its pairs.
     """
 
     def __init__(self) -> None:
         self.samples: deque[Sample] = deque(maxlen=MOST)
         self.frames = 0
 
-    def add(self, candidates: Candidates, tracked: Array) -> None:
-        """The candidates of a frame. tracked: (T,) bool, whose pairs count."""
+    def add(self, candidates: Candidates, shown: Array) -> None:
+        """The candidates of a frame. shown: (N, T) bool, tracked targets that each shows uncovered."""
         self.frames += 1
         if self.frames % EACH == 0:
-            rows = (candidates.targets & tracked).any(axis=1)
+            rows = (candidates.targets & shown).any(axis=1)
             self.samples.append(Sample(candidates.epipolar[rows], candidates.area[rows]))
 
     def warning(self) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from followspot import Array, Field, Latest, Room, Stage, StageParams
 from followspot.geometry import back_projection, triangulate_pairs
 from followspot.tracking import Candidates, Forecast, Pairs
-from followspot_balls.disagreement import Disagreement
+from followspot_balls.disagreement import UNCOVERED, Disagreement
 from followspot_balls.hue import BINS
 from followspot_balls.outline import unit_outline
 from followspot_balls.search import in_search_spheres, lost_targets, search_spheres, tracked_targets
@@ -103,7 +103,8 @@ class Triangulate(Stage):
         sizes = self.unit_shares(xyz, pairs)
         targets = pairs.targets & self.within(xyz, pairs, forecast) & self.above_planes(xyz)
         tracked = tracked_targets(forecast, len(self.sizes))
-        whole = np.minimum(sizes[:, :1], sizes[:, 1:]) >= self.params.minimum_evident_area * self.outlines
+        smaller = np.minimum(sizes[:, :1], sizes[:, 1:])
+        whole = smaller >= self.params.minimum_evident_area * self.outlines
         if not tracked.all():
             targets &= self.unclaimed(pairs, forecast)
             targets &= tracked | self.plausible(sizes, pairs, targets & ~tracked, whole)
@@ -124,7 +125,7 @@ class Triangulate(Stage):
             evident=evident.take(rows),
             targets=targets.take(rows, axis=0),
         )
-        self.disagreement.add(candidates, tracked)
+        self.disagreement.add(candidates, tracked & (smaller >= UNCOVERED * self.outlines).take(rows, axis=0))
         return candidates
 
     def close(self) -> None:

@@ -11,8 +11,9 @@ from tests.plugins.balls.scene import blobs_of, forecast_at, make_room
 
 from followspot.messages import Array, seal
 from followspot.stage import Context
-from followspot.tracking import MISSING, TRACKED, Blobs, Candidates, Forecast
+from followspot.tracking import LOST, MISSING, TRACKED, Blobs, Candidates, Forecast
 from followspot_balls.associate import Associate, Weighed
+from followspot_balls.existence import Existence, Places
 from followspot_balls.hypotheses import hypotheses
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs
@@ -192,6 +193,43 @@ def test_the_only_place_of_a_track_is_left_out_if_the_frame_contradicts_it_and_i
         weight, first, one = np.array([-evidence]), np.zeros(1, int), np.zeros(1, bool)
         found = Weighed(np.array([BALL]), first, weight, -weight, np.array([fit]), one)
         assert stage().decide(found, there, tracked, np.zeros(2, bool)).tolist() == chosen
+
+
+def test_a_place_that_no_view_shows_fits_nothing() -> None:
+    associate, tracked = stage(), np.zeros(2, bool)
+    candidates = candidates_of(views({BALL: EVERYWHERE}))
+    two, row = np.zeros(2, int), np.arange(2)
+    found = hypotheses(np.array([BALL, (0.8, -0.7, 1.6)]), row, two, None, tracked, associate.prior)
+    blobs = associate.evidence.blobs(candidates, None, tracked)
+    seen = associate.evidence.views(found, blobs, associate.shown)
+    there, nowhere = associate.weighed(found, seen, candidates, tracked).fit
+    assert there > 5.0
+    assert nowhere == pytest.approx(0.0, abs=0.01)
+
+
+def test_of_several_places_of_a_track_the_likeliest_one_is_chosen_and_none_of_a_sought_target() -> None:
+    there = forecast_at([BALL, (-1, 0, 0.5)])
+    second_missing = seal(replace(there, state=np.array([TRACKED, MISSING], np.uint8)))
+    rank, two = np.array([3.0, 1.0]), np.zeros(2, int)
+    found = Weighed(np.array([BALL, PATCH]), two, rank, rank, rank, np.zeros(2, bool))
+    decided = stage(weighed="poor").decide(found, second_missing, np.array([True, False]), np.zeros(2, bool))
+    assert decided.tolist() == [0]
+
+
+@pytest.mark.parametrize(("state", "falls"), [(LOST, True), (MISSING, False), (None, True)])
+def test_a_lost_target_is_searched_everywhere_and_a_missing_one_near_its_last_place(
+    state: int | None, falls: bool
+) -> None:
+    """A place elsewhere that shows nothing falls if it was searched, and waits otherwise."""
+    associate, nothing = stage(), np.zeros(2, bool)
+    places = Places(np.array([PATCH]), np.array([1.0]))
+    associate.existence[0] = Existence(0.0, False, places)
+    there = forecast_at([BALL, (-1, 0, 0.5)])
+    forecast = None if state is None else seal(replace(there, state=np.full(2, state, np.uint8)))
+    associate.decide(Weighed.none(), forecast, nothing, nothing)
+    p = associate.params
+    left = p.memory - p.absence - p.drift if falls else 1.0
+    assert associate.existence[0].places.odds == pytest.approx([left])
 
 
 def test_frames_that_follow_each_other_faster_count_as_less() -> None:

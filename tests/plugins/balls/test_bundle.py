@@ -298,3 +298,11 @@ def test_balls_that_people_hide_in_part_are_located_to_millimetres() -> None:
         assert len(found) >= 0.99 * truth["trackable"][:, names.index(name)].sum(), name
         assert np.sqrt(np.square(found).mean()) < 0.007, name
         assert np.percentile(found, 95) < 0.015, name
+
+
+def test_the_normal_of_the_nearest_plane_points_to_the_ball_on_either_side() -> None:
+    planes = np.array([[0.6, 0.0, 0.8, -1.0], [0.0, 0.0, 1.0, 5.0]])
+    places = np.array([[0.6, 0.0, 0.8], [0.6, 0.0, 0.8]]) * [[1.5], [0.7]]
+    normal, clearance = nearest_planes(planes, places, np.array([0.1, 0.1]))
+    assert normal == pytest.approx(np.array([[0.6, 0.0, 0.8], [-0.6, 0.0, -0.8]]))
+    assert clearance == pytest.approx([0.4, 0.2])

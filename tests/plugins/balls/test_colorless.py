@@ -6,12 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.plugins.balls.scene import blobs_of, forecast_at, make_room
+from tests.plugins.balls.scene import blobs_of, forecast_at, make_room, positions_at
 
 from followspot.messages import seal
 from followspot.stage import Context
 from followspot.tracking import Candidates
 from followspot_balls.bundle_fusion import Bundle
+from followspot_balls.colorless import Colorless, ColorlessParams
 from followspot_balls.mean_shift import MeanShift
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs
@@ -87,3 +88,14 @@ def test_a_successor_goes_on_with_the_time(fusion: Fusion) -> None:
     after.restore(before.state())
     assert first_silent(after) == 10
     assert isinstance(before.state()["since"], np.ndarray)
+
+
+def test_the_time_goes_on_for_those_alone_that_no_colour_camera_shows() -> None:
+    """Two targets are at one place, of which colour cameras show the first from some frame on."""
+    colorless = Colorless(ROOM, ColorlessParams())
+    both = positions_at({0: BALL, 1: BALL}, 0.0)
+    for _ in range(5):
+        colorless.bounded(both, candidates_of(INFRARED), THERE)
+    assert colorless.since == pytest.approx([5 * THERE.period] * 2)
+    colorless.bounded(both, candidates_of(ALL), THERE)
+    assert colorless.since == pytest.approx([0.0, 6 * THERE.period])

@@ -1,10 +1,17 @@
 """A run whose cameras contradict each other about targets says so at its end."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from tests.plugins.balls.scene import RADIUS, blobs_of, forecast_at, make_room
 
+from followspot.messages import seal
+from followspot.stage import Context
 from followspot.tracking import Candidates
 from followspot_balls.disagreement import EACH, Disagreement
+from followspot_balls.triangulate import Triangulate
+from followspot_balls.verify_pairs import VerifyPairs
 
 WIDTH = 7.0
 BALL = np.pi / 4 * WIDTH**2
@@ -55,3 +62,23 @@ def test_pairs_of_a_target_that_is_sought_tell_nothing():
 def test_a_few_frames_are_no_reason_to_warn():
     assert told([0.9] * 5, frames=3 * EACH) == ""
     assert Disagreement().warning() == ""
+
+
+@pytest.mark.parametrize(("shown", "warns"), [(1.0, True), (0.85, True), (0.7, False)])
+def test_pairs_of_covered_balls_are_no_sign_of_a_wrong_calibration(shown: float, warns: bool) -> None:
+    """Blobs of two cameras are a pixel too low; of a ball that shows less, that is what covers it."""
+    room, ball, told = make_room(), (0.1, 0.2, 1.2), list[str]()
+    verify, triangulate = VerifyPairs(Context(room=room)), Triangulate(Context(room=room, warn=told.append))
+    verify.setup()
+    triangulate.setup()
+    blobs = []
+    for number, camera in enumerate(room.cameras.values()):
+        found = blobs_of(camera, [ball], [[True, False]])
+        whole = np.pi * (camera.matrix[0, 0] * RADIUS / np.linalg.norm(np.array(ball) - camera.center)) ** 2
+        low = found.xy + np.array([0.0, number % 2])
+        blobs.append(seal(replace(found, xy=low, area=np.full(1, shown * whole))))
+    pairs, there = seal(verify.process(tuple(blobs))), forecast_at([ball, (-1.0, 0.0, 0.5)])
+    for _ in range(60 * EACH):
+        triangulate.process(pairs, there)
+    triangulate.close()
+    assert any("contradict each other" in text for text in told) == warns

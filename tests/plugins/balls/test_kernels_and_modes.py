@@ -15,7 +15,7 @@ from followspot.tracking import Candidates
 from followspot_balls.kernels import epipolar_weight, kernel, scales, squared_distances
 from followspot_balls.mean import Mean
 from followspot_balls.mean_shift import MeanShift
-from followspot_balls.modes import Sample, densest, seek_modes
+from followspot_balls.modes import Sample, densest, seek_modes, weighted_mean
 
 H = np.array([0.1, 0.2, 0.4])
 OFFSETS = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.05, 0.1, 0.2], [0.0, 0.1, 0.0], [0.11, 0.0, 0.0]])
@@ -183,3 +183,11 @@ def test_position_without_support_says_whether_an_evident_pair_shows_it(confirme
     position = ready(MeanShift).process(found, forecast_at([(0.0, 0.0, 1.0)]))
     assert position.support.tolist() == [0]
     assert position.evident.tolist() == [confirmed]
+
+
+def test_the_weighted_mean_is_that_of_each_row_and_zero_without_weights() -> None:
+    xyz = np.array([[1.0, 2.0, 3.0], [5.0, 2.0, -1.0]])
+    weights = np.array([[1.0, 3.0], [2.0, 0.0], [0.0, 0.0], [1.0, 1.0]])
+    assert weighted_mean(xyz, weights) == pytest.approx(
+        np.array([[4, 2, 0], [1, 2, 3], [0, 0, 0], [3, 2, 1]])
+    )
