@@ -22,8 +22,9 @@ class Stream(Stage):
     """Samples of numbers from another program, by the Lab Streaming Layer.
 
     The stage waits until there is a stream of this name, type and source. Capture times are those of the
-    samples, corrected by liblsl for the offset of the sender's clock. A regular stream that leaves out
-    samples is counted as lost in the ledger (`gap`); liblsl itself says nothing of losses.
+    samples, corrected by liblsl for the offset of the sender's clock. liblsl says nothing of losses: where
+    the times of a regular stream are more than one and a half periods apart, the ledger counts what is
+    missing as lost (`gap`). A sender that stamps unevenly makes that more than was left out.
     """
 
     live: ClassVar[bool] = True
