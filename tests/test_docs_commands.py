@@ -51,7 +51,7 @@ ELSEWHERE = {
     r"followspot run .*--room (?!graphs/)": "tests/integration/test_recordings.py",
     r"followspot score": "tests/tools/test_persons_commands.py",
     r"followspot cameras": "tests/plugins/cameras/test_genicam_listing.py",
-    r"followspot doctor --room studio": "tests/tools/test_doctor.py",
+    r"followspot doctor --(room studio|connect)": "tests/tools/test_doctor.py",
     r"python -c .from viva_genicam": "tests/plugins/cameras/test_genicam_viva.py",
     r"cp": "tests/tools/test_compare.py",
 }

@@ -1,6 +1,6 @@
 """Bouncing balls: errors of a filter beside those of the triangulated points that it reads.
 
-    python tools/bench_bounces.py ../shared/data/ball-trajectories-tt3d
+    python tools/bench_bounces.py data/ball-trajectories-tt3d
     python tools/bench_bounces.py FOLDER --filter filters.kalman_filterpy --set model=imm
 
 The folder holds 3D_gt/NNN.csv, positions of real table-tennis balls at about 180 Hz, and VIEW/NNN.csv, where

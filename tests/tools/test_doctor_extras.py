@@ -15,6 +15,7 @@ MODULES = {
     "filterpy": ("filterpy",),
     "genicam": ("viva_genicam", "gi"),
     "imu": ("vqf",),
+    "lsl": ("pylsl",),
     "osc": ("pythonosc",),
     "parquet": ("pyarrow",),
     "plots": ("matplotlib",),

@@ -9,6 +9,7 @@ from followspot import Field, Message, OutputHost, OutputPath, Stage, StageParam
 from followspot.errors import FollowspotError
 from followspot.files import unused_path
 from followspot_sinks.line_sink import below
+from followspot_sinks.rerun.layout import layout_of
 from followspot_sinks.rerun.scene import entity_of, log_cameras, parts_of, shape_of
 
 APPLICATION = "followspot"
@@ -20,6 +21,8 @@ class Rerun(Stage):
 
     Tracks have an ellipsoid of three sigma, and their axes if their orientation is known; skeletons have
     bones.
+
+    The viewer opens with the room beside the pictures of its cameras.
 
     Use one sink per port. Sinks with the same viewer share a recording there; each file is a recording of its
     own: open several together.
@@ -50,6 +53,8 @@ class Rerun(Stage):
             path = below(self.context.out, self.params.path)
             path.parent.mkdir(parents=True, exist_ok=True)
             self.stream.save(unused_path(path) if self.context.resumed else path)
+        blueprint = importlib.import_module("rerun.blueprint")
+        self.stream.send_blueprint(layout_of(blueprint, self.room))
         log_cameras(self.rerun, self.stream, self.room)
         self.shown = True
 

@@ -22,6 +22,7 @@ SLOW = {
     "persons.pose_tracker": {"particles": 20},
     "persons.appearance": {"particles": 20},
     "persons.uniform_search": {"particles": 100},
+    "lsl.outlet": {"host": "0.0.0.0"},  # which it needs
 }
 """Parameters that make short work of stages which take tens of milliseconds a message."""
 MESSAGES = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from followspot.messages import Header, seal, stamped
 from followspot.people import Poses, PoseTruth, Skeletons, bones_of
 from followspot.testing import tiny_room
 from followspot.tracking import Blobs, Candidates, Frame, Pairs, Positions, Tracks, Truth
+from followspot_sinks.rerun.layout import layout_of
 from followspot_sinks.rerun.scene import entity_of, parts_of
 from followspot_sinks.rerun.viewer import Rerun
 
@@ -43,6 +45,24 @@ def test_without_the_package_it_says_what_to_install(tmp_path: Path, monkeypatch
     monkeypatch.setitem(sys.modules, "rerun", None)
     with pytest.raises(FollowspotError, match=r"pip install .followspot\[rerun\]"):
         Rerun(Context("show", ROOM, out=tmp_path)).setup()
+
+
+def test_the_viewer_opens_with_the_room_beside_its_cameras() -> None:
+    """The entities that the layout shows are those that messages of the room get."""
+    shown: dict[str, str] = {}
+
+    def view(origin: str, name: str) -> None:
+        shown[origin] = name
+
+    def arrange(*parts: object, **_: object) -> None:
+        pass
+
+    blueprint = SimpleNamespace(
+        Spatial3DView=view, Spatial2DView=view, Grid=arrange, Horizontal=arrange, Blueprint=arrange
+    )
+    layout_of(blueprint, ROOM)
+    frames = {entity_of(Frame(name, np.zeros((4, 4, 3), "u1")), "camera"): name for name in ROOM.cameras}
+    assert shown == {"room": ROOM.name} | frames
 
 
 def test_what_a_camera_saw_stands_below_the_camera() -> None:

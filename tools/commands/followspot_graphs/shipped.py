@@ -48,11 +48,11 @@ def graph_file(name: str) -> Path:
 
 
 def files_of(graph: Path) -> list[Path]:
-    """The file of a graph, and those it names: its room, the graphs it extends or uses, and theirs."""
+    """The file of a graph, its layouts for viewers, and those it names: room, graphs it uses, and theirs."""
     found = [graph]
     for path in found:  # grows while it is read
         found += [other for other in _named(path) if other not in found]
-    return found
+    return [*found, *sorted((graph.parent / "views").glob(f"{graph.stem}.*"))]
 
 
 def _described(path: Path) -> ShippedGraph:

@@ -13,6 +13,7 @@ EXTRAS = {
     "certs": ("cryptography", "followspot certs, to issue certificates"),
     "dashboard": ("starlette", "the page of a run"),
     "imu": ("vqf", "imu.orientation with method vqf"),
+    "lsl": ("pylsl", "lsl.stream and lsl.outlet"),
     "parquet": ("pyarrow", "export --to parquet, tables of sweep"),
     "plots": ("matplotlib", "pictures of compare, score and sweep"),
     "posenet": ("onnxruntime", "persons.pose_net with models .onnx"),
