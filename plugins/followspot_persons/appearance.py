@@ -124,9 +124,7 @@ class Appearance(Stage):
         kept += [person for person in initiated if person is not None]
         memory = self.params.memory_time
         kept += [p for p in self.people if p.absent and (now - p.seen) * NANOSECOND <= memory]
-        self.people, self.numbers = self.recognition.applied(
-            kept, self.numbers, compared=self.scene is not None or self.background.median is None
-        )
+        self.people, self.numbers = self.recognition.applied(kept, self.numbers)
         self.background = self.background.after(self.pixels, now, self.people_here())
         relations = self.relations if self.params.predict_colors else None
         return reported(self.people, frame.camera, len(self.shape.names), relations, self.illumination)

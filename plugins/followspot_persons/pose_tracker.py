@@ -34,8 +34,9 @@ from followspot_persons.walkable import Walkable
 
 JOINING = 0.1
 """Share of the particles that a pose of the slow instance replaces."""
-ASTRAY = 0.5
-"""Distance from a pose of the slow instance from which the track was another body's or furniture's, m."""
+ASTRAY = 0.8
+"""Distance from a pose of the slow instance from which the track was another body's or furniture's, m; poses
+of the slow one are some decimetres off along the line of sight."""
 NEAR = 0.6
 """Largest distance of a box from its person, in heights of the box."""
 

@@ -11,8 +11,6 @@ from followspot_persons.color.difference import ColorRelations
 from followspot_persons.identity import same_person
 from followspot_persons.stature import USUAL
 
-WHOLE = 0.5
-"""Certainty of a box that spans the upper body."""
 UNUSUAL = 0.12
 """Difference from the mean height that raises the confirmation score of a newcomer by half a point, m."""
 
@@ -25,21 +23,12 @@ class Recognition:
     minimum_likeness: float
     relations: ColorRelations
 
-    def applied(
-        self, people: list[Acquaintance], numbers: int, *, compared: bool = False
-    ) -> tuple[list[Acquaintance], int]:
+    def applied(self, people: list[Acquaintance], numbers: int) -> tuple[list[Acquaintance], int]:
         """All persons, and how many numbers were given: confirmed newcomers get the number of an absent
         person of the same appearance, or a new one.
-
-        compared: whether people are compared with the background, or will be. Until then boxes alone tell
-        distances, and those of a head or a chest tell wrong ones: one must have been of the whole body.
         """
-        newcomers = [
-            p
-            for p in people
-            if self.confirmed(p) and (not compared or p.foreground is not None or p.stature.surest >= WHOLE)
-        ]
-        others = [p for p in people if p not in newcomers]
+        newcomers = [p for p in people if self.confirmed(p)]
+        others = [p for p in people if not self.confirmed(p)]
         for newcomer in newcomers:
             known = self.returned(newcomer, others)
             if known is None:

@@ -50,11 +50,6 @@ class Stature:
         """Height by the body's size, m: the median, for some boxes are of heads alone."""
         return weighted_median(self.sizes, self.weights) if len(self.sizes) else USUAL
 
-    @property
-    def surest(self) -> float:
-        """Largest of the weights, 0 without any."""
-        return float(self.weights.max(initial=0.0))
-
     def sized(self, height: float, eye: float, weight: float = 1.0) -> Stature:
         """After a picture in which the body's size says this height, m; eye: height of the camera, m; weight:
         how surely, 0 to 1.

@@ -50,3 +50,17 @@ def test_who_is_reported_late_is_followed_from_there_to_the_present(delay, found
     if found:
         trail = room.stage.people[1].trail
         assert trail.at(SECOND)[1] == pytest.approx(ways[10], abs=0.15)
+
+
+def test_who_was_reported_before_walks_on_from_there_as_since_then():
+    room = Room()
+    room.tell(standing(2.5, 0.0))
+    room.stage.take_slow_poses(room.told, 0)
+    room.stage.people.clear()
+    room.told = None
+    for _ in range(7):
+        room.see(boxed=None)
+    room.number = 5
+    room.tell(standing(2.5, 0.4))
+    room.stage.take_slow_poses(room.told, round(0.7 * SECOND))
+    np.testing.assert_allclose(room.stage.people[1].track.velocity, [0.0, 0.8])

@@ -9,7 +9,6 @@ from tests.plugins.persons.drawn import drawn, frame_of, gradients_of, perspecti
 from followspot.geometry import project
 from followspot.messages import stamped
 from followspot_persons.appearance import Appearance
-from followspot_persons.background import FEWEST
 from followspot_persons.body_view import view
 from followspot_persons.shape import read_shape
 from followspot_persons.uniform_search import UniformSearch, maxima, separate, shared, uniform_poses
@@ -68,9 +67,8 @@ def test_random_particles_find_who_comes_later():
 def test_the_slow_instance_confirms_whom_the_search_has_found():
     search = ready(UniformSearch, CAMERA, particles=800, minimum_likelihood=0.65)
     slow = ready(Appearance, CAMERA, particles=60)
-    for number in range(FEWEST + 7):
-        pixels = drawn(CAMERA, NEAR) if number > FEWEST else drawn(CAMERA)
-        frame = frame_of(CAMERA, pixels, number / 2, number)
+    for number in range(8):
+        frame = frame_of(CAMERA, drawn(CAMERA, NEAR), number / 10, number)
         boxes = stamped(search.process(frame), frame.header)
         told = slow.process(frame, gradients_of(CAMERA, frame), boxes)
     assert told.person.tolist() == [1]
