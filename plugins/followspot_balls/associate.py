@@ -33,6 +33,8 @@ SHOWN = 0.1
 """Ratio of a blob's densities from which it may show the target."""
 SETTLED = 3
 """Candidates at its forecast that settle where a target is."""
+SETTLED_GAIN = 1.0
+"""Evidence of such a frame, nats: one colour blob on the ray to a reflector makes as many candidates."""
 GATE = 3.0
 """Distance from the forecast up to which a candidate is there, sigmas."""
 NEAR = 0.03
@@ -214,11 +216,12 @@ class Associate(Stage):
         """The hypotheses that hold, at most one for each target: (D,) numbers of some of the M."""
         chosen: list[int] = []
         lost = lost_targets(forecast, len(self.existence))
+        sure = SETTLED_GAIN if self.poor else self.rules.bound
         for number, before in enumerate(self.existence):
             mine = (found.target == number).nonzero()[0]
             if tracked[number] and forecast is not None:
                 best = int(mine[found.rank[mine].argmax()]) if len(mine) else -1
-                gain = self.rules.bound if clear[number] else found.evidence[best] if len(mine) else 0.0
+                gain = sure if clear[number] else found.evidence[best] if len(mine) else 0.0
                 place, steps = forecast.xyz[number], self.steps(forecast)
                 self.existence[number] = followed(before, gain, place, self.rules, steps)
                 if best >= 0 and self.doubtful(found, best):

@@ -32,7 +32,9 @@ class Fusion(Stage, ABC):
         return self.colorless.bounded(likely, candidates, forecast)
 
     def state(self) -> Any:
-        return {"since": self.colorless.since}
+        return {"since": self.colorless.since, "odds": self.recovery.odds, "place": self.recovery.place}
 
     def restore(self, state: Any) -> None:
         self.colorless.since = np.array(state["since"], float)
+        self.recovery.odds = np.array(state["odds"], float)
+        self.recovery.place = np.array(state["place"], float)

@@ -2,7 +2,8 @@
 
 Candidates that agree are no independent evidence: one blob of a colour camera that lies by chance on the
 ray to a reflector makes a candidate with each infrared camera. So the views are weighed, not their pairs,
-also those that see the place and show nothing there (Bar-Shalom, Daum & Huang 2009).
+also those that see the place and show nothing there (Bar-Shalom, Daum & Huang 2009). An evident place that
+one frame hardly confirms is found when several in a row do (a sequential probability ratio test).
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from followspot import Array, Field, Room, StageParams
-from followspot.tracking import Candidates, Forecast, Positions
+from followspot.tracking import MISSING, Candidates, Forecast, Positions
 from followspot_balls.associate_params import AssociateParams
 from followspot_balls.hypotheses import Hypotheses
 from followspot_balls.likelihood import (
@@ -45,8 +46,8 @@ class RecoveryParams(StageParams):
         2.0,
         unit="nats",
         description="log-likelihood ratio of all views below which several candidates do not confirm a lost "
-        "target in one frame; that of an evident position is against reflectors only; raising it avoids "
-        "false recoveries",
+        "target in one frame; that of an evident position is against reflectors only, and adds up over "
+        "frames in a row while its place stays; raising it avoids false recoveries",
     )
 
 
@@ -61,6 +62,10 @@ class Recovery:
         self.color = np.array([c.kind == "color" for c in cameras], bool)
         self.depth = any(c.kind == "depth" for c in cameras)
         self.shown = np.full((len(room.targets), len(cameras)), p.detection)
+        self.odds = np.zeros(len(room.targets))
+        """(T,) nats, what frames in a row said for an evident place of each lost target."""
+        self.place = np.zeros((len(room.targets), 3))
+        """(T, 3) m, that place."""
         self.evidence = ViewEvidence(
             room,
             Model(p.detection, p.clutter, p.neighbourhood, p.blob_sigma, p.relative_sigma, p.hidden_sigma),
@@ -69,32 +74,54 @@ class Recovery:
     def judged(self, positions: Positions, candidates: Candidates, forecast: Forecast | None) -> Positions:
         """The positions without those of lost targets that the views contradict.
 
-        If they hardly confirm candidates that agree, one counts, or two if the position is evident, and it is
-        as vague as the place is unlikely: it needs several frames. Depth cameras measure more than these
-        views weigh: where there are any, all positions remain.
+        If they hardly confirm candidates that agree, one counts, and the position is as vague as the place is
+        unlikely: it needs several frames. Depth cameras measure more than these views weigh: where there are
+        any, all positions remain.
         """
         count = len(self.shown)
         lost = lost_targets(forecast, count)[positions.target]
         weighed = lost & positions.confirmed & (positions.evident | (positions.support > 1))
         if self.depth or not weighed.any():
+            self.forget(forecast)
             return positions
         row = weighed.nonzero()[0]
         ratio, reflector = np.full((2, len(weighed)), np.inf)
         found = positions.xyz[row], positions.target[row]
         ratio[row], reflector[row] = self.ratios(*found, candidates, forecast)
-        sure = np.where(positions.evident, reflector, ratio)
+        sure = np.where(positions.evident, self.added_up(positions, reflector, forecast), ratio)
         doubted = (sure < self.params.sure_recovery_evidence) & (positions.support > 1)
         if doubted.any():
             positions = self.vague(positions, doubted, sure)
         likely = ratio >= self.params.least_recovery_evidence
         return positions if likely.all() else positions.where(likely)
 
+    def added_up(self, positions: Positions, ratio: Array, forecast: Forecast | None) -> Array:
+        """The ratios, (M,) and infinite if not weighed, with those of the frames before at the same places.
+
+        Only evident positions add up: paint and reflectors that stay say the same again.
+        """
+        row = (positions.evident & np.isfinite(ratio)).nonzero()[0]
+        target, xyz = positions.target[row], positions.xyz[row]
+        off = xyz - self.place[target]
+        total = ratio.copy()
+        total[row] += np.where(np.vecdot(off, off) < self.reach**2, self.odds[target], 0.0)
+        self.forget(forecast)
+        self.odds[target], self.place[target] = total[row], xyz
+        return total
+
+    def forget(self, forecast: Forecast | None) -> None:
+        """Forget what was said of targets other than missing ones, which are sought nearby in this frame."""
+        if forecast is None or len(forecast.state) != len(self.odds):
+            self.odds = np.zeros(len(self.odds))
+        else:
+            self.odds = np.where(forecast.state == MISSING, self.odds, 0.0)
+
     def vague(self, positions: Positions, doubted: Array, sure: Array) -> Positions:
         """The positions, of which the doubted ones need several frames. sure: (M,), log-likelihood ratios."""
         vague = doubted * ELSEWHERE**2 / (1 + np.exp(sure))
         return replace(
             positions,
-            support=np.where(doubted, 1 + positions.evident, positions.support).astype(np.int32),
+            support=np.where(doubted, 1, positions.support).astype(np.int32),
             covariance=positions.covariance + vague[:, None, None] * np.eye(3),
         )
 

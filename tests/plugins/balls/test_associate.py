@@ -348,6 +348,17 @@ def test_a_poor_track_on_a_reflector_goes_silent_and_one_in_its_colour_stays() -
         assert not ends or (left.index(0) <= 15 and not any(left[left.index(0) :]))
 
 
+def test_a_colour_blob_on_the_ray_to_a_reflector_keeps_it_little_longer() -> None:
+    """With it three candidates settle the place, though one blob makes two of them."""
+    associate, there = stage(weighed="poor"), forecast_at([PATCH, (-1, 0, 0.5)])
+    for _ in range(3):
+        assert associated(associate, views({PATCH: ("cam0", *INFRARED)}), there).xyz.shape == (3, 3)
+    assert 0 < associate.existence[0].odds < 3
+    left = [len(red(associated(associate, views({PATCH: INFRARED}), there))) for _ in range(30)]
+    assert left[0] == 1
+    assert left.index(0) <= 20
+
+
 def test_depth_cameras_leave_all_candidates_as_they_are() -> None:
     reflector, there = candidates_of(views({PATCH: INFRARED})), forecast_at([PATCH, (-1, 0, 0.5)])
     for kind in ("depth", "color"):

@@ -11,7 +11,7 @@ from tests.plugins.balls.scene import blobs_of, forecast_at, look_at, make_room
 from followspot.messages import Array, seal
 from followspot.room import Room
 from followspot.stage import Context
-from followspot.tracking import LOST, Blobs, Candidates, Forecast, Positions
+from followspot.tracking import LOST, MISSING, Blobs, Candidates, Forecast, Positions
 from followspot_balls.associate_params import AssociateParams
 from followspot_balls.bundle_fusion import Bundle
 from followspot_balls.mean_shift import MeanShift
@@ -72,7 +72,7 @@ def test_a_ball_in_clear_view_keeps_its_support(fusion: Fusion) -> None:
 def test_one_colour_blob_on_the_ray_to_a_reflector_makes_many_pairs_and_no_sure_place(fusion: Fusion) -> None:
     """Four infrared cameras see the reflector, one of five colour cameras has a blob there by chance."""
     found = fused(fusion, room_of("cicicicic"), "01357", off=OFF)
-    assert found.support.tolist() == [2]
+    assert found.support.tolist() == [1]
     assert found.evident.all()
     assert vague(found, Evidence(3, 3, 0.3, 0.0)).all(), "so it needs several frames"
     sure = fused(fusion, room_of("cicicicic"), "01357", off=OFF, sure_recovery_evidence=-50.0)
@@ -85,6 +85,42 @@ def test_an_unsure_place_that_is_not_evident_counts_as_one_candidate() -> None:
     found = seal(replace(found, evident=np.zeros(1, bool)))
     judged = Recovery(room, RecoveryParams()).judged(found, candidates_of(room, "01357", None, OFF), None)
     assert judged.support.tolist() == [1]
+
+
+def doubted() -> tuple[MeanShift, Candidates]:
+    """A fusion, and candidates at an evident place that three frames in a row make sure."""
+    room = room_of("cicicici")
+    fuse = MeanShift(Context(room=room))
+    fuse.setup()
+    return fuse, candidates_of(room, "0135", None, OFF)
+
+
+def test_frames_in_a_row_that_show_an_evident_place_add_up() -> None:
+    fuse, candidates = doubted()
+    assert [fuse.process(candidates, None).support.tolist() for _ in range(4)] == [[1], [1], [6], [6]]
+
+
+def test_a_frame_that_does_not_show_the_place_ends_the_row_unless_it_looked_elsewhere() -> None:
+    nothing = candidates_of(room_of("cicicici"), "", None, OFF)
+    there = forecast_at([BALL, ELSEWHERE])
+    missing = seal(replace(there, state=np.full(2, MISSING, np.uint8)))
+    for forecast, support in ((None, 1), (there, 1), (missing, 6)):
+        fuse, candidates = doubted()
+        for _ in range(2):
+            fuse.process(candidates, None)
+        fuse.process(nothing, forecast)
+        assert fuse.process(candidates, None).support.tolist() == [support]
+
+
+def test_another_place_begins_a_row_of_its_own_and_a_checkpoint_goes_on_with_it() -> None:
+    fuse, candidates = doubted()
+    for _ in range(2):
+        fuse.process(candidates, None)
+    state = fuse.state()
+    for off, support in ((0.0, 6), (0.1, 6), (0.2, 1)):
+        again, _ = doubted()
+        again.restore({**state, "place": state["place"] + [off, 0.0, 0.0]})
+        assert again.process(candidates, None).support.tolist() == [support]
 
 
 @FUSIONS
@@ -129,7 +165,7 @@ def test_a_doubted_place_is_as_vague_as_it_is_unlikely_and_the_others_stay() -> 
     left = Recovery(room, RecoveryParams()).vague(found, doubted, sure)
     added = (left.covariance - found.covariance) @ np.ones(3)
     assert added == pytest.approx(np.array([[0.5] * 3, [0.25] * 3, [0.0] * 3]))
-    assert left.support.tolist() == [2, 1, 6]
+    assert left.support.tolist() == [1, 1, 6]
 
 
 def ratios(shown: str, place: Array, room: Room) -> Array:
