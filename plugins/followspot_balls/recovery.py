@@ -46,8 +46,8 @@ class RecoveryParams(StageParams):
         2.0,
         unit="nats",
         description="log-likelihood ratio of all views below which several candidates do not confirm a lost "
-        "target in one frame; that of an evident position is against reflectors only, and adds up over frames "
-        "while the place stays; raising it avoids false recoveries",
+        "target in one frame; that of an evident position is against reflectors only, and adds up over "
+        "frames in a row while its place stays; raising it avoids false recoveries",
     )
 
 

@@ -232,12 +232,12 @@ def test_a_forecast_beside_a_merged_blob_leads_to_a_disc_all_the_same() -> None:
     assert center == pytest.approx(np.array([[26.0, 30.0]]), abs=0.3)
 
 
-def test_a_part_of_a_disc_does_not_ask_the_forecast() -> None:
-    level, strip = discs((20.0, 30.0)), whole_strip(60)
-    level[:, 20:] = 0
+def test_a_fragment_does_not_ask_the_forecast_which_its_edge_would_confirm() -> None:
+    level, strip = np.zeros((60, 60), np.uint8), whole_strip(60)
+    level[25:35, 20:24] = 200
     blobs = components(above_local_peak(level, 0.5), level, strip)
     alone = disc_centers(level, strip, blobs, np.array([8.0]), 0.5)
-    center = disc_centers(level, strip, blobs, np.array([8.0]), 0.5, np.array([[14.0, 30.0]]))
+    center = disc_centers(level, strip, blobs, np.array([8.0]), 0.5, np.array([[15.5, 29.5]]))
     assert np.array_equal(center, alone)
 
 

@@ -165,7 +165,7 @@ def test_a_doubted_place_is_as_vague_as_it_is_unlikely_and_the_others_stay() -> 
     left = Recovery(room, RecoveryParams()).vague(found, doubted, sure)
     added = (left.covariance - found.covariance) @ np.ones(3)
     assert added == pytest.approx(np.array([[0.5] * 3, [0.25] * 3, [0.0] * 3]))
-    assert left.support.tolist() == [2, 1, 6]
+    assert left.support.tolist() == [1, 1, 6]
 
 
 def ratios(shown: str, place: Array, room: Room) -> Array:
