@@ -65,6 +65,12 @@ def test_an_edge_counts_for_its_orientation(number):
             assert share[number] > 0.75
 
 
+def test_weights_with_trees_ship_beside_those_in_use():
+    file = SHIPPED.with_name("hog_weights_trees.npz")
+    assert len(load(file).tree_leaf) == 600
+    assert file.stat().st_size < 300_000
+
+
 def test_channels_hardly_depend_on_the_exposure():
     window = RNG.integers(40, 120, (HEIGHT, WIDTH, 3), np.uint8)
     dark, bright = maps(window), maps(2 * window)
