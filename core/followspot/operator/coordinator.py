@@ -74,6 +74,8 @@ class Coordinator:
         self._stop_deadline: float | None = None
         self._silent: dict[str, str] = {}
         """Hosts that do not answer, each with the reason as far as it is known."""
+        self._cut_short = ""
+        """Why a run without restarts ended early: a host was lost, even if it came back."""
         self._news: list[str] = []
         self._one_change = Lock()
         self._sensors_told = False
@@ -133,7 +135,8 @@ class Coordinator:
         started = time.monotonic()
         self._watch_to_end(on_progress)
         self.log.gather()
-        return self._view().report(time.monotonic() - started, self._silent, stopped=self.stopped)
+        report = self._view().report(time.monotonic() - started, self._silent, stopped=self.stopped)
+        return replace(report, errors=(self._cut_short,)) if self._cut_short and report.ok else report
 
     def status(self) -> RunStatus:
         """The newest status of the whole run."""
@@ -235,6 +238,8 @@ class Coordinator:
                 if host.name not in self._silent:
                     self._report_event(str(error), "warning")
                 self._silent[host.name] = str(error)
+                if not (self.order.restart or self._cut_short or host.status().all("over")):
+                    self._cut_short = f"{error}: the run, which has no --restart, ended early"
         self._watch_budgets()
         self.log.gather()
         if on_progress is not None:

@@ -8,8 +8,10 @@ from types import SimpleNamespace
 import pytest
 
 from followspot.control.dispatch import Request
-from followspot.control.host import HostStatus, RunOrder, WorkerStatus
+from followspot.control.host import HostLost, HostStatus, RunOrder, WorkerStatus
+from followspot.control.lifecycle import StopRun
 from followspot.control.tapping import PlaceTaps, Tapping
+from followspot.control.worker_report import WorkerReport
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
@@ -18,6 +20,7 @@ from followspot.log.run_log import RunLog
 from followspot.operator.coordinator import Coordinator, order_of
 from followspot.operator.run_dispatcher import run_dispatcher
 from followspot.operator.run_requests import ChangeStages, MoveStages, Surroundings
+from followspot.worker.ledger import COLUMNS
 from followspot.worker.wiring import RunOptions
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
@@ -92,3 +95,38 @@ def test_a_status_is_available_while_workers_start() -> None:
     workers["a"] = SimpleNamespace(status=status)
     host.pool = SimpleNamespace(workers=workers, plan=SimpleNamespace(rows=0))  # type: ignore[assignment]
     assert [worker.name for worker in host.status().workers] == ["a"]
+
+
+class Away(Ready):
+    """A host that does not answer once, and whose workers end when they are told to stop."""
+
+    def __init__(self, *, over: bool) -> None:
+        super().__init__()
+        self.over, self.told, self.begun = over, 0, False
+
+    def attend(self, seconds: float) -> None:
+        if self.begun and not self.told:
+            self.told += 1
+            raise HostLost("host far does not answer")
+
+    def ask(self, request: Request) -> None:
+        """Begin, or stop."""
+        self.begun = True
+        if self.over or isinstance(request, StopRun):
+            ended = (WorkerReport(name, 3) for name in ("a", "b"))
+            self.workers = tuple(WorkerStatus(one.worker, "over", report=one) for one in ended)
+
+    def status(self) -> HostStatus:
+        return HostStatus(self.workers, (0,) * COLUMNS)
+
+
+@pytest.mark.parametrize(("over", "fails"), [(False, True), (True, False)])
+def test_a_run_without_restarts_fails_if_a_host_was_lost_for_a_moment(
+    plan: Plan, over: bool, fails: bool
+) -> None:
+    """It ended early, though all came to a clean end; not if its workers had ended before."""
+    run = Coordinator(plan, [Away(over=over)], order(plan))  # type: ignore[list-item]
+    assert run.begin()
+    report = run.watch()
+    assert report.ok is not fails
+    assert [error.partition(":")[0] for error in report.errors] == ["host far does not answer"] * fails
