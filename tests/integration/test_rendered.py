@@ -82,12 +82,11 @@ def test_placement_never_changes_the_result(room: Path, tmp_path: Path) -> None:
     assert all(data == tracks["one"] for data in tracks.values())
 
 
-def test_a_missing_video_is_named_before_anything_starts(room: Path, tmp_path: Path) -> None:
-    mine = tmp_path / "room.yaml"
-    shutil.copytree(BALLS, tmp_path / "videos")
-    mine.write_text(room.read_text().replace(str(BALLS), str(tmp_path / "videos")))
-    (tmp_path / "videos/cam2.mkv").unlink()
-    assert str(tmp_path / "videos/cam2.mkv") in mine.read_text()
+def test_a_missing_video_is_named_before_anything_starts(tmp_path: Path) -> None:
+    mine, videos = tmp_path / "room.yaml", tmp_path / "videos"
+    shutil.copytree(BALLS, videos)
+    command("room", "import", BALLS / "calibration.json", "--videos", videos, "-o", mine, check=True)
+    (videos / "cam2.mkv").unlink()
     done = command("run", GRAPH, "--room", mine, "--out", tmp_path / "out")
     assert done.returncode == 2
     line = next(n for n, text in enumerate(mine.read_text().splitlines(), 1) if "cam2.mkv" in text)

@@ -10,6 +10,7 @@ import pytest
 from followspot.errors import FollowspotError
 from followspot_page.changing import Hold, wish_of
 from followspot_page.page import Page
+from followspot_page.requests import Requests
 
 
 class Replay:
@@ -33,7 +34,8 @@ def test_each_button_asks_the_run_for_what_it_says() -> None:
     page, run = Page.__new__(Page), Replay()
     page.ask, page.scrub = run, None  # type: ignore[assignment]
     wishes = ('{"hold": "pause"}', '{"hold": "step", "count": 3}', '{"hold": "resume"}')
-    assert [asyncio.run(page.do(wish)) for wish in wishes] == ["", "at 1.500000 s", ""]
+    requests = Requests(page)
+    assert [asyncio.run(requests.do(wish)).text for wish in wishes] == ["", "at 1.500000 s", ""]
     assert run.asked == ["pause", 3, "resume"]
 
 

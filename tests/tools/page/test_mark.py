@@ -13,6 +13,7 @@ from followspot.library.handle import Kept, Moment
 from followspot_page.changing import MarkWish, wish_of
 from followspot_page.feed import Feed
 from followspot_page.page import Page
+from followspot_page.requests import Requests
 
 MOMENTS = tuple(Moment(f"/runs/{name}.mcap", (), ("",), "complete", 35.0, 9, 0, 100) for name in "ab")
 KEPT = Kept(30.0, 18, 29.5, 45_000_000, 1 << 29, 900, 2, MOMENTS)
@@ -37,7 +38,7 @@ def page(run: Any) -> Page:
 
 def test_the_button_marks_and_names_the_file() -> None:
     run = Run()
-    assert asyncio.run(page(run).do('{"mark": "jump"}')) == (
+    assert asyncio.run(Requests(page(run)).do('{"mark": "jump"}')).text == (
         "saving the last seconds, and the next, in a.mcap"
     )
     assert run.notes == ["jump"]
@@ -45,7 +46,7 @@ def test_the_button_marks_and_names_the_file() -> None:
 
 def test_a_page_that_only_shows_does_not_mark() -> None:
     with pytest.raises(FollowspotError, match="only shows"):
-        asyncio.run(page(None).do('{"mark": ""}'))
+        asyncio.run(Requests(page(None)).do('{"mark": ""}'))
     with pytest.raises(FollowspotError, match="nothing that can be asked for"):
         wish_of(json.dumps({"mark": "x" * 201}))
     assert wish_of('{"mark": ""}') == MarkWish("")

@@ -33,6 +33,7 @@ BLUE = """(() => {
     return columns.size / canvas.width;
 })()"""
 """The share of the columns of the upper plot, below its title, that have the colour of z."""
+RUNNING = "document.querySelector('#life')?.dataset.life === 'running'"
 AXES = ("#ff7a6b", "#6fe39a", "#74a8ff")
 Opened = tuple[Shown, Browser]
 
@@ -47,7 +48,7 @@ def opened(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Opened]:
         worker = WorkerStatus("main", "running", 7, stages=stages, age_s=0.1)
         page.status = RunStatus((worker,), (0,) * (COLUMNS * len(plan.edges)), 7, None)
         chromium.open(page.url, 1024, 768)
-        chromium.wait("document.querySelector('#life')?.dataset.life === 'running'")
+        chromium.wait(RUNNING)
         yield page, chromium
 
 
@@ -119,7 +120,9 @@ def test_depth_has_a_picture_with_its_scale(opened: Opened) -> None:
 def test_a_target_with_an_orientation_shows_its_axes_and_one_without_none(opened: Opened) -> None:
     page, chromium = opened
     upright = [1.0, 0.0, 0.0, 0.0]
-    chromium.ask("document.querySelector('#pipeline').hidden = true")  # more pixels for the room
+    chromium.open(page.url, 2048, 1536)  # more pixels for the room
+    chromium.wait(RUNNING)
+    chromium.ask("document.querySelector('#pipeline').hidden = true")
     chromium.ask("document.querySelector('#view').style.filter = 'none'")  # old or not, here colours count
 
     def axes(ms: int, quaternion: list[float]) -> list[int]:
