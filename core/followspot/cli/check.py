@@ -52,7 +52,9 @@ def _run(args: argparse.Namespace) -> int:
         }
         print(json.dumps({"ok": True, **found}))
     else:
-        print(f"{plan.graph} in {plan.room.name}: " + ", ".join(f"{n} {what}" for what, n in counts.items()))
+        from followspot.graph.drawing.text import title
+
+        print(title(plan))
         for note in plan.notes:
             print(f"note: {note}")
         for line in warning_lines(plan.warnings):

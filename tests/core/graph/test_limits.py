@@ -230,7 +230,7 @@ def test_a_very_large_text_is_refused_and_little_is_said(tmp_path: Path, case: s
 @pytest.mark.thorough
 def test_a_room_of_a_thousand_cameras_is_planned(tmp_path: Path) -> None:
     ((code, text),) = said_of(tmp_path, [PLANNED])
-    assert (code, text.splitlines()[0]) == (0, "g in room: 9000 stages, 8000 edges, 1 workers")
+    assert (code, text.splitlines()[0]) == (0, "g in room: 9000 stages, 8000 edges, 1 worker")
     assert 'warning: g.yaml:5:3: no stage reads what stage "s0" (balls.color_blobs) gives' in text
 
 

@@ -8,14 +8,20 @@ from followspot.graph.drawing.outline import Line, outline
 from followspot.graph.drawing.svg import svg
 from followspot.graph.plan import Plan, PlannedWorker
 
-__all__ = ["mermaid", "svg", "text"]
+__all__ = ["mermaid", "svg", "text", "title"]
+
+
+def title(plan: Plan) -> str:
+    """The graph, its room, and how much there is of each."""
+    parts = {"stage": plan.stages, "edge": plan.edges, "worker": plan.workers}
+    counts = (f"{len(found)} {noun}{'s' * (len(found) != 1)}" for noun, found in parts.items())
+    return f"{plan.graph} in {plan.room.name}: {', '.join(counts)}"
 
 
 def text(plan: Plan, *, fold: bool = True) -> str:
     """Workers with their stages, then the edges with their kinds; fold: show each sub-graph as one line."""
     found = outline(plan, fold=fold)
-    sizes = f"{len(plan.stages)} stages, {len(plan.edges)} edges, {len(plan.workers)} workers"
-    lines = [f"{plan.graph} in {plan.room.name}: {sizes}"]
+    lines = [title(plan)]
     for worker in plan.workers:
         boxes = [box for box in found.boxes if box.worker == worker.name]
         rows = [(box.name, box.uses, " ".join(box.members)) for box in boxes]

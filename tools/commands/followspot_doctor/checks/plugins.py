@@ -33,7 +33,8 @@ def stages() -> Iterator[Finding]:
     if not bad:
         well = [entry for entry in found if entry.state == "ok"]
         packages = {entry.distribution for entry in well}
-        yield fine("plugins", f"{len(well)} stages of {len(packages)} packages, all importable")
+        origin = f"{len(packages)} package{'s' * (len(packages) != 1)}"
+        yield fine("plugins", f"{len(well)} stages of {origin}, all importable")
 
 
 def _few(names: list[str]) -> str:
