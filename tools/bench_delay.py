@@ -20,8 +20,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import argparse
 import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from statistics import fmean, median
 from tempfile import TemporaryDirectory
@@ -30,6 +31,7 @@ from typing import Any
 import cv2
 
 from bench_cost import resized
+from benching.processes import busy_time
 from followspot.room_file import load, save
 from scripting import followspot, shown, table_options
 
@@ -46,38 +48,7 @@ stages:
   color:    {{in: {{forecast: {{from: track.forecast, delay: {delay}}}}}}}
   infrared: {{in: {{forecast: {{from: track.forecast, delay: {delay}}}}}}}
 """
-PRELOADED = '''
-"""Plays a video from memory, in whatever process it is, with the pixels of the room."""
-
-from pathlib import Path
-
-import cv2
-
-from followspot import Field, Source, Stage, StageParams, at
-from followspot.plugins.registry import load_stage
-from followspot.tracking import Frame
-
-
-class Preloaded(Stage):
-    """Decodes in `setup`, before the clock starts."""
-
-    class Params(StageParams):
-        path: Path = Field(description="the video file")
-        frames: int = Field(description="most frames to play", unit="1")
-
-    per_camera = True
-
-    def setup(self) -> None:
-        reader = cv2.VideoCapture(str(self.params.path))
-        self.pictures = []
-        while len(self.pictures) < self.params.frames and (picture := reader.read()[1]) is not None:
-            self.pictures.append(cv2.resize(picture, self.camera.size, interpolation=cv2.INTER_LINEAR))
-        reader.release()
-
-    def process(self) -> Source[Frame]:
-        for number, picture in enumerate(self.pictures):
-            yield at(number * 33_333_333 + 1, Frame(self.camera.name, picture.copy()))
-'''
+PRELOADED = ROOT / "tools/benching/preloaded.py"
 Cell = dict[str, Any]
 
 
@@ -135,8 +106,8 @@ def scored(graph: Path, delay: int, rooms: Sequence[str], folder: Path) -> Cell:
 
 def measured(graphs: dict[int, Path], args: argparse.Namespace, folder: Path) -> list[Cell]:
     """Speed of each case, medians over the rounds."""
-    room, plugin = preloaded(args, folder)
-    length = ("--room", room, "--plugin", plugin, "--out", folder / "run")
+    room = preloaded(args, folder)
+    length = ("--room", room, "--plugin", PRELOADED, "--out", folder / "run")
     rounds: list[dict[tuple[str, int, str], Cell]] = []
     for number in range(args.rounds):
         found = {}
@@ -145,7 +116,7 @@ def measured(graphs: dict[int, Path], args: argparse.Namespace, folder: Path) ->
             words = [word for value in SIDES[side] for word in ("--set", value)]
             if placed == "auto":
                 words += ["--placement", f"auto:{folder / f'{side}{delay}.json'}"]
-            told, others = beside(lambda w=words, d=delay: followspot("run", graphs[d], *length, *w))
+            told, others = beside(partial(followspot, "run", graphs[delay], *length, *words))
             if placed == "one":
                 (folder / f"{side}{delay}.json").write_text(json.dumps(told), encoding="utf-8")
             found[case] = figures(told, others)
@@ -165,8 +136,8 @@ def cases() -> Iterator[tuple[str, int, str]]:
                 yield side, delay, placed
 
 
-def preloaded(args: argparse.Namespace, folder: Path) -> tuple[Path, Path]:
-    """The last room with larger pictures from memory, and the file of the stage that plays them."""
+def preloaded(args: argparse.Namespace, folder: Path) -> Path:
+    """The last room with larger pictures from memory."""
     width, height = map(int, args.size.split("x"))
     room = load(args.room[-1])
     cameras = {}
@@ -179,9 +150,7 @@ def preloaded(args: argparse.Namespace, folder: Path) -> tuple[Path, Path]:
         )
         cameras[name] = replace(resized(camera, (width, height)), source=use)
     save(replace(room, cameras=cameras), folder / "room.yaml")
-    plugin = folder / "preloaded.py"
-    plugin.write_text(PRELOADED, encoding="utf-8")
-    return folder / "room.yaml", plugin
+    return folder / "room.yaml"
 
 
 def figures(told: dict[str, Any], others: float) -> Cell:
@@ -191,23 +160,13 @@ def figures(told: dict[str, Any], others: float) -> Cell:
     return {"workers": len(told["workers"]), "sets/s": told["frames"] / told["seconds"], "others": others}
 
 
-def beside(run: Any) -> tuple[dict[str, Any], float]:
+def beside(run: Callable[[], dict[str, Any]]) -> tuple[dict[str, Any], float]:
     """What a run told, and how many cores other programs used meanwhile."""
-    before = used()
+    busy, before = busy_time(), os.times()
     told = run()
-    after = used()
-    cores = (after[0] - before[0] - (after[1] - before[1])) / max(after[2] - before[2], 1e-9)
-    return told, max(cores, 0.0)
-
-
-def used() -> tuple[float, float, float]:
-    """Processor time of the machine, of this process and its children, and the clock, s."""
-    numbers = [
-        int(word) for word in Path("/proc/stat").read_text(encoding="utf-8").split("\n", 1)[0].split()[1:]
-    ]
-    machine = (sum(numbers[:8]) - numbers[3] - numbers[4]) / os.sysconf("SC_CLK_TCK")
-    mine = os.times()
-    return machine, mine.user + mine.system + mine.children_user + mine.children_system, mine.elapsed
+    busy, after = busy_time() - busy, os.times()
+    mine = sum(after[:4]) - sum(before[:4])  # with that of children that have ended
+    return told, max(0.0, busy - mine) / max(after.elapsed - before.elapsed, 1e-9)
 
 
 def row(case: tuple[str, int, str], runs: Sequence[Cell], one: Sequence[Cell]) -> Cell:

@@ -43,35 +43,7 @@ ROOT = Path(__file__).parent.parent
 SIDES = ("tracked", "searching")
 LEAD = 10
 """Frame sets before the clock starts."""
-PRELOADED = '''
-"""Plays a video from memory, in whatever process it is."""
-
-from pathlib import Path
-
-from followspot import Field, Source, Stage, StageParams, at
-from followspot.plugins.registry import load_stage
-from followspot.tracking import Frame
-
-
-class Preloaded(Stage):
-    """Decodes in `setup`, before the clock starts."""
-
-    class Params(StageParams):
-        path: Path = Field(description="the video file")
-        count: int = Field(description="most frames to play", unit="1")
-
-    per_camera = True
-
-    def setup(self) -> None:
-        source = load_stage("cameras.video")(self.context, path=self.params.path, frames=self.params.count)
-        source.setup()
-        self.frames = [(frame.header.time, frame.pixels.copy()) for frame in source.process()]
-        source.close()
-
-    def process(self) -> Source[Frame]:
-        for time, pixels in self.frames:
-            yield at(time, Frame(self.camera.name, pixels))
-'''
+PRELOADED = str(ROOT / "tools/benching/preloaded.py")
 
 
 def main() -> None:
@@ -101,10 +73,8 @@ def parser() -> argparse.ArgumentParser:
 
 def _measured(args: argparse.Namespace, out: Path) -> dict[str, Any]:
     """All rounds of all sides."""
-    file = out / "preloaded.py"
-    file.write_text(PRELOADED, encoding="utf-8")
-    use_plugin_files([str(file)])
-    plan = _compiled(args, None, str(file))
+    use_plugin_files([PRELOADED])
+    plan = _compiled(args, None)
     played = shots(plan, args.frames)
     costs: dict[str, list[Cost]] = {side: [] for side in SIDES}
     plain: dict[str, list[float]] = {side: [] for side in SIDES}
@@ -121,7 +91,7 @@ def _measured(args: argparse.Namespace, out: Path) -> dict[str, Any]:
             )
             print(f"round {number + 1}, {side}: {rates}", file=sys.stderr)
         if args.placement:
-            several.append(_several(_compiled(args, args.placement, str(file)), args.frames, out))
+            several.append(_several(_compiled(args, args.placement), args.frames, out))
     result: dict[str, Any] = {side: _summary(costs[side], plain[side]) for side in SIDES}
     if several:
         ratios = [rate * ms / 1e3 for rate, ms in zip(several, plain["tracked"], strict=True)]
@@ -130,10 +100,10 @@ def _measured(args: argparse.Namespace, out: Path) -> dict[str, Any]:
     return result
 
 
-def _compiled(args: argparse.Namespace, placement: str | None, plugin: str) -> Plan:
+def _compiled(args: argparse.Namespace, placement: str | None) -> Plan:
     """The plan, with the wanted targets only."""
     wanted = args.targets.split(",") if args.targets else None
-    plan = compile_graph(args.graph, room=args.room, placement=placement, plugin_files=[plugin])
+    plan = compile_graph(args.graph, room=args.room, placement=placement, plugin_files=[PRELOADED])
     targets = {n: t for n, t in plan.room.targets.items() if wanted is None or n in wanted}
     if not targets:
         raise SystemExit(f"{args.room} has no targets to track: followspot calibrate targets ...")
@@ -154,7 +124,7 @@ def _plain(plan: Plan, played: Shots, *, searching: bool) -> float:
 def _several(plan: Plan, frames: int, out: Path) -> float:
     """Frame sets per second of a run in several processes."""
     stages = tuple(
-        replace(s, uses="preloaded.preloaded", params={"path": s.params["path"], "count": frames})
+        replace(s, uses="preloaded.preloaded", params={"path": s.params["path"], "frames": frames})
         if s.uses == "cameras.video"
         else s
         for s in plan.stages

@@ -76,8 +76,8 @@ class Associate(Stage):
     A frame that speaks against a tracked target, by blobs that hardly fit, leaves it no candidates.
 
     If only poor targets are weighed, the fusion weighs those that are sought, and a poor frame alone ends no
-    track: its log-odds against a reflector do, for colour tells whose ball it is. Depth cameras measure more
-    than views weigh: where there are any, all candidates stay.
+    track: its log-odds against a reflector do, for colour tells whose ball it is. If the
+    room has depth cameras, all candidates stay, for the weighing of views does not know their measurements.
     """
 
     advice = "lower confirmation_odds, or give the room more cameras that see each place"

@@ -170,9 +170,8 @@ def in_pictures(pictures: Sequence[Array], view: Array, limits: Limits) -> tuple
 
 def bright(pixels: Array, darkest: Array, brightest: Array) -> tuple[Array, Array]:
     """Flat index and grey level of the pixels in a range. pixels: (H, W, 1)."""
-    gray = np.ascontiguousarray(
-        pixels[..., 0]
-    )  # one pass over a channel of several, and fast ones from then on
+    # one pass over a channel of several, and fast ones from then on
+    gray = np.ascontiguousarray(pixels[..., 0])
     shown = gray >= darkest
     shown &= gray <= brightest
     place = shown.reshape(-1).nonzero()[0]

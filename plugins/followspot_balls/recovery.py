@@ -75,8 +75,8 @@ class Recovery:
         """The positions without those of lost targets that the views contradict.
 
         If they hardly confirm candidates that agree, one counts, and the position is as vague as the place is
-        unlikely: it needs several frames. Depth cameras measure more than these views weigh: where there are
-        any, all positions remain.
+        unlikely: it needs several frames. If the room has depth cameras, all positions remain, for the
+        weighing of views does not know their measurements.
         """
         count = len(self.shown)
         lost = lost_targets(forecast, count)[positions.target]

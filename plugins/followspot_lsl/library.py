@@ -19,12 +19,13 @@ _loaded = ""
 
 
 class LslParams(StageParams):
-    """Who can reach a stream, and who is asked for streams."""
+    """The computers that can read a stream, and the networks on which streams are sought."""
 
     host: InputAddress = Field(
         "127.0.0.1",
         description="own address to listen at; liblsl cannot listen on loopback alone, so the stage is "
-        "refused unless this is 0.0.0.0, all networks: anybody who reaches this computer may read the stream",
+        "refused unless this is 0.0.0.0, for all networks; then every computer that reaches this one may "
+        "read the stream",
     )
     scope: Literal["machine", "link", "site"] = Field(
         "machine",
@@ -39,7 +40,7 @@ def load(params: LslParams) -> Any:
     if params.host != EVERYWHERE:
         text = f"liblsl listens on all networks of this computer, not on {params.host} alone"
         raise InputError.of(
-            text, f"set host: {EVERYWHERE} if all who reach this computer may read the streams"
+            text, f"set host: {EVERYWHERE} if every computer that reaches this one may read the streams"
         )
     wanted = configuration(params.scope)
     if _loaded == wanted:

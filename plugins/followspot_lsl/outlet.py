@@ -15,7 +15,7 @@ CHANNELS = (
     *((axis, "m") for axis in "xyz"),
     *((f"v{axis}", "m/s") for axis in "xyz"),
 )
-"""Of each target: what it is called, and its unit."""
+"""Name and unit of each channel of a target."""
 
 
 class Outlet(Stage):
@@ -71,7 +71,7 @@ class Outlet(Stage):
 
 
 def sample_of(tracks: Tracks, targets: int) -> list[float]:
-    """The channels of all targets in their order."""
+    """The values of one sample, target by target in the order of `CHANNELS`; targets: of the room."""
     values: Array = np.full((targets, len(CHANNELS)), np.nan)
     values[:, 0] = LOST
     known = tracks.target < targets

@@ -71,7 +71,7 @@ class Acquaintance:
     def contact_after(self, told: Contact | None, seconds: float) -> Contact | None:
         """Where the person stands some seconds later: as told, or vaguely as before while feet are hidden.
 
-        Feet where nobody walks to in this time are somebody else's.
+        Feet that the person could not have reached in this time are those of another person.
         """
         before = self.contact.later(seconds) if self.contact else None
         return told if before is None or (told is not None and told.agrees(before)) else before

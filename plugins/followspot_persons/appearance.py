@@ -245,9 +245,9 @@ class Appearance(Stage):
         )
 
     def initiated(self, detection: Detection, score: float, others: Array, now: int) -> Acquaintance | None:
-        """A tentative person from one box, unless nobody can be there.
+        """A tentative person from one box; None if the box lies outside the limits of space.
 
-        others: (K, 4) px, upper bodies of people who are known.
+        others: (K, 4) px, upper bodies of known people.
         """
         particles = spawned(self.camera, self.shape, detection, self.params.particles, self.rng)
         known = stood(self.scene, detection, particles.mean(axis=0), USUAL, others)

@@ -28,7 +28,7 @@ class AppearanceParams(StageParams):
         4.0, unit="1", description="sum of scores that confirms a person; raising it avoids false persons"
     )
     real_valued_boxes: bool = Field(
-        False, description="whether a box weighs poses as surely as the detector is of it, by its score"
+        False, description="whether the weight of a box grows with the certainty of its score"
     )
     walkable: tuple[tuple[float, float], ...] = Field(
         (),

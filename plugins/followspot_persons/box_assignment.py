@@ -57,8 +57,8 @@ class BoxAssignment:
         """Pairs of person and box: near in the picture, and of the person's colours.
 
         Tentative persons, whose colours nobody knows, get what known ones leave. still: (N,) bool, boxes that
-        show the background; they are nobody's who is no part of it. upright: (N,) bool, boxes of the
-        foreground, which are a known person's only if its colours beat those of people at large.
+        show the background, which are given only to people who are a part of it. upright: (N,) bool,
+        boxes of the foreground, which are a known person's only if its colours beat those of people at large.
         """
         if not people or not detections:
             return []

@@ -46,7 +46,7 @@ class Weights:
     box_width: float = 0.15
     """One sigma of the distance between box and body, in heights of the box."""
     real_valued: bool = False
-    """Whether F^HOG counts as surely as the detector is of its box."""
+    """Whether F^HOG counts in proportion to the certainty of its box."""
 
 
 @dataclass(frozen=True, eq=False)

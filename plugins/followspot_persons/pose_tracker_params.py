@@ -96,7 +96,7 @@ class PoseTrackerParams(StageParams):
         SHIPPED_RELATIONS, description="how the colours of features relate, to choose pairs of features"
     )
     real_valued_boxes: bool = Field(
-        False, description="whether a box weighs poses as surely as the detector is of it, by its score"
+        False, description="whether the weight of a box grows with the certainty of its score"
     )
     use_colors: bool = Field(True, description="whether the persons' colours weigh their poses")
     walkable: tuple[tuple[float, float], ...] = Field(

@@ -23,7 +23,8 @@ import yaml
 from followspot.cli.main import main
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
-from followspot.graph.drawing import text as show
+from followspot.graph.drawing.svg import svg
+from followspot.graph.drawing.text import mermaid, text
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_from_data, plan_to_data
 from followspot.operator.launch import run_plan
@@ -200,8 +201,8 @@ def _parameter(holder: Tree, uses: Any, rng: random.Random) -> tuple[str, Tree] 
 def _written(files: Files) -> Path:
     """A folder with the files."""
     folder = Path(tempfile.mkdtemp(prefix="followspot-fuzz-"))
-    for name, text in vars(files).items():
-        (folder / f"{name}.yaml").write_text(text, encoding="utf-8", errors="surrogatepass")
+    for name, content in vars(files).items():
+        (folder / f"{name}.yaml").write_text(content, encoding="utf-8", errors="surrogatepass")
     return folder
 
 
@@ -223,7 +224,7 @@ def _check(files: Files) -> object:
 
 
 def _shown(plan: Plan) -> Plan:
-    for form in (show.text, show.mermaid, show.svg):
+    for form in (text, mermaid, svg):
         form(plan).encode()
     data = json.loads(json.dumps(plan_to_data(plan), allow_nan=False))
     if plan_to_data(plan_from_data(data)) != data:

@@ -38,7 +38,8 @@ def _run(args: argparse.Namespace) -> int:
     """
     from followspot.graph.compose.flat import flat_text
     from followspot.graph.compose.origin import origin_text
-    from followspot.graph.drawing import text as show
+    from followspot.graph.drawing.svg import svg
+    from followspot.graph.drawing.text import mermaid, text
     from followspot.graph.load import composed_graph
     from followspot.graph.parameter_origin import given_text
     from followspot.graph.plan_data import plan_to_data
@@ -48,14 +49,14 @@ def _run(args: argparse.Namespace) -> int:
         return 0
     plan = plan_of(args)
     if args.svg:
-        Path(args.svg).write_text(show.svg(plan, fold=not args.unfold), encoding="utf-8")
+        Path(args.svg).write_text(svg(plan, fold=not args.unfold), encoding="utf-8")
     elif args.json:
         print(json.dumps(plan_to_data(plan)))
     elif args.flat or args.origin:
         composed = composed_graph(args.graph, room=args.room, cameras=args.cameras, overrides=args.overrides)
         print(origin_text(composed) if args.origin else flat_text(composed, plan, args.room), end="")
     else:
-        shown = show.mermaid if args.mermaid else show.text
+        shown = mermaid if args.mermaid else text
         print(shown(plan, fold=not args.unfold))
     return 0
 

@@ -13,7 +13,7 @@ from followspot.errors import FollowspotError, InputError
 from followspot.graph.compile import compile_graph
 from followspot.graph.compose.graph_file import input_names
 from followspot.graph.declaration import ROOM_SOURCE
-from followspot.graph.drawing.text import svg
+from followspot.graph.drawing.svg import svg
 from followspot.graph.plan import Plan
 from followspot.plugins.registry import load_stage, offer_stage
 from followspot.ports import ports

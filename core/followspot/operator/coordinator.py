@@ -238,7 +238,7 @@ class Coordinator:
                 if host.name not in self._silent:
                     self._report_event(str(error), "warning")
                 self._silent[host.name] = str(error)
-                if not (self.order.restart or self._cut_short or host.status().all("over")):
+                if self._stop_deadline is None and self._ends_run(host):
                     self._cut_short = f"{error}: the run, which has no --restart, ended early"
         self._watch_budgets()
         self.log.gather()
@@ -275,8 +275,12 @@ class Coordinator:
 
     def _failed(self) -> bool:
         """True if a worker failed, or a host was lost in a run without restarts: either ends the run."""
-        lost = bool(self._silent) and not self.order.restart
+        lost = any(self._ends_run(host) for host in self.hosts if host.name in self._silent)
         return lost or any(w.phase == "over" and w.report and w.report.error for w in self._workers())
+
+    def _ends_run(self, silent: Host) -> bool:
+        """Whether the run cannot go on without a host that does not answer: some worker there goes on."""
+        return not (self.order.restart or silent.status().all("over"))
 
     def _workers(self) -> Iterator[WorkerStatus]:
         return self._view().workers()

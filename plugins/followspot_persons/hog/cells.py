@@ -31,7 +31,7 @@ def looks(windows: Array | Sequence[Array]) -> Array:
     """Features of windows: (N, HEIGHT, WIDTH, 3) u8 -> (N, LOOKS) f4."""
     described = np.empty((len(windows), LOOKS), np.float32)
     for row, window in zip(described, windows, strict=True):
-        row[:] = np.concatenate([*_edges(window), *_colours(window)])
+        row[:] = np.concatenate([*_edges(window), *_coloured_cells(window)])
     return described
 
 
@@ -60,18 +60,28 @@ def _unblocked(blocks: Array, cells: tuple[int, int]) -> Array:
     return histograms.ravel()
 
 
-def _colours(window: Array) -> list[Array]:
+def _coloured_cells(window: Array) -> list[Array]:
     """Brightness over that of the body, as a logarithm, and likeness to skin, of coarse and fine cells."""
-    blue, green, red = cv2.split(LOGARITHM[window])
-    brightness = (blue + green + red) / 3
-    brightness -= brightness[4:76, 12:52].mean()
-    maps = (brightness, skin(red - green, green - blue))
+    brightness, _, _, likeness = colours(window)
+    maps = (brightness, likeness)
     coarse = [cv2.resize(m, COARSE, interpolation=cv2.INTER_AREA).ravel() for m in maps]
     fine = [cv2.resize(m[HEAD], FINE, interpolation=cv2.INTER_AREA).ravel() for m in maps]
     return coarse + fine
 
 
-def skin(red_green: Array, green_blue: Array) -> Array:
+def colours(window: Array) -> tuple[Array, Array, Array, Array]:
+    """Logarithms of brightness over the body's, of red over green, of green over blue; likeness to skin.
+
+    window: (HEIGHT, WIDTH, 3) u8 BGR. Returns (HEIGHT, WIDTH) f4 each.
+    """
+    blue, green, red = cv2.split(LOGARITHM[window])
+    brightness = (blue + green + red) / 3
+    brightness -= brightness[4:76, 12:52].mean()
+    red_green, green_blue = red - green, green - blue
+    return brightness, red_green, green_blue, _skin(red_green, green_blue)
+
+
+def _skin(red_green: Array, green_blue: Array) -> Array:
     """Likeness to skin, 0 to 1, from log(red / green) and log(green / blue)."""
     (mean_rg, sigma_rg), (mean_gb, sigma_gb) = SKIN
     squared = ((red_green - mean_rg) / sigma_rg) ** 2 + ((green_blue - mean_gb) / sigma_gb) ** 2

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from followspot import Array
-from followspot_persons.hog.cells import LOGARITHM, skin
+from followspot_persons.hog.cells import colours
 from followspot_persons.hog.window import HEIGHT, WIDTH
 
 CELLS = (WIDTH // 4, HEIGHT // 4)
@@ -35,18 +35,10 @@ def channels(windows: Array | Sequence[Array]) -> Array:
     described = np.empty((len(windows), CHANNELS), np.float32)
     for row, window in zip(described, windows, strict=True):
         strength, angle = _gradient(window)
-        maps = [*_colours(window), strength]
+        maps = [*colours(window), strength]
         cells = [cv2.resize(m, CELLS, interpolation=cv2.INTER_AREA).ravel() for m in maps]
         row[:] = np.concatenate([*cells, _histograms(strength.ravel(), angle.ravel())])
     return described
-
-
-def _colours(window: Array) -> tuple[Array, Array, Array, Array]:
-    """Logarithms of brightness over the body's, red over green, green over blue; likeness to skin."""
-    blue, green, red = cv2.split(LOGARITHM[window])
-    brightness = (blue + green + red) / 3
-    brightness -= brightness[4:76, 12:52].mean()
-    return brightness, red - green, green - blue, skin(red - green, green - blue)
 
 
 def _gradient(window: Array) -> tuple[Array, Array]:

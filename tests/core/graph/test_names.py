@@ -13,6 +13,7 @@ from followspot.errors import InputError
 from followspot.graph.change.move import moved
 from followspot.graph.compile import compile_graph
 from followspot.graph.drawing import text as show
+from followspot.graph.drawing.svg import svg
 from followspot.graph.names import subgraphs
 from followspot.graph.output_ports import chosen_ports, output_ports
 
@@ -78,9 +79,9 @@ def test_sub_graphs_are_folded_in_pictures_unless_they_are_unfolded(tmp_path: Pa
     assert "  hall/track.tracks  -> save.tracks        reference" in folded
     assert not any("hall/pair" in line for line in folded)
     assert "hall/pair" in show.text(plan, fold=False)
-    assert "hall/pair" in show.svg(plan, fold=False)
-    assert "hall/pair" not in show.svg(plan)
-    assert "hall × 2" in show.svg(plan)
+    assert "hall/pair" in svg(plan, fold=False)
+    assert "hall/pair" not in svg(plan)
+    assert "hall × 2" in svg(plan)
     assert "4 stages" in show.mermaid(plan)
 
 

@@ -17,6 +17,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.drawing import text as show
 from followspot.graph.drawing.outline import outline
+from followspot.graph.drawing.svg import svg
 from followspot.graph.drawing.svg_layout import HEIGHT, Layout, Point, layout
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_from_data, plan_to_data
@@ -95,7 +96,7 @@ def test_mermaid_holds_every_box_once_and_dots_what_is_delayed(plan: Plan) -> No
 
 
 def test_svg_is_a_picture_of_every_box_and_edge(plan: Plan) -> None:
-    root = ET.fromstring(show.svg(plan))
+    root = ET.fromstring(svg(plan))
     space = "{http://www.w3.org/2000/svg}"
     texts = {text.text for text in root.iter(f"{space}text")}
     assert {"worker left on pc-left", "worker main", "worker right", "pair", "reference", "zenoh"} <= set(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -97,36 +98,71 @@ def test_a_status_is_available_while_workers_start() -> None:
     assert [worker.name for worker in host.status().workers] == ["a"]
 
 
-class Away(Ready):
-    """A host that does not answer once, and whose workers end when they are told to stop."""
+class Lasting(Ready):
+    """A host with one worker that works until it is told to stop, and some polls more."""
 
-    def __init__(self, *, over: bool) -> None:
+    def __init__(self, name: str, worker: str, lasts: int = 5) -> None:
         super().__init__()
-        self.over, self.told, self.begun = over, 0, False
+        self.name, self.worker, self.lasts, self.stopping = name, worker, lasts, False
 
-    def attend(self, seconds: float) -> None:
-        if self.begun and not self.told:
-            self.told += 1
-            raise HostLost("host far does not answer")
+    def prepare(self, order: RunOrder) -> None:
+        self.workers = (WorkerStatus(self.worker, "ready"),)
 
     def ask(self, request: Request) -> None:
         """Begin, or stop."""
-        self.begun = True
-        if self.over or isinstance(request, StopRun):
-            ended = (WorkerReport(name, 3) for name in ("a", "b"))
-            self.workers = tuple(WorkerStatus(one.worker, "over", report=one) for one in ended)
+        self.stopping |= isinstance(request, StopRun)
+
+    def attend(self, seconds: float) -> None:
+        self.lasts -= self.stopping
+        if not self.lasts:
+            self.end()
+
+    def end(self) -> None:
+        self.workers = (WorkerStatus(self.worker, "over", report=WorkerReport(self.worker, 3)),)
 
     def status(self) -> HostStatus:
         return HostStatus(self.workers, (0,) * COLUMNS)
 
 
-@pytest.mark.parametrize(("over", "fails"), [(False, True), (True, False)])
-def test_a_run_without_restarts_fails_if_a_host_was_lost_for_a_moment(
-    plan: Plan, over: bool, fails: bool
+class Away(Lasting):
+    """A host that does not answer once: in the run, while it stops, or when its own worker has ended."""
+
+    def __init__(self, when: str) -> None:
+        super().__init__("far", "b", lasts=3)
+        self.when, self.polls, self.away = when, 0, False
+
+    def attend(self, seconds: float) -> None:
+        self.polls += 1
+        if self.when == "over":
+            self.end()
+        if self.polls == 2:
+            self.away = True
+            raise HostLost("host far does not answer")
+        super().attend(seconds)
+
+
+@pytest.mark.parametrize(
+    ("when", "fails"), [("in the run", True), ("while it stops", False), ("over", False)]
+)
+def test_a_run_without_restarts_fails_if_the_silence_of_a_host_cut_it_short(
+    plan: Plan, when: str, fails: bool
 ) -> None:
-    """It ended early, though all came to a clean end; not if its workers had ended before."""
-    run = Coordinator(plan, [Away(over=over)], order(plan))  # type: ignore[list-item]
+    """Though the host comes back, and all come to a clean end."""
+    apart = [replace(worker, host={"b": "far"}.get(worker.name, "")) for worker in plan.workers]
+    far, near = Away(when), Lasting("", "a")
+    run = Coordinator(replace(plan, workers=tuple(apart)), [far, near], order(plan))  # type: ignore[list-item]
     assert run.begin()
-    report = run.watch()
-    assert report.ok is not fails
+    if when == "while it stops":
+        run.stop()
+    cut_short = []
+
+    def look(*_: object) -> None:
+        if when == "over" and far.polls == 4:
+            cut_short.append(near.stopping)
+            run.stop()
+
+    report = run.watch(look)
+    assert far.away
+    assert cut_short == [False] * (when == "over")
     assert [error.partition(":")[0] for error in report.errors] == ["host far does not answer"] * fails
+    assert far.polls > 4

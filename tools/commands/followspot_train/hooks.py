@@ -36,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
     A folder holds boxes.csv, with crops of people and their body, room and headings, and neg_ROOM, with
     pictures without people; or pos/ and neg/ as in the INRIA Person data set. The printed figures come from
     four trials, each with people and places that its model never saw. The written weights are trained on
-    all pictures. Training takes about 20 minutes and 4 GB of memory.
+    all pictures.
 
     Examples:
       followspot train hog data/persons-dev/hog data/person-crops-inria -o hog_weights.npz

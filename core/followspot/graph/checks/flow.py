@@ -11,7 +11,7 @@ from followspot.graph.connections import CheckedEdge
 from followspot.graph.cycles import Successors, successors, topological
 from followspot.graph.instances import CheckedStage
 
-FIRING = ("plain", "joined")
+_FIRING = ("plain", "joined")
 """Kinds of inputs whose messages let a stage fire."""
 
 
@@ -32,6 +32,15 @@ class Flow:
     def order(self) -> Sequence[str]:
         """All instances, each after those that feed it."""
         return topological(self.after)
+
+    @cached_property
+    def firing_edges(self) -> Mapping[str, Sequence[CheckedEdge]]:
+        """The edges into each instance whose messages let it fire: neither sampled nor delayed."""
+        found: dict[str, list[CheckedEdge]] = {name: [] for name in self.stages}
+        for edge in self.edges:
+            if edge.kind in _FIRING and not edge.held:
+                found[edge.wire.target.name].append(edge)
+        return found
 
     @cached_property
     def groups(self) -> Mapping[str, list[CheckedStage]]:

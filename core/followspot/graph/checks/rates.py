@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 
 from followspot.errors import Mistake
-from followspot.graph.checks.flow import FIRING, Flow
+from followspot.graph.checks.flow import Flow
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.instances import CheckedStage
 from followspot.room import Room
@@ -24,12 +23,8 @@ def nominal_rate(checked: CheckedStage, room: Room) -> float | None:
 
 def joins_of_unequal_rates(flow: Flow, room: Room) -> Iterator[Mistake]:
     """Stages that join streams of known, different rates: a join gives as many sets as the slowest has."""
-    into: dict[str, list[CheckedEdge]] = defaultdict(list)
-    for edge in flow.edges:
-        if edge.kind in FIRING and not edge.held:
-            into[edge.wire.target.name].append(edge)
-    rates = _rates(flow, into, room)
-    for name, edges in into.items():
+    rates = _rates(flow, room)
+    for name, edges in flow.firing_edges.items():
         known = [(rate, edge) for edge in edges if (rate := rates[edge.wire.source.name]) is not None]
         if not known:
             continue
@@ -51,11 +46,11 @@ def _mistake(
     return Mistake(fast.wire.feed.place, text, remedy)
 
 
-def _rates(flow: Flow, into: Mapping[str, Sequence[CheckedEdge]], room: Room) -> Mapping[str, float | None]:
+def _rates(flow: Flow, room: Room) -> Mapping[str, float | None]:
     """Firings per second of each instance, Hz: that of a source, or of the slowest stream that is joined."""
     found: dict[str, float | None] = {}
     for name in flow.order:
-        senders = [found[edge.wire.source.name] for edge in into[name]] if name in into else []
+        senders = [found[edge.wire.source.name] for edge in flow.firing_edges[name]]
         known = [rate for rate in senders if rate is not None]
         found[name] = min(known) if known else None if senders else nominal_rate(flow.stages[name], room)
     return found

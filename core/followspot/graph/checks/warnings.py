@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
@@ -10,7 +9,7 @@ from operator import or_
 
 from followspot.document import Node, child
 from followspot.errors import Mistake
-from followspot.graph.checks.flow import FIRING, Flow
+from followspot.graph.checks.flow import Flow
 from followspot.graph.checks.rates import joins_of_unequal_rates
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.distinct_mistakes import told_once
@@ -85,11 +84,7 @@ def _listed(members: Sequence[Member], room: Room) -> str:
 
 def _never(flow: Flow) -> Iterator[Mistake]:
     """Stages that never fire, unless one that feeds them is named already."""
-    into: dict[str, list[CheckedEdge]] = defaultdict(list)
-    for edge in flow.edges:
-        if edge.kind in FIRING and not edge.held:
-            into[edge.wire.target.name].append(edge)
-    firing = _firing(flow, into)
+    firing, into = _firing(flow), flow.firing_edges
     for name, group in flow.groups.items():
         still = [one.instance.name for one in group if one.instance.name not in firing]
         if still and not any(edge.wire.source.name not in firing for i in still for edge in into[i]):
@@ -98,15 +93,12 @@ def _never(flow: Flow) -> Iterator[Mistake]:
             yield Mistake(group[0].instance.declared.place, text, remedy)
 
 
-def _firing(flow: Flow, into: Mapping[str, Sequence[CheckedEdge]]) -> set[str]:
-    """Instances that messages of a source can reach at every required input that fires.
-
-    into: edges that are neither sampled nor delayed, by their target.
-    """
+def _firing(flow: Flow) -> set[str]:
+    """Instances that messages of a source can reach at every required input that fires."""
     found: set[str] = set()
     for name in flow.order:
         stage = flow.stages[name].stage
-        if ports(stage).source or _fed(stage, into[name], found):
+        if ports(stage).source or _fed(stage, flow.firing_edges[name], found):
             found.add(name)
     return found
 

@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from followspot.graph.drawing.outline import Line, outline
-from followspot.graph.drawing.svg import svg
 from followspot.graph.plan import Plan, PlannedWorker
-
-__all__ = ["mermaid", "svg", "text", "title"]
 
 
 def title(plan: Plan) -> str:

@@ -1,1 +1,1 @@
-"""What a run was: its report, its scores, where it fell silent, and the summary for people."""
+"""The report of a run: figures, scores, stages that gave nothing, and the summary for people."""
