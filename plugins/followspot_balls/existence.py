@@ -27,12 +27,17 @@ class Rules(NamedTuple):
     """Share of the log-odds that a frame keeps."""
     drift: float
     """What a frame takes from them, so that evidence of nothing ends a target."""
-    absent: float
-    """What a frame takes besides from a place without candidates."""
     bound: float
     """Largest log-odds."""
     silent: float
     """Log-odds below which a tracked target is given up."""
+
+
+class Confirmation(NamedTuple):
+    """When a place of a sought target is certain."""
+
+    absent: float
+    """What a frame without candidates there takes from its log-odds besides."""
     confirmed: float
     """Log-odds from which a place may be the target's."""
     margin: float
@@ -102,7 +107,7 @@ def followed(before: Existence, gain: float, place: Array, rules: Rules, steps: 
 
 
 def sought(
-    before: Existence, seen: Seen, near: Array | None, alike: int, rules: Rules
+    before: Existence, seen: Seen, near: Array | None, alike: int, rules: Rules, confirmation: Confirmation
 ) -> tuple[Existence, int]:
     """A sought target one frame later, and the candidate at its place, -1 unless that is certain.
 
@@ -110,18 +115,20 @@ def sought(
     """
     searched = np.ones(len(before.places.odds), bool)
     if near is not None:
-        searched = within(before.places.xyz, near, rules.reach)
-    places, candidate = weighed(before.places, seen.xyz, seen.gain, searched, rules)
+        searched = within(before.places.xyz, near, confirmation.reach)
+    places, candidate = weighed(before.places, seen.xyz, seen.gain, searched, rules, confirmation)
     if not len(candidate) or candidate[0] < 0:
         return Existence(before.odds, False, places), -1
     first = int(candidate[0])
-    already = before.found and bool(within(places.xyz[:1], before.places.xyz[0], rules.reach)[0])
-    found = certain(places, rules, alike, already, bool(seen.complete[first]))
+    already = before.found and bool(within(places.xyz[:1], before.places.xyz[0], confirmation.reach)[0])
+    found = certain(places, confirmation, alike, already, bool(seen.complete[first]))
     odds = min(float(places.odds[0]), rules.bound) if found else before.odds
     return Existence(odds, found, places), first if found else -1
 
 
-def weighed(places: Places, xyz: Array, gain: Array, searched: Array, rules: Rules) -> tuple[Places, Array]:
+def weighed(
+    places: Places, xyz: Array, gain: Array, searched: Array, rules: Rules, confirmation: Confirmation
+) -> tuple[Places, Array]:
     """The rival places one frame later, and the candidate that each continues with: (H,), -1 for none.
 
     xyz: (N, 3) m, candidates; gain: (N,), their log-likelihood ratios; searched: (H,) bool, places where
@@ -129,21 +136,21 @@ def weighed(places: Places, xyz: Array, gain: Array, searched: Array, rules: Rul
     """
     free, kept = np.ones(len(xyz), bool), []
     for place, odds, looked in zip(places.xyz, places.odds, searched, strict=True):
-        near = within(xyz, place, rules.reach)
+        near = within(xyz, place, confirmation.reach)
         if near.any():
             chosen = int(np.where(near, gain, -np.inf).argmax())
             kept.append((xyz[chosen], rules.memory * odds + gain[chosen] - rules.drift, chosen))
             free &= ~near
         else:
-            fallen = rules.memory * odds - rules.absent - rules.drift
+            fallen = rules.memory * odds - confirmation.absent - rules.drift
             kept.append((place, fallen if looked else odds, -1))
     for _ in range(BIRTHS):
         if not free.any():
             break
         chosen = int(np.where(free, gain, -np.inf).argmax())
         kept.append((xyz[chosen], gain[chosen] - rules.drift, chosen))
-        free &= ~within(xyz, xyz[chosen], rules.reach)
-    return _apart(sorted(kept, key=lambda place: -place[1]), rules)
+        free &= ~within(xyz, xyz[chosen], confirmation.reach)
+    return _apart(sorted(kept, key=lambda place: -place[1]), rules.bound, confirmation.reach)
 
 
 def within(xyz: Array, place: Array, reach: float) -> Array:
@@ -152,7 +159,7 @@ def within(xyz: Array, place: Array, reach: float) -> Array:
     return np.asarray(np.vecdot(off, off) < reach * reach)
 
 
-def certain(places: Places, rules: Rules, alike: int, already: bool, complete: bool) -> bool:
+def certain(places: Places, rules: Confirmation, alike: int, already: bool, complete: bool) -> bool:
     """Whether the likeliest place is the target's: sure by itself, or far ahead of its rivals.
 
     alike: targets that look the same and are sought, too; each may be at one of the next places; already:
@@ -172,13 +179,13 @@ def certain(places: Places, rules: Rules, alike: int, already: bool, complete: b
     return bool(sure and lead >= rules.margin)
 
 
-def _apart(ordered: list[tuple[Array, float, int]], rules: Rules) -> tuple[Places, Array]:
+def _apart(ordered: list[tuple[Array, float, int]], bound: float, reach: float) -> tuple[Places, Array]:
     """The likeliest places that are no closer than the reach, and their candidates."""
     chosen: list[tuple[Array, float, int]] = []
     for place in ordered:
-        if len(chosen) < MOST and not any(within(place[0], other, rules.reach) for other, _, _ in chosen):
+        if len(chosen) < MOST and not any(within(place[0], other, reach) for other, _, _ in chosen):
             chosen.append(place)
     if not chosen:
         return Places.none(), np.zeros(0, int)
     xyz, odds, candidate = zip(*chosen, strict=True)
-    return Places(np.array(xyz), np.clip(odds, -rules.bound, 2 * rules.bound)), np.array(candidate)
+    return Places(np.array(xyz), np.clip(odds, -bound, 2 * bound)), np.array(candidate)

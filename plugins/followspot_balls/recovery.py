@@ -14,7 +14,6 @@ import numpy as np
 
 from followspot import Array, Field, Room, StageParams
 from followspot.tracking import MISSING, Candidates, Forecast, Positions
-from followspot_balls.associate_params import AssociateParams
 from followspot_balls.hypotheses import Hypotheses
 from followspot_balls.likelihood import (
     Model,
@@ -26,6 +25,7 @@ from followspot_balls.likelihood import (
 )
 from followspot_balls.search import lost_targets, tracked_targets
 from followspot_balls.view_evidence import ViewEvidence, Views
+from followspot_balls.view_params import ViewParams
 
 ELSEWHERE = 1.0
 """Sigma of the place of a target that is not where it seems to be, m: some place in the room."""
@@ -56,7 +56,7 @@ class Recovery:
 
     def __init__(self, room: Room, params: RecoveryParams) -> None:
         self.params = params
-        p = AssociateParams()
+        p = ViewParams()
         cameras = list(room.cameras.values())
         self.reach = p.reach
         self.color = np.array([c.kind == "color" for c in cameras], bool)

@@ -2,63 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.plugins.balls.scene import blobs_of, forecast_at, make_room
+from tests.plugins.balls.scene import forecast_at
+from tests.plugins.balls.sightings import (
+    BALL,
+    COLOR,
+    EVERYWHERE,
+    INFRARED,
+    PATCH,
+    ROOM,
+    Place,
+    associated,
+    candidates_of,
+    red,
+    views,
+)
 
-from followspot.messages import Array, seal
+from followspot.messages import seal
 from followspot.stage import Context
-from followspot.tracking import LOST, MISSING, TRACKED, Blobs, Candidates, Forecast
-from followspot_balls.associate import Associate, Weighed
+from followspot.tracking import LOST, MISSING, Forecast
+from followspot_balls.associate import Associate
+from followspot_balls.associate_tracked import AssociateTracked
 from followspot_balls.existence import Existence, Places
 from followspot_balls.hypotheses import hypotheses
-from followspot_balls.triangulate import Triangulate
-from followspot_balls.verify_pairs import VerifyPairs
-
-Place = tuple[float, float, float]
-ROOM = make_room()
-BALL: Place = (0.1, 0.2, 1.2)
-PATCH: Place = (0.4, 0.35, 1.4)
-COLOR, INFRARED = ("cam0", "cam2"), ("cam1", "cam3")
-EVERYWHERE = (*COLOR, *INFRARED)
+from followspot_balls.view_association import ViewAssociation, Weighed
 
 
-def views(
-    shown: Mapping[Place, tuple[str, ...]], targets: list[list[bool]] | None = None
-) -> tuple[Blobs, ...]:
-    """Blobs of places in those cameras that show them. Infrared blobs may be anyone's."""
-    made = []
-    for name, camera in ROOM.cameras.items():
-        rows = [row for row, cameras in enumerate(shown.values()) if name in cameras]
-        owners = [[True, False]] * len(shown) if targets is None else targets
-        mine = [[True, True] if camera.kind == "infrared" else owners[row] for row in rows]
-        made.append(blobs_of(camera, [list(shown)[row] for row in rows], mine))
-    return tuple(made)
-
-
-def stage(**params: float | str) -> Associate:
+def stage(**params: float) -> Associate:
     made = Associate(Context(room=ROOM), **params)
     made.setup()
     return made
 
 
-def associated(to: Associate, blobs: tuple[Blobs, ...], forecast: Forecast | None) -> Candidates:
-    return to.process(candidates_of(blobs, forecast), forecast)
-
-
-def candidates_of(blobs: tuple[Blobs, ...], forecast: Forecast | None = None) -> Candidates:
-    verify, triangulate = VerifyPairs(Context(room=ROOM)), Triangulate(Context(room=ROOM))
-    verify.setup()
-    triangulate.setup()
-    return seal(triangulate.process(seal(verify.process(blobs)), forecast))
-
-
-def red(found: Candidates) -> Array:
-    """Places of candidates of the first target."""
-    return np.asarray(found.xyz[found.targets[:, 0]])
+def of_tracked() -> AssociateTracked:
+    made = AssociateTracked(Context(room=ROOM))
+    made.setup()
+    return made
 
 
 @pytest.mark.parametrize("forecast", [None, seal(Forecast.empty())])
@@ -173,14 +155,13 @@ def test_a_frame_that_speaks_against_a_track_by_blobs_that_hardly_fit_leaves_it_
         seal(replace(b, xy=b.xy + np.array(off.get(b.camera, (0.0, 0.0))), area=np.full(len(b.area), 2.0)))
         for b in two
     )
-    rules: tuple[tuple[dict[str, float | str], int], ...] = (
-        ({}, 0),
-        ({"least_evidence": -100.0}, 1),
-        ({"least_fit": -100.0}, 1),
-        ({"weighed": "poor"}, 1),
+    stages: tuple[tuple[ViewAssociation, int], ...] = (
+        (stage(), 0),
+        (stage(least_evidence=-100.0), 1),
+        (stage(least_fit=-100.0), 1),
+        (of_tracked(), 1),
     )
-    for rule, left in rules:
-        associate = stage(**rule)
+    for associate, left in stages:
         for _ in range(5):
             associated(associate, views({BALL: EVERYWHERE}), there)
         assert len(red(associated(associate, specks, there))) == left
@@ -205,15 +186,6 @@ def test_a_place_that_no_view_shows_fits_nothing() -> None:
     there, nowhere = associate.weighed(found, seen, candidates, tracked).fit
     assert there > 5.0
     assert nowhere == pytest.approx(0.0, abs=0.01)
-
-
-def test_of_several_places_of_a_track_the_likeliest_one_is_chosen_and_none_of_a_sought_target() -> None:
-    there = forecast_at([BALL, (-1, 0, 0.5)])
-    second_missing = seal(replace(there, state=np.array([TRACKED, MISSING], np.uint8)))
-    rank, two = np.array([3.0, 1.0]), np.zeros(2, int)
-    found = Weighed(np.array([BALL, PATCH]), two, rank, rank, rank, np.zeros(2, bool))
-    decided = stage(weighed="poor").decide(found, second_missing, np.array([True, False]), np.zeros(2, bool))
-    assert decided.tolist() == [0]
 
 
 @pytest.mark.parametrize(("state", "falls"), [(LOST, True), (MISSING, False), (None, True)])
@@ -292,81 +264,14 @@ def test_a_light_on_the_ray_of_the_last_view_does_not_take_the_ball_along() -> N
     eye = ROOM.cameras["cam1"].center
     ray = np.array(BALL) - eye
     light: Place = tuple(BALL + 0.22 * ray / np.linalg.norm(ray))
-    for weighed in ("poor", "all"):
-        associate, there = stage(weighed=weighed), forecast_at([BALL, (-1, 0, 0.5)])
+    there = forecast_at([BALL, (-1, 0, 0.5)])
+    for associate in (of_tracked(), stage()):
         for _ in range(8):
             found = red(associated(associate, views({BALL: ("cam0", "cam1"), light: ("cam2",)}), there))
             assert found == pytest.approx(np.array([BALL]), abs=1e-6)
         before = candidates_of(views({BALL: ("cam1",), light: ("cam2",)}), there)
         assert np.linalg.norm(red(before) - BALL, axis=1) == pytest.approx([0.22], abs=1e-3)
         assert not len(red(associate.process(before, there)))
-
-
-def test_three_candidates_at_the_forecast_settle_where_a_target_is() -> None:
-    """Then the fusion chooses among all candidates; fewer leave it those of the likeliest place."""
-    beside = (BALL[0] - 0.12, BALL[1] + 0.05, BALL[2])
-    there = forecast_at([BALL, (-1, 0, 0.5)])
-    for cameras, settled in ((("cam0", "cam1", "cam3"), True), (("cam0", "cam1"), False)):
-        twice = candidates_of(views({BALL: cameras, beside: ("cam0", "cam1")}), there)
-        assert len(red(twice)) > len(red(stage(weighed="all").process(twice, there)))
-        left = stage(weighed="poor").process(twice, there)
-        assert (left is twice) == settled
-        assert np.linalg.norm(red(left) - BALL, axis=1).min() < 1e-6
-
-
-def test_what_settles_a_place_is_near_the_forecast_and_shows_its_colour() -> None:
-    associate = stage(weighed="poor")
-    found = candidates_of(views({BALL: ("cam0", "cam1", "cam3")}))
-    colorless = seal(replace(found, labelled=np.zeros_like(found.labelled)))
-    exact, aside = forecast_at([BALL, (-1, 0, 0.5)]), (BALL[0] + 0.05, BALL[1], BALL[2])
-    assert associate.settled(found, exact).tolist() == [True, False]
-    assert associate.settled(colorless, exact).tolist() == [False, False]
-    for sigma, settled in ((0.01, False), (0.02, True)):
-        assert associate.settled(found, forecast_at([aside, (-1, 0, 0.5)], sigma))[0] == settled
-
-
-def test_of_sought_targets_all_candidates_stay_if_poor_ones_are_weighed() -> None:
-    associate = stage(weighed="poor")
-    paint = candidates_of(views({PATCH: COLOR}))
-    assert associate.process(paint, None) is paint
-    tracked = forecast_at([BALL, (-1, 0, 0.5)])
-    for _ in range(4):
-        associated(associate, views({BALL: INFRARED}), tracked)
-    assert associate.existence[0].odds < 0
-    missing = seal(replace(tracked, state=np.array([MISSING, TRACKED], np.uint8)))
-    assert associate.process(paint, missing) is paint
-    assert associate.existence[0].odds == 0
-
-
-def test_a_poor_track_on_a_reflector_goes_silent_and_one_in_its_colour_stays() -> None:
-    """No frame alone ends it. What colour cameras alone show may be a ball on the floor."""
-    for cameras, ends in ((INFRARED, True), (COLOR, False)):
-        associate, there = stage(weighed="poor"), forecast_at([PATCH, (-1, 0, 0.5)])
-        left = [len(red(associated(associate, views({PATCH: cameras}), there))) for _ in range(30)]
-        assert left[0] == 1
-        assert (0 in left) == ends
-        assert not ends or (left.index(0) <= 15 and not any(left[left.index(0) :]))
-
-
-def test_a_colour_blob_on_the_ray_to_a_reflector_keeps_it_little_longer() -> None:
-    """With it three candidates settle the place, though one blob makes two of them."""
-    associate, there = stage(weighed="poor"), forecast_at([PATCH, (-1, 0, 0.5)])
-    for _ in range(3):
-        assert associated(associate, views({PATCH: ("cam0", *INFRARED)}), there).xyz.shape == (3, 3)
-    assert 0 < associate.existence[0].odds < 3
-    left = [len(red(associated(associate, views({PATCH: INFRARED}), there))) for _ in range(30)]
-    assert left[0] == 1
-    assert left.index(0) <= 20
-
-
-def test_depth_cameras_leave_all_candidates_as_they_are() -> None:
-    reflector, there = candidates_of(views({PATCH: INFRARED})), forecast_at([PATCH, (-1, 0, 0.5)])
-    for kind in ("depth", "color"):
-        cameras = {n: replace(c, kind=kind if n == "cam0" else c.kind) for n, c in ROOM.cameras.items()}
-        associate = Associate(Context(room=replace(ROOM, cameras=cameras)), weighed="poor")
-        associate.setup()
-        left = [len(associate.process(reflector, there).xyz) for _ in range(30)]
-        assert (left[-1] > 0) == (kind == "depth")
 
 
 def test_nothing_seen_is_nothing_found_and_the_state_comes_back() -> None:

@@ -5,11 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from followspot_balls.existence import Existence, Places, Rules, Seen, followed, restored, sought
-
-RULES = Rules(
-    memory=0.9, drift=0.5, absent=0.5, bound=8.0, silent=-1.0, confirmed=2.0, margin=3.0, reach=0.15
+from followspot_balls.existence import (
+    Confirmation,
+    Existence,
+    Places,
+    Rules,
+    Seen,
+    followed,
+    restored,
+    sought,
 )
+
+RULES = Rules(memory=0.9, drift=0.5, bound=8.0, silent=-1.0)
+CONFIRMATION = Confirmation(absent=0.5, confirmed=2.0, margin=3.0, reach=0.15)
 HERE, THERE = (0.0, 0.0, 1.0), (0.5, 0.0, 1.0)
 
 
@@ -25,7 +33,7 @@ def after(
     """The candidate that is certain in each frame."""
     existence, chosen = Existence.unknown(), []
     for _ in range(frames):
-        existence, one = sought(existence, candidates(gains, complete), None, alike, RULES)
+        existence, one = sought(existence, candidates(gains, complete), None, alike, RULES, CONFIRMATION)
         chosen.append(one)
     return chosen
 
@@ -100,17 +108,17 @@ def test_three_views_that_agree_need_less() -> None:
 def test_odds_of_places_are_bounded() -> None:
     existence = Existence.unknown()
     for _ in range(30):
-        existence, _ = sought(existence, candidates({HERE: 6.0, THERE: -20.0}), None, 0, RULES)
+        existence, _ = sought(existence, candidates({HERE: 6.0, THERE: -20.0}), None, 0, RULES, CONFIRMATION)
     assert existence.odds == RULES.bound
     assert existence.places.odds == pytest.approx([2 * RULES.bound, -RULES.bound])
 
 
 def test_a_place_that_was_certain_stays_so_while_more_speaks_for_it() -> None:
-    existence, _ = sought(Existence.unknown(), candidates({HERE: 6.0}), None, 0, RULES)
+    existence, _ = sought(Existence.unknown(), candidates({HERE: 6.0}), None, 0, RULES, CONFIRMATION)
     assert existence.found
-    existence, one = sought(existence, candidates({HERE: -1.0, THERE: 3.0}), None, 0, RULES)
+    existence, one = sought(existence, candidates({HERE: -1.0, THERE: 3.0}), None, 0, RULES, CONFIRMATION)
     assert one == 0
-    existence, one = sought(existence, candidates({HERE: -6.0, THERE: -0.5}), None, 0, RULES)
+    existence, one = sought(existence, candidates({HERE: -6.0, THERE: -0.5}), None, 0, RULES, CONFIRMATION)
     assert one == -1, "and does not pass its certainty on"
 
 
@@ -118,7 +126,7 @@ def test_a_place_moves_with_its_candidates() -> None:
     existence = Existence.unknown()
     for step in range(20):
         place = (0.1 * step, 0.0, 1.0)
-        existence, one = sought(existence, candidates({place: 1.2}), None, 0, RULES)
+        existence, one = sought(existence, candidates({place: 1.2}), None, 0, RULES, CONFIRMATION)
     assert one == 0
     assert existence.places.xyz == pytest.approx(np.array([place]))
 
@@ -126,7 +134,7 @@ def test_a_place_moves_with_its_candidates() -> None:
 def test_a_place_where_nobody_looked_waits_and_an_empty_one_falls() -> None:
     places = Places(np.array([HERE, THERE]), np.array([2.0, 1.0]))
     before = Existence(0.0, False, places)
-    existence, one = sought(before, candidates({}), np.array(HERE), 0, RULES)
+    existence, one = sought(before, candidates({}), np.array(HERE), 0, RULES, CONFIRMATION)
     assert one == -1
     assert dict(zip(existence.places.xyz[:, 0], existence.places.odds, strict=True)) == pytest.approx(
         {0.0: 0.9 * 2 - 1.0, 0.5: 1.0}

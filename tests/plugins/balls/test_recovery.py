@@ -12,12 +12,12 @@ from followspot.messages import Array, seal
 from followspot.room import Room
 from followspot.stage import Context
 from followspot.tracking import LOST, MISSING, Blobs, Candidates, Forecast, Positions
-from followspot_balls.associate_params import AssociateParams
 from followspot_balls.bundle_fusion import Bundle
 from followspot_balls.mean_shift import MeanShift
 from followspot_balls.recovery import Recovery, RecoveryParams
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs
+from followspot_balls.view_params import ViewParams
 from followspot_target_filter.life_cycle import Evidence, vague
 
 BALL, ELSEWHERE = (0.1, 0.2, 1.2), (-1.0, 0.0, 0.5)
@@ -189,7 +189,7 @@ def test_the_place_of_a_lost_target_is_known_to_the_reach_of_a_step() -> None:
     room, place = room_of("ci"), np.array(BALL)[None]
     near, far = (Recovery(room, RecoveryParams()) for _ in range(2))
     far.reach = 10 * near.reach
-    assert near.reach == AssociateParams().reach
+    assert near.reach == ViewParams().reach
     candidates = candidates_of(room, "01", None, 0.0)
     known, unknown = (one.ratios(place, np.zeros(1, int), candidates, None)[1, 0] for one in (near, far))
     assert known - unknown == pytest.approx(np.log(10.0), rel=0.02)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from tests.plugins.balls.scene import SIZE, make_room
-from tests.plugins.balls.test_associate import BALL, EVERYWHERE, candidates_of, stage, views
+from tests.plugins.balls.sightings import BALL, EVERYWHERE, candidates_of, views
+from tests.plugins.balls.test_associate import stage
 
 from followspot.geometry import project
 

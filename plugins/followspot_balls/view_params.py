@@ -1,21 +1,13 @@
-"""Parameters of the association of candidates with targets."""
+"""Parameters of the stages that weigh places of targets by the blobs of all views."""
 
 from __future__ import annotations
-
-from typing import Literal
 
 from followspot import Field, StageParams
 
 
-class AssociateParams(StageParams):
+class ViewParams(StageParams):
     """How balls and clutter show, and how evidence moves the existence of targets."""
 
-    weighed: Literal["all", "poor"] = Field(
-        "all",
-        description="targets whose candidates are tested against the blobs of all views: all, or poor, "
-        "which are tracked targets with fewer than three candidates at their forecast; other targets keep "
-        "all candidates",
-    )
     detection: float = Field(
         0.6,
         gt=0,
@@ -103,48 +95,16 @@ class AssociateParams(StageParams):
         unit="nats",
         description="decrease of the log-odds of existence in 1/30 s; raising it ends targets sooner",
     )
-    absence: float = Field(
-        0.5,
-        ge=0,
-        unit="nats",
-        description="further decrease of a sought target's place in a frame without candidates there; "
-        "raising it drops places sooner",
-    )
     largest_odds: float = Field(
         8.0,
         gt=0,
         unit="nats",
         description="largest log-odds of existence; raising it keeps covered targets longer",
     )
-    least_evidence: float = Field(
-        -1.0,
-        unit="nats",
-        description="log-likelihood ratio below which a frame contradicts a tracked target; raising it "
-        "prefers gaps to wrong places",
-    )
-    least_fit: float = Field(
-        5.0,
-        unit="nats",
-        description="log-likelihood ratio of the views that show the target; below it, a frame that "
-        "contradicts the target leaves it no candidates; raising it prefers gaps to wrong places",
-    )
     silence_odds: float = Field(
         -2.5,
         unit="nats",
         description="log-odds of existence below which a track ends; raising it ends tracks sooner",
-    )
-    confirmation_odds: float = Field(
-        2.0,
-        unit="nats",
-        description="log-odds of existence from which a lost target is confirmed; raising it avoids false "
-        "recoveries",
-    )
-    confirmation_margin: float = Field(
-        3.0,
-        ge=0,
-        unit="nats",
-        description="smallest lead of a place's log-odds over the next one's; raising it confirms targets "
-        "later",
     )
     reach: float = Field(
         0.15,

@@ -1,0 +1,67 @@
+"""Association of tracked targets that few candidates show."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from followspot import Array
+from followspot.tracking import Candidates, Forecast
+from followspot_balls.existence import Existence
+from followspot_balls.likelihood import reflector_ratio
+from followspot_balls.view_association import ViewAssociation, Weighed
+
+SETTLED = 3
+"""Candidates at its forecast that settle where a target is."""
+SETTLED_GAIN = 1.0
+"""Evidence of such a frame, nats: one colour blob on the ray to a reflector makes as many candidates."""
+GATE = 3.0
+"""Distance from the forecast up to which a candidate is there, sigmas."""
+NEAR = 0.03
+"""The same if the forecast is more exact than a pair of blobs, m."""
+
+
+class AssociateTracked(ViewAssociation):
+    """Keep the candidates of the likeliest place of a tracked target if fewer than three are at its forecast.
+
+    All views vote on its place, also those that show nothing there, as in `balls.associate`. No frame alone
+    ends a track: its log-odds against a reflector do, for colour tells whose ball it is. Targets that are
+    sought, or that three candidates show, keep all their candidates, for the fusion to weigh. If the room has
+    depth cameras, all candidates stay, for the weighing of views does not know their measurements.
+    """
+
+    advice = "give the room more cameras that see each place, or lower silence_odds"
+
+    class Params(ViewAssociation.Params):
+        """How balls and clutter show, and how evidence moves the existence of targets."""
+
+    params: Params
+
+    def unweighed(self, candidates: Candidates, forecast: Forecast | None, tracked: Array) -> Array:
+        """Sought targets, and those whose place is settled: (T,) bool."""
+        return ~tracked if forecast is None else ~tracked | self.settled(candidates, forecast)
+
+    def settled(self, candidates: Candidates, forecast: Forecast) -> Array:
+        """Which targets three candidates show at their forecasts, one of them in their colour: (T,) bool."""
+        off = candidates.xyz[:, None] - forecast.xyz
+        variance = forecast.covariance.diagonal(axis1=1, axis2=2).max(axis=1)
+        there = candidates.targets & (np.vecdot(off, off) <= np.maximum(GATE**2 * variance, NEAR**2))
+        own = there[candidates.labelled].any(axis=0) if self.color.any() else True
+        return np.asarray((there.sum(axis=0) >= SETTLED) & own)
+
+    def unweighed_gain(self) -> float:
+        """Little, as candidates that agree are no independent evidence."""
+        return SETTLED_GAIN
+
+    def evidence_ratio(self, views: Array, chance: Array) -> Array:
+        """Against a reflector: what colour cameras alone show may be a ball on the floor."""
+        return reflector_ratio(views, self.color, chance)
+
+    def left_out(self, found: Weighed, best: int) -> bool:
+        """No frame alone speaks against a track."""
+        return False
+
+    def sought(
+        self, number: int, found: Weighed, forecast: Forecast | None, tracked: Array
+    ) -> tuple[Existence, int]:
+        """Nothing is known of targets that are not tracked."""
+        return Existence.unknown(), -1

@@ -1,0 +1,51 @@
+"""Blobs of places in the cameras of a room, and the candidates that they make, for tests of association."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from tests.plugins.balls.scene import blobs_of, make_room
+
+from followspot.messages import Array, seal
+from followspot.stage import Context
+from followspot.tracking import Blobs, Candidates, Forecast
+from followspot_balls.triangulate import Triangulate
+from followspot_balls.verify_pairs import VerifyPairs
+from followspot_balls.view_association import ViewAssociation
+
+Place = tuple[float, float, float]
+ROOM = make_room()
+BALL: Place = (0.1, 0.2, 1.2)
+PATCH: Place = (0.4, 0.35, 1.4)
+COLOR, INFRARED = ("cam0", "cam2"), ("cam1", "cam3")
+EVERYWHERE = (*COLOR, *INFRARED)
+
+
+def views(
+    shown: Mapping[Place, tuple[str, ...]], targets: list[list[bool]] | None = None
+) -> tuple[Blobs, ...]:
+    """Blobs of places in those cameras that show them. Infrared blobs may be anyone's."""
+    made = []
+    for name, camera in ROOM.cameras.items():
+        rows = [row for row, cameras in enumerate(shown.values()) if name in cameras]
+        owners = [[True, False]] * len(shown) if targets is None else targets
+        mine = [[True, True] if camera.kind == "infrared" else owners[row] for row in rows]
+        made.append(blobs_of(camera, [list(shown)[row] for row in rows], mine))
+    return tuple(made)
+
+
+def associated(to: ViewAssociation, blobs: tuple[Blobs, ...], forecast: Forecast | None) -> Candidates:
+    return to.process(candidates_of(blobs, forecast), forecast)
+
+
+def candidates_of(blobs: tuple[Blobs, ...], forecast: Forecast | None = None) -> Candidates:
+    verify, triangulate = VerifyPairs(Context(room=ROOM)), Triangulate(Context(room=ROOM))
+    verify.setup()
+    triangulate.setup()
+    return seal(triangulate.process(seal(verify.process(blobs)), forecast))
+
+
+def red(found: Candidates) -> Array:
+    """Places of candidates of the first target."""
+    return np.asarray(found.xyz[found.targets[:, 0]])

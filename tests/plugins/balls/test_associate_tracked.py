@@ -1,0 +1,114 @@
+"""Association of tracked targets that few candidates show."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from tests.plugins.balls.scene import forecast_at
+from tests.plugins.balls.sightings import (
+    BALL,
+    COLOR,
+    INFRARED,
+    PATCH,
+    ROOM,
+    associated,
+    candidates_of,
+    red,
+    views,
+)
+
+from followspot.messages import seal
+from followspot.stage import Context
+from followspot.tracking import MISSING, TRACKED
+from followspot_balls.associate import Associate
+from followspot_balls.associate_tracked import AssociateTracked
+from followspot_balls.view_association import Weighed
+
+
+def stage() -> AssociateTracked:
+    made = AssociateTracked(Context(room=ROOM))
+    made.setup()
+    return made
+
+
+def everywhere() -> Associate:
+    made = Associate(Context(room=ROOM))
+    made.setup()
+    return made
+
+
+def test_three_candidates_at_the_forecast_settle_where_a_target_is() -> None:
+    """Then the fusion chooses among all candidates; fewer leave it those of the likeliest place."""
+    beside = (BALL[0] - 0.12, BALL[1] + 0.05, BALL[2])
+    there = forecast_at([BALL, (-1, 0, 0.5)])
+    for cameras, settled in ((("cam0", "cam1", "cam3"), True), (("cam0", "cam1"), False)):
+        twice = candidates_of(views({BALL: cameras, beside: ("cam0", "cam1")}), there)
+        assert len(red(twice)) > len(red(everywhere().process(twice, there)))
+        left = stage().process(twice, there)
+        assert (left is twice) == settled
+        assert np.linalg.norm(red(left) - BALL, axis=1).min() < 1e-6
+
+
+def test_what_settles_a_place_is_near_the_forecast_and_shows_its_colour() -> None:
+    associate = stage()
+    found = candidates_of(views({BALL: ("cam0", "cam1", "cam3")}))
+    colorless = seal(replace(found, labelled=np.zeros_like(found.labelled)))
+    exact, aside = forecast_at([BALL, (-1, 0, 0.5)]), (BALL[0] + 0.05, BALL[1], BALL[2])
+    assert associate.settled(found, exact).tolist() == [True, False]
+    assert associate.settled(colorless, exact).tolist() == [False, False]
+    for sigma, settled in ((0.01, False), (0.02, True)):
+        assert associate.settled(found, forecast_at([aside, (-1, 0, 0.5)], sigma))[0] == settled
+
+
+def test_of_sought_targets_all_candidates_stay() -> None:
+    associate = stage()
+    paint = candidates_of(views({PATCH: COLOR}))
+    assert associate.process(paint, None) is paint
+    tracked = forecast_at([BALL, (-1, 0, 0.5)])
+    for _ in range(4):
+        associated(associate, views({BALL: INFRARED}), tracked)
+    assert associate.existence[0].odds < 0
+    missing = seal(replace(tracked, state=np.array([MISSING, TRACKED], np.uint8)))
+    assert associate.process(paint, missing) is paint
+    assert associate.existence[0].odds == 0
+
+
+def test_a_poor_track_on_a_reflector_goes_silent_and_one_in_its_colour_stays() -> None:
+    """No frame alone ends it. What colour cameras alone show may be a ball on the floor."""
+    for cameras, ends in ((INFRARED, True), (COLOR, False)):
+        associate, there = stage(), forecast_at([PATCH, (-1, 0, 0.5)])
+        left = [len(red(associated(associate, views({PATCH: cameras}), there))) for _ in range(30)]
+        assert left[0] == 1
+        assert (0 in left) == ends
+        assert not ends or (left.index(0) <= 15 and not any(left[left.index(0) :]))
+
+
+def test_a_colour_blob_on_the_ray_to_a_reflector_keeps_it_little_longer() -> None:
+    """With it three candidates settle the place, though one blob makes two of them."""
+    associate, there = stage(), forecast_at([PATCH, (-1, 0, 0.5)])
+    for _ in range(3):
+        assert associated(associate, views({PATCH: ("cam0", *INFRARED)}), there).xyz.shape == (3, 3)
+    assert 0 < associate.existence[0].odds < 3
+    left = [len(red(associated(associate, views({PATCH: INFRARED}), there))) for _ in range(30)]
+    assert left[0] == 1
+    assert left.index(0) <= 20
+
+
+def test_depth_cameras_leave_all_candidates_as_they_are() -> None:
+    reflector, there = candidates_of(views({PATCH: INFRARED})), forecast_at([PATCH, (-1, 0, 0.5)])
+    for kind in ("depth", "color"):
+        cameras = {n: replace(c, kind=kind if n == "cam0" else c.kind) for n, c in ROOM.cameras.items()}
+        associate = AssociateTracked(Context(room=replace(ROOM, cameras=cameras)))
+        associate.setup()
+        left = [len(associate.process(reflector, there).xyz) for _ in range(30)]
+        assert (left[-1] > 0) == (kind == "depth")
+
+
+def test_of_several_places_of_a_track_the_likeliest_one_is_chosen_and_none_of_a_sought_target() -> None:
+    there = forecast_at([BALL, (-1, 0, 0.5)])
+    second_missing = seal(replace(there, state=np.array([TRACKED, MISSING], np.uint8)))
+    rank, two = np.array([3.0, 1.0]), np.zeros(2, int)
+    found = Weighed(np.array([BALL, PATCH]), two, rank, rank, rank, np.zeros(2, bool))
+    decided = stage().decide(found, second_missing, np.array([True, False]), np.zeros(2, bool))
+    assert decided.tolist() == [0]
