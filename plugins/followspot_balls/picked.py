@@ -81,7 +81,7 @@ def template_of(picture: Array, pick: Pick) -> Template:
     return Template(np.round(normalised(counts), 6), int(vivid.sum()), saturation, center)
 
 
-def taught(target: Target, camera: Camera, template: Template, radius: float | None) -> Target:
+def with_template(target: Target, camera: Camera, template: Template, radius: float | None) -> Target:
     """The target with this template for a camera, and this radius (m; None: its own).
 
     What other cameras know of it stays.

@@ -277,8 +277,8 @@ def test_a_ball_is_learnt_by_a_click_and_a_figure_of_its_blobs_is_plotted(tmp_pa
         browser(tmp_path / "chromium") as chromium,
     ):
         chromium.open(url, 1280, 800)
-        chromium.wait("document.querySelectorAll('body.teaches figure:not(.dark)').length === 1")
-        chromium.ask("document.querySelector('.teach').click()")
+        chromium.wait("document.querySelectorAll('body.learns figure:not(.dark)').length === 1")
+        chromium.ask("document.querySelector('.learn').click()")
         chromium.wait("!document.querySelector('#picker canvas').hidden")
         for number, text in enumerate(("blue", "0.05")):
             field = f"document.querySelectorAll('#picker input')[{number}]"
@@ -292,7 +292,7 @@ def test_a_ball_is_learnt_by_a_click_and_a_figure_of_its_blobs_is_plotted(tmp_pa
         for kind in ("mousePressed", "mouseReleased"):  # on the ball that rests
             place = {"x": left + scale * 30.5, "y": top + scale * 30.5, "button": "left", "clickCount": 1}
             chromium.call("Input.dispatchMouseEvent", type=kind, **place)
-        chromium.wait("document.querySelectorAll('.lesson li').length === 5")
+        chromium.wait("document.querySelectorAll('.learnt li').length === 5")
         assert set(load(room).targets) == {"red"}
         chromium.ask("document.querySelector('#picker .write').click()")
         chromium.wait("/blue is in/.test(document.querySelector('#picker [role=status]').textContent)")

@@ -109,7 +109,7 @@ function takeScene(scene: Scene): void {
   pipeline.show(scene);
   tiles.from(scene.stages);
   timeline.show(scene.stages, scene.room.targets, scene.figures);
-  document.body.classList.toggle("teaches", Object.keys(scene.forms).length > 0);
+  document.body.classList.toggle("learns", Object.keys(scene.forms).length > 0);
   recorder.show(scene.ports);
   player.show(scene.replay);
   runs.show(scene.others);
@@ -166,7 +166,7 @@ function takeAnswer(answer: Answer): void {
   else if ("open" in wish) runs.answer(answer);
   else if ("seek" in wish) return;
   else if ("plot" in wish) timeline.answer(answer);
-  else if ("still" in wish || "learn" in wish || "teach" in wish) picker.answer(wish, answer);
+  else if ("still" in wish || "learn" in wish || "write" in wish) picker.answer(wish, answer);
   else if ("save" in wish) pipeline.detail.tellSaved(answer);
   else {
     pipeline.detail.answer(answer);

@@ -1,5 +1,5 @@
 // A target by a click or a rectangle in a still picture: what is asked for, and what was learnt in words.
-import type { LearnWish, LessonData } from "./told.ts";
+import type { LearntData, LearnWish } from "./told.ts";
 
 type Place = [number, number];
 const LARGEST_M = 10; // radius of a target
@@ -35,20 +35,20 @@ export function wishOf(
 }
 
 // What was learnt, a line each.
-export function lessonWords(lesson: LessonData): string[] {
-  const { name, camera, hue, share, pixels, radius_px, area, radius_m, alike, minimum_saturation } = lesson;
+export function learntWords(learnt: LearntData): string[] {
+  const { name, camera, hue, share, pixels, radius_px, area, radius_m, alike, minimum_saturation } = learnt;
   const colour = `hue ${hue}°, ${Math.round(100 * share)} % of ${pixels} px; ${radius_px} px in radius here`;
   const taken = `taken for it: from ${Math.round(area[0])} to ${Math.round(area[1])} px`;
   const strong = minimum_saturation
     ? `if paler things of its hue are found, skin or wood, set minimum_saturation ${minimum_saturation}`
     : "a pale colour: things of its hue, such as skin or wood, may be taken for it";
-  const written = lesson.new
+  const written = learnt.new
     ? `will be written: a new target ${name}, radius ${radius_m} m, with this colour in ${camera}`
     : `will be written: this colour of ${name} in ${camera}, radius ${radius_m} m; other cameras keep theirs`;
   return [colour, taken, apart(alike), strong, written];
 }
 
-function apart(alike: LessonData["alike"]): string {
+function apart(alike: LearntData["alike"]): string {
   if (!alike.length) return "no other target is known to this camera";
   const confused = alike.filter((one) => one.confused).map(({ name }) => name);
   if (confused.length) return `looks like ${confused.join(", ")}: they will be taken for each other`;

@@ -1,8 +1,8 @@
 // Learns a target from a still picture of a camera, in a dialog: click, look at what was learnt, write it.
 import { make } from "./make.ts";
-import { boxOf, lessonWords, wishOf } from "./pick.ts";
+import { boxOf, learntWords, wishOf } from "./pick.ts";
 import { penOf } from "./tile.ts";
-import type { Answer, Ask, LessonData, PickWish, StillData } from "./told.ts";
+import type { Answer, Ask, LearntData, PickWish, StillData } from "./told.ts";
 
 export class Picker {
   private readonly dialog: HTMLDialogElement;
@@ -14,13 +14,13 @@ export class Picker {
   private readonly names = make("datalist", "", { id: "known" });
   private readonly said = make("p");
   private readonly swatch = make("i");
-  private readonly learnt = make("ul");
+  private readonly lines = make("ul");
   private readonly write = make("button", "write", { type: "button", className: "write" });
   private camera = "";
   private still: StillData | null = null;
   private image: ImageBitmap | null = null;
   private box: number[] | null = null;
-  private lesson: LessonData | null = null;
+  private learnt: LearntData | null = null;
 
   constructor(dialog: HTMLDialogElement, send: Ask<PickWish>) {
     this.dialog = dialog;
@@ -30,13 +30,13 @@ export class Picker {
     const again = make("button", "another picture", { type: "button", onclick: () => this.take() });
     const close = make("button", "×", { type: "button", className: "close", onclick: () => dialog.close() });
     close.setAttribute("aria-label", "close");
-    this.write.onclick = () => this.teach();
+    this.write.onclick = () => this.keep();
     for (const field of [this.name, this.radius]) field.onchange = () => this.ask();
     this.point();
     const fields = make("p", "", { className: "fields" });
     fields.append(labelled("name", this.name), labelled("radius, m", this.radius), this.names, again);
-    const result = make("div", "", { className: "lesson" });
-    result.append(this.swatch, this.learnt);
+    const result = make("div", "", { className: "learnt" });
+    result.append(this.swatch, this.lines);
     dialog.append(close, this.title, this.canvas, fields, this.said, result, this.write);
   }
 
@@ -59,7 +59,7 @@ export class Picker {
   answer(wish: PickWish, { text, ok, about }: Answer): void {
     if (!ok) this.say(text, false);
     else if ("still" in wish) this.takeStill(about as StillData);
-    else if ("learn" in wish) this.takeLesson(about as LessonData);
+    else if ("learn" in wish) this.takeLearnt(about as LearntData);
     else {
       this.forget();
       this.say(text, true);
@@ -81,10 +81,10 @@ export class Picker {
     this.ask();
   }
 
-  private takeLesson(lesson: LessonData): void {
-    this.lesson = lesson;
-    this.swatch.style.background = lesson.color;
-    this.learnt.replaceChildren(...lessonWords(lesson).map((line) => make("li", line)));
+  private takeLearnt(learnt: LearntData): void {
+    this.learnt = learnt;
+    this.swatch.style.background = learnt.color;
+    this.lines.replaceChildren(...learntWords(learnt).map((line) => make("li", line)));
     this.write.hidden = false;
     this.say("", true);
     this.draw();
@@ -106,10 +106,10 @@ export class Picker {
     this.draw();
   }
 
-  private teach(): void {
+  private keep(): void {
     this.write.hidden = true;
     this.say("writing …", true);
-    this.send({ teach: true });
+    this.send({ write: true });
   }
 
   private forget(): void {
@@ -119,10 +119,10 @@ export class Picker {
   }
 
   private unlearn(): void {
-    this.lesson = null;
+    this.learnt = null;
     this.write.hidden = true;
     this.swatch.style.background = "";
-    this.learnt.replaceChildren();
+    this.lines.replaceChildren();
   }
 
   private say(text: string, ok: boolean): void {
@@ -158,7 +158,7 @@ export class Picker {
   // The picture, and over it what is pointed at and what was learnt.
   private draw(): void {
     if (!this.image || !this.still) return;
-    const { canvas, image, box, lesson } = this;
+    const { canvas, image, box, learnt } = this;
     const [width, height] = this.still.size;
     canvas.hidden = false;
     [canvas.width, canvas.height] = [width, height];
@@ -169,10 +169,10 @@ export class Picker {
     pen.strokeStyle = "#fff";
     if (box && box.length === 4) pen.strokeRect(box[0], box[1], box[2], box[3]);
     if (box && box.length === 2) cross(pen, box, width / 60);
-    if (!lesson) return;
-    pen.strokeStyle = lesson.color;
+    if (!learnt) return;
+    pen.strokeStyle = learnt.color;
     pen.beginPath();
-    pen.arc(...lesson.center, lesson.radius_px + pen.lineWidth, 0, 2 * Math.PI);
+    pen.arc(...learnt.center, learnt.radius_px + pen.lineWidth, 0, 2 * Math.PI);
     pen.stroke();
   }
 }

@@ -64,15 +64,15 @@ export class Tiles {
     const figures = [...this.tiles.values()].map((tile) => tile.figure);
     for (const figure of figures) enlarging(figure, figures);
     for (const { camera, figure } of this.tiles.values())
-      if (camera.kind === "color") figure.append(this.teaching(camera.name));
+      if (camera.kind === "color") figure.append(this.learning(camera.name));
     this.section.replaceChildren(...figures);
     document.body.classList.toggle("single", room.cameras.length === 1);
     this.arrange();
   }
 
   // The button that learns a target from a camera; it is seen where the picture is large.
-  private teaching(camera: string): HTMLElement {
-    const button = make("button", "learn a target", { type: "button", className: "teach" });
+  private learning(camera: string): HTMLElement {
+    const button = make("button", "learn a target", { type: "button", className: "learn" });
     button.onclick = (event) => {
       event.stopPropagation();
       this.learn(camera);

@@ -244,7 +244,7 @@ export interface Answer {
   to: string;
   text: string;
   ok: boolean;
-  about: StillData | LessonData | null;
+  about: StillData | LearntData | null;
 }
 
 // A still picture to learn a target from. size: px; targets: radius of each of the room file, m; file: it.
@@ -257,7 +257,7 @@ export interface StillData {
 
 // What was learnt, and is not written yet. new: not in the room file; hue: degrees, with the share of its pixels
 // that have it; center and radius_px: where it is, px; area: what is taken for it, px; alike: other targets.
-export interface LessonData {
+export interface LearntData {
   name: string;
   camera: string;
   new: boolean;
@@ -334,10 +334,10 @@ export interface LearnWish {
   box: number[];
   radius: number | null;
 }
-export interface TeachWish {
-  teach: true;
+export interface WriteWish {
+  write: true;
 }
-export type PickWish = StillWish | LearnWish | TeachWish;
+export type PickWish = StillWish | LearnWish | WriteWish;
 export type Wish =
   | Change
   | RecordWish

@@ -1,11 +1,11 @@
 // A target by a click or a rectangle in a still picture.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { boxOf, lessonWords, wishOf } from "../src/pick.ts";
-import type { LessonData } from "../src/told.ts";
+import { boxOf, learntWords, wishOf } from "../src/pick.ts";
+import type { LearntData } from "../src/told.ts";
 
 const KNOWN = { red: 0.05 };
-const LESSON: LessonData = {
+const LEARNT: LearntData = {
   name: "red",
   camera: "cam0",
   new: false,
@@ -46,15 +46,15 @@ test("nothing is asked for before name, radius and place are there", () => {
 });
 
 test("what was learnt, how well it is told apart, and what will be written, is said", () => {
-  const [colour, taken, alone, strong, written] = lessonWords(LESSON);
+  const [colour, taken, alone, strong, written] = learntWords(LEARNT);
   assert.equal(colour, "hue 11°, 93 % of 310 px; 9.9 px in radius here");
   assert.equal(taken, "taken for it: from 78 to 1240 px");
   assert.equal(alone, "no other target is known to this camera");
   assert.match(strong, /minimum_saturation 160/);
   assert.match(written, /this colour of red in cam0, radius 0.05 m; other cameras keep theirs/);
   const beside = (confused: boolean) => [{ name: "blue", similarity: 0.31, confused }];
-  assert.match(lessonWords({ ...LESSON, alike: beside(false) })[2], /most alike is blue, 31 %/);
-  assert.match(lessonWords({ ...LESSON, alike: beside(true) })[2], /looks like blue/);
-  assert.match(lessonWords({ ...LESSON, new: true })[4], /a new target red/);
-  assert.match(lessonWords({ ...LESSON, minimum_saturation: null })[3], /pale/);
+  assert.match(learntWords({ ...LEARNT, alike: beside(false) })[2], /most alike is blue, 31 %/);
+  assert.match(learntWords({ ...LEARNT, alike: beside(true) })[2], /looks like blue/);
+  assert.match(learntWords({ ...LEARNT, new: true })[4], /a new target red/);
+  assert.match(learntWords({ ...LEARNT, minimum_saturation: null })[3], /pale/);
 });

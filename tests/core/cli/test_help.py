@@ -1,4 +1,4 @@
-"""What `--help` teaches."""
+"""What `--help` says."""
 
 from __future__ import annotations
 

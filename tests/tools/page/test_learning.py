@@ -65,7 +65,7 @@ def red_at(picture: bytes) -> tuple[int, int]:
     return round(columns.mean()), round(rows.mean())
 
 
-def test_a_click_on_a_still_picture_teaches_a_target_that_is_written_when_told(
+def test_a_target_is_learnt_by_a_click_on_a_still_picture_and_written_when_told(
     operator: Operator, room: str
 ) -> None:
     before = Path(room).read_text()
@@ -80,22 +80,24 @@ def test_a_click_on_a_still_picture_teaches_a_target_that_is_written_when_told(
     (beside,) = learnt["alike"]
     assert (beside["name"], beside["confused"]) == ("blue", False)
     assert Path(room).read_text() == before  # until it is told
-    assert f"red is in {room}" in operator.ask(teach=True).text
+    assert f"red is in {room}" in operator.ask(write=True).text
     targets = load(room).targets
     assert set(targets) == {"blue", "red"}
     assert targets["red"].radius == 0.04
     assert targets["red"].area["cam0"] == tuple(learnt["area"])
-    assert "nothing was learnt" in operator.refused(teach=True)
+    assert "nothing was learnt" in operator.refused(write=True)
 
 
-def test_a_rectangle_teaches_a_known_target_anew_and_its_radius_stays(operator: Operator, room: str) -> None:
+def test_a_known_target_is_learnt_anew_by_a_rectangle_and_its_radius_stays(
+    operator: Operator, room: str
+) -> None:
     x, y = red_at(operator.ask(still="cam0").picture)
     box = [x - RADIUS, y - RADIUS, 2 * RADIUS + 1, 2 * RADIUS + 1]
     learnt = operator.ask(learn="blue", box=box, radius=None).about
     assert learnt is not None
     assert (learnt["new"], learnt["radius_m"], learnt["alike"]) == (False, 0.0762, [])
     twin = operator.ask(learn="red", box=box, radius=0.04).about  # as if it had another name
-    operator.ask(teach=True)
+    operator.ask(write=True)
     again = operator.ask(learn="blue", box=box, radius=None).about
     assert twin is not None
     assert again is not None
@@ -105,7 +107,7 @@ def test_a_rectangle_teaches_a_known_target_anew_and_its_radius_stays(operator: 
 def test_the_page_and_the_command_learn_the_same(operator: Operator, room: str, tmp_path: Path) -> None:
     operator.ask(still="cam0")
     operator.ask(learn="other", box=[30, 30], radius=0.0762)
-    operator.ask(teach=True)
+    operator.ask(write=True)
     targets = load(room).targets
     assert np.allclose(
         targets["other"].hue_histogram["cam0"], targets["blue"].hue_histogram["cam0"], atol=0.05
@@ -130,7 +132,7 @@ def test_a_room_file_that_is_broken_meanwhile_is_left_as_it_is(operator: Operato
     operator.ask(still="cam0")
     operator.ask(learn="red", box=[30, 30], radius=0.04)
     Path(room).write_text("cameras: [")
-    assert Path(room).name in operator.refused(teach=True)
+    assert Path(room).name in operator.refused(write=True)
     assert Path(room).read_text() == "cameras: ["
 
 
@@ -155,8 +157,8 @@ def test_a_room_file_that_is_broken_meanwhile_is_left_as_it_is(operator: Operato
         {"learn": "red", "box": [1, 2], "radius": float("nan")},
         {"learn": "red", "box": [1, 2], "radius": float("inf")},
         {"learn": "red", "box": [1, 2]},
-        {"teach": False},
-        {"teach": "room.yaml"},
+        {"write": False},
+        {"write": "room.yaml"},
     ],
 )
 def test_nothing_of_another_form_is_learnt(asked: dict[str, Any]) -> None:
@@ -164,7 +166,7 @@ def test_nothing_of_another_form_is_learnt(asked: dict[str, Any]) -> None:
         wish_of(json.dumps(asked))
 
 
-def test_a_page_that_only_shows_teaches_nothing(tmp_path: Path, room: str) -> None:
+def test_a_page_that_only_shows_learns_nothing(tmp_path: Path, room: str) -> None:
     operator = Operator(Page(compile_graph(GRAPH, room=room), make_gate(tmp_path), tmp_path))
-    for asked in ({"still": "cam0"}, {"teach": True}):
+    for asked in ({"still": "cam0"}, {"write": True}):
         assert "only shows" in operator.refused(**asked)

@@ -238,7 +238,7 @@ def test_a_parameter_is_set_and_a_stage_swapped_from_the_page(page: Shown) -> No
         '{"learn": "red", "box": [1, 2], "radius": 1}',
         '{"learn": "red", "box": [99999999999999999999, 2], "radius": 1}',
         '{"learn": "../../etc/passwd", "box": [1, 2], "radius": 1}',
-        '{"teach": true}',
+        '{"write": true}',
         "nul",
         "1" * 4000,
     ],

@@ -58,16 +58,16 @@ def entropy(out, person, torso, head):
 def test_the_network_learns_along_the_derivative_of_its_cross_entropy():
     out = RNG.normal(size=(3, OUTPUTS))
     torso = network.directions(np.array([0.3, np.nan, -2.0]))
-    taught = (np.array([1.0, 0.0, 1.0]), torso, torso[::-1])
-    wrong = network.errors(out, *taught)
+    truth = (np.array([1.0, 0.0, 1.0]), torso, torso[::-1])
+    wrong = network.errors(out, *truth)
     for row, column in [(0, 0), (1, 0), (0, 5), (1, 5), (2, 30)]:
         step = np.zeros_like(out)
         step[row, column] = 1e-6
-        slope = (entropy(out + step, *taught) - entropy(out - step, *taught)) / 2e-6
+        slope = (entropy(out + step, *truth) - entropy(out - step, *truth)) / 2e-6
         assert wrong[row, column] == pytest.approx(slope, abs=1e-6)
 
 
-def test_an_unknown_heading_teaches_nothing():
+def test_nothing_is_learnt_from_an_unknown_heading():
     unknown = network.directions(np.array([np.nan]))
     wrong = network.errors(RNG.normal(size=(1, OUTPUTS)), np.array([1.0]), unknown, unknown)
     assert not wrong[:, 1:].any()

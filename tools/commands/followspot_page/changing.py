@@ -118,10 +118,10 @@ class Learn:
 
 
 @dataclass(frozen=True)
-class Teach:
+class Write:
     """Write the target that was learnt into the room file."""
 
-    teach: Literal[True]
+    write: Literal[True]
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ class Plot:
     plot: Annotated[tuple[Curve, ...], pydantic.Field(max_length=MOST_CURVES)]
 
 
-Wish = Change | Record | Hold | MarkWish | Save | OpenPage | Seek | Still | Learn | Teach | Plot
+Wish = Change | Record | Hold | MarkWish | Save | OpenPage | Seek | Still | Learn | Write | Plot
 _WISH: pydantic.TypeAdapter[Wish] = pydantic.TypeAdapter(Wish, config=pydantic.ConfigDict(strict=True))
 
 

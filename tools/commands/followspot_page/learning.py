@@ -19,7 +19,7 @@ from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 from followspot.room_file import load, update
 from followspot.tracking import Frame
-from followspot_balls.picked import MOST_ALIKE, Pick, Template, likeness, taught, template_of
+from followspot_balls.picked import MOST_ALIKE, Pick, Template, likeness, template_of, with_template
 from followspot_page.changing import Learn
 from followspot_page.reply import Reply
 from followspot_page.scene import colors
@@ -43,7 +43,7 @@ class Learnt:
     template: Template
 
 
-class Lessons:
+class Learning:
     """What one browser learns: its newest still picture, and the newest target that was learnt from it."""
 
     def __init__(self) -> None:
@@ -56,7 +56,7 @@ class Lessons:
         if camera is None:
             raise FollowspotError(f"there is no camera {name}")
         if camera.kind != "color":
-            text = f"{name} shows no colour; teach it by clips: followspot calibrate targets --clips"
+            text = f"{name} shows no colour; learn it from clips: followspot calibrate targets --clips"
             raise FollowspotError(text)
         file = room_file(run, plan)
         known = {target.name: target.radius for target in load(file).targets.values()}
@@ -83,21 +83,23 @@ class Lessons:
             raise FollowspotError("nothing was learnt yet: click on a ball, or drag a rectangle around it")
         file = room_file(run, plan)
         room = load(file)
-        target = with_lesson(room, self._learnt)
+        target = learnt_target(room, self._learnt)
         with writing(file):
             update(file, targets={**room.targets, target.name: target})
         self._learnt = None
         return Reply(f"{target.name} is in {file}; this run goes on without it, the next run looks for it")
 
 
-def with_lesson(room: Room, learnt: Learnt) -> Target:
+def learnt_target(room: Room, learnt: Learnt) -> Target:
     """The target as the room file will have it. Raises FollowspotError."""
     camera, known = room.cameras.get(learnt.camera), room.targets.get(learnt.name)
     if camera is None:
         raise FollowspotError(f"the room file has no camera {learnt.camera} any more")
     if known is None and learnt.radius is None:
         raise FollowspotError(f"{learnt.name} is a new target: give its radius, in metres")
-    return taught(known or Target(learnt.name, learnt.radius or 0.0), camera, learnt.template, learnt.radius)
+    return with_template(
+        known or Target(learnt.name, learnt.radius or 0.0), camera, learnt.template, learnt.radius
+    )
 
 
 def described(learnt: Learnt, room: Room) -> dict[str, Any]:
@@ -106,7 +108,7 @@ def described(learnt: Learnt, room: Room) -> dict[str, Any]:
     hue: degrees; share: of its pixels that have this hue; radius: px; alike: similarity with the templates of
     other targets in this camera, the worst first, and whether the detector would confuse them.
     """
-    target = with_lesson(room, learnt)
+    target = learnt_target(room, learnt)
     template, targets = learnt.template, {**room.targets, learnt.name: target}
     alike = sorted(likeness(targets, [learnt.name], learnt.camera), key=lambda pair: -pair[2])
     peak = int(template.histogram.argmax())

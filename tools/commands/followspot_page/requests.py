@@ -19,14 +19,14 @@ from followspot_page.changing import (
     Save,
     Seek,
     Still,
-    Teach,
     Wish,
+    Write,
     sentence,
     wish_of,
     words_of,
 )
 from followspot_page.follow import plan_of
-from followspot_page.learning import Lessons
+from followspot_page.learning import Learning
 from followspot_page.page import Page
 from followspot_page.reply import Reply
 from followspot_page.saving import saved_overlay
@@ -37,7 +37,7 @@ class Requests:
 
     def __init__(self, page: Page) -> None:
         self._page = page
-        self._lessons = Lessons()
+        self._learning = Learning()
 
     async def do(self, text: str) -> Reply:
         """Carry out a request, in JSON. Raises FollowspotError if that fails."""
@@ -49,7 +49,7 @@ class Requests:
             return Reply(scrub.seek(asked))
         if run is None:
             raise FollowspotError(self._page.shut)
-        if isinstance(asked, Still | Learn | Teach):
+        if isinstance(asked, Still | Learn | Write):
             return await asyncio.to_thread(self._learn, run, asked)
         return Reply(await self._changed(run, asked))
 
@@ -64,14 +64,14 @@ class Requests:
         await self._page.look_at_curves()
         return Reply()
 
-    def _learn(self, run: RunHandle, asked: Still | Learn | Teach) -> Reply:
+    def _learn(self, run: RunHandle, asked: Still | Learn | Write) -> Reply:
         plan = self._page.plan
         if isinstance(asked, Still):
-            return self._lessons.still(run, plan, asked.still)
+            return self._learning.still(run, plan, asked.still)
         return (
-            self._lessons.learn(run, plan, asked)
+            self._learning.learn(run, plan, asked)
             if isinstance(asked, Learn)
-            else self._lessons.write(run, plan)
+            else self._learning.write(run, plan)
         )
 
     async def _changed(self, run: RunHandle, asked: Wish) -> str:

@@ -96,7 +96,7 @@ def _summary(room: Room, output: Path, field: float) -> str:
         )
     lines += [
         "good for what is seen in the pictures; places in space need a calibration (docs/calibration.md)",
-        f"next, teach it a ball: followspot calibrate targets --room {output} --pick red",
+        f"next, learn a ball: followspot calibrate targets --room {output} --pick red",
     ]
     return "\n".join(lines)
 

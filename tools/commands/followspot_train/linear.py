@@ -1,4 +1,4 @@
-"""The proposing detector: a linear classifier, taught with the backgrounds that deceive it."""
+"""The proposing detector: a linear classifier, trained with the backgrounds that deceive it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The judging network: one hidden layer, taught with Adam (Kingma & Ba 2015), dropout and weight decay."""
+"""The judging network: one hidden layer, trained with Adam (Kingma & Ba 2015), dropout and weight decay."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ DECAY = 1e-2
 """Weight decay, over the learning rate."""
 DROPPED_INPUT, DROPPED_UNITS = 0.2, 0.4
 SHARPNESS = 6.0
-"""Concentration of the directions that are taught, so that neighbours of the true one count too."""
+"""Concentration of the true directions, so that neighbours of the true one count too."""
 ANGLES = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
 
 
 @dataclass(frozen=True, eq=False)
-class Lessons:
+class Examples:
     """Inputs (N, LOOKS) f4 and the targets of the network."""
 
     looks: Array
@@ -42,26 +42,26 @@ def directions(angle: Array) -> Array:
 
 
 def train(
-    model: HogModel, lessons: Lessons, rng: np.random.Generator, tell: Callable[[str], None]
+    model: HogModel, examples: Examples, rng: np.random.Generator, tell: Callable[[str], None]
 ) -> HogModel:
-    """The model with a network that knows the lessons."""
-    mean, spread = lessons.looks.mean(axis=0), lessons.looks.std(axis=0) + 1e-3
-    inputs = lessons.looks.shape[1]
+    """The model with a network that was trained on the examples."""
+    mean, spread = examples.looks.mean(axis=0), examples.looks.std(axis=0) + 1e-3
+    inputs = examples.looks.shape[1]
     weights = [
         rng.normal(0, 1 / np.sqrt(inputs), (inputs, UNITS)).astype(np.float32),
         np.zeros(UNITS, np.float32),
         rng.normal(0, 0.5 / np.sqrt(UNITS), (UNITS, OUTPUTS)).astype(np.float32),
         np.zeros(OUTPUTS, np.float32),
     ]
-    adam = Adam(weights, EPOCHS * (len(lessons.looks) // BATCH))
+    adam = Adam(weights, EPOCHS * (len(examples.looks) // BATCH))
     for epoch in range(EPOCHS):
-        tell(f"teaching the network, {epoch + 1} of {EPOCHS}")
-        order = rng.permutation(len(lessons.looks))
+        tell(f"training the network, {epoch + 1} of {EPOCHS}")
+        order = rng.permutation(len(examples.looks))
         for start in range(0, len(order) - BATCH + 1, BATCH):
             rows = order[start : start + BATCH]
-            x = (lessons.looks[rows] - mean) / spread
-            taught = (lessons.person[rows], lessons.torso[rows], lessons.head[rows])
-            adam.step(gradients(weights, x, taught, rng))
+            x = (examples.looks[rows] - mean) / spread
+            truth = (examples.person[rows], examples.torso[rows], examples.head[rows])
+            adam.step(gradients(weights, x, truth, rng))
     first = weights[0] / spread[:, None]
     return replace(
         model,
@@ -73,14 +73,14 @@ def train(
 
 
 def gradients(
-    weights: list[Array], x: Array, taught: tuple[Array, Array, Array], rng: np.random.Generator
+    weights: list[Array], x: Array, truth: tuple[Array, Array, Array], rng: np.random.Generator
 ) -> list[Array]:
     """Gradient of the mean cross entropy of person, torso and head, with dropout of inputs and units."""
     x = x * _kept(x.shape, DROPPED_INPUT, rng)
     hidden = x @ weights[0] + weights[1]
     mask = (hidden > 0) * _kept(hidden.shape, DROPPED_UNITS, rng)
     active = hidden * mask
-    wrong = errors(active @ weights[2] + weights[3], *taught) / np.float32(len(x))
+    wrong = errors(active @ weights[2] + weights[3], *truth) / np.float32(len(x))
     back = (wrong @ weights[2].T) * mask
     return [x.T @ back, back.sum(axis=0), active.T @ wrong, wrong.sum(axis=0)]
 

@@ -18,7 +18,7 @@ from followspot_train.windows import Windows, exact, found, missed
 VIEWS, MISSES = 14, 5
 """Windows of each person that are learnt from: found and missed ones."""
 DECEIVING = 300
-"""Most windows of one background that pass the linear detector and teach the network only."""
+"""Most windows of one background that pass the linear detector and train the network only."""
 FOLDS = 4
 UNKNOWN = np.array([[1.0, 0.0], [1.0, 0.0]])
 """Trust in a network that was not tried on strangers: its own word."""
@@ -111,17 +111,17 @@ def learn(material: Material, split: Split, rng: np.random.Generator, tell: Tell
     for background in backgrounds:
         passed, _ = linear.passing(background.pixels, weights, material.above)
         windows += list(passed[rng.permutation(len(passed))[:DECEIVING]])
-    lessons = _lessons(positive, np.concatenate([near.looks, looks(windows)]))
+    examples = _examples(positive, np.concatenate([near.looks, looks(windows)]))
     seen = np.concatenate([positive.channels, near.channels, channels(windows).astype(np.float16)])
-    trees = boosting.train(np.hstack([lessons.looks.astype(np.float16), seen]), lessons.person, rng, tell)
+    trees = boosting.train(np.hstack([examples.looks.astype(np.float16), seen]), examples.person, rng, tell)
     none = np.zeros(0, np.float32)
     model = HogModel(weights, none, none, none, none, UNKNOWN, trees.feature, trees.threshold, trees.leaf)
-    return network.train(model, lessons, rng, tell)
+    return network.train(model, examples, rng, tell)
 
 
-def _lessons(positive: Windows, negative: Array) -> network.Lessons:
+def _examples(positive: Windows, negative: Array) -> network.Examples:
     unknown = np.zeros((len(negative), DIRECTIONS), np.float32)
-    return network.Lessons(
+    return network.Examples(
         np.concatenate([positive.looks, negative]),
         np.repeat(np.array([1, 0], np.float32), [len(positive.looks), len(negative)]),
         np.concatenate([network.directions(positive.torso), unknown]),

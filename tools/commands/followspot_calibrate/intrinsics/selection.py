@@ -1,4 +1,4 @@
-"""Which views teach something: sharp ones, that differ from each other in place, size and tilt."""
+"""Which views are worth calibrating from: sharp ones, that differ from each other in place, size and tilt."""
 
 from __future__ import annotations
 

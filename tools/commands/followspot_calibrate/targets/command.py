@@ -16,7 +16,7 @@ from followspot_calibrate.progress import clear_progress, show_progress
 from followspot_calibrate.refine.solving import Refinement
 from followspot_calibrate.report import write_report
 from followspot_calibrate.targets.cameras import Agreement, agreement
-from followspot_calibrate.targets.learning import Lesson, learn, taught
+from followspot_calibrate.targets.learning import Learnt, learn, with_templates
 from followspot_calibrate.targets.outcome import Outcome
 from followspot_calibrate.targets.page import page_of
 from followspot_calibrate.targets.separability import Separability, separability
@@ -35,10 +35,10 @@ def calibrate_targets(args: argparse.Namespace, usual: float) -> int:
     room_file, radius = args.room, args.radius
     room = load(room_file)
     report = {folder.name: learn_aloud(folder, room) for folder in folders_of(args.clips, "target")}
-    failed = [name for name, lessons in report.items() if all(lesson.problem for lesson in lessons)]
+    failed = [name for name, found in report.items() if all(one.problem for one in found)]
     learnt = {
-        name: taught(room.targets.get(name, Target(name, usual)), radius, lessons)
-        for name, lessons in report.items()
+        name: with_templates(room.targets.get(name, Target(name, usual)), radius, found)
+        for name, found in report.items()
         if name not in failed
     }
     targets = {**room.targets, **learnt}
@@ -64,26 +64,26 @@ def write_room(file: Path, targets: Mapping[str, Target], correction: Refinement
         update(file, targets=targets, cameras=cameras, planes=correction.planes)
 
 
-def learn_aloud(folder: Path, room: Room) -> list[Lesson]:
-    """The lessons of one target, with progress and warnings on the way."""
-    lessons = []
-    for number, lesson in enumerate(learn(folder, room), 1):
-        lessons.append(lesson)
+def learn_aloud(folder: Path, room: Room) -> list[Learnt]:
+    """What all cameras learn of one target, with progress and warnings on the way."""
+    found = []
+    for number, one in enumerate(learn(folder, room), 1):
+        found.append(one)
         show_progress(folder.name, number / len(room.cameras))
-        if lesson.problem:
+        if one.problem:
             clear_progress()
-            print(f"warning: {folder.name}, {lesson.camera.name}: {lesson.problem}", file=sys.stderr)
+            print(f"warning: {folder.name}, {one.camera.name}: {one.problem}", file=sys.stderr)
     clear_progress()
-    return lessons
+    return found
 
 
 def told_apart(
-    room: Room, targets: Mapping[str, Target], report: Mapping[str, Sequence[Lesson]]
+    room: Room, targets: Mapping[str, Target], report: Mapping[str, Sequence[Learnt]]
 ) -> list[Separability]:
     """Separability of all targets in each colour camera: those of the clips and those known before."""
     found = []
     for name, camera in room.cameras.items():
-        seen = ((target, one) for target, lessons in report.items() for one in lessons)
+        seen = ((target, one) for target, learnt in report.items() for one in learnt)
         spots = {t: one.spots for t, one in seen if one.camera.name == name and one.spots is not None}
         one = separability(name, targets, spots) if camera.kind == "color" else None
         found += [] if one is None else [one]

@@ -17,8 +17,8 @@ from followspot_cameras.recordings import find_recordings
 
 
 @dataclass(frozen=True)
-class Lesson:
-    """The result of one clip: the template's parts for this camera, or why there are none.
+class Learnt:
+    """What was learnt from one clip: the template's parts for this camera, or why there are none.
 
     spots: the target in each frame, if the camera shows colour.
     """
@@ -32,36 +32,36 @@ class Lesson:
     problem: str = ""
 
 
-def learn(clips: Path, room: Room) -> Iterator[Lesson]:
-    """One lesson per camera of the room from the clips of one target."""
+def learn(clips: Path, room: Room) -> Iterator[Learnt]:
+    """What each camera of the room learns from the clips of one target."""
     recordings = find_recordings(clips, room.cameras)
     for name, camera in room.cameras.items():
         if name in recordings:
             yield learn_from(recordings[name], camera)
         else:
-            yield Lesson(camera, 0, problem=f"there is no clip {clips / name}.mkv; record one")
+            yield Learnt(camera, 0, problem=f"there is no clip {clips / name}.mkv; record one")
 
 
-def learn_from(recording: Path, camera: Camera) -> Lesson:
+def learn_from(recording: Path, camera: Camera) -> Learnt:
     """Learn from a clip; the problem names the remedy if it has no usable target."""
     try:
         frames = read_frames(recording, camera, MOST_FRAMES)
     except FollowspotError as error:
-        return Lesson(camera, 0, problem=str(error))
+        return Learnt(camera, 0, problem=str(error))
     try:
         if camera.kind == "color":
             spots = color_spots(frames)
             histogram, area = np.round(color_template(spots), 6), spots.extremes
-            return Lesson(camera, len(frames), hue_histogram=histogram, area=area, spots=spots)
+            return Learnt(camera, len(frames), hue_histogram=histogram, area=area, spots=spots)
         gray, area = learn_infrared(frames)
-        return Lesson(camera, len(frames), gray=gray, area=area)
+        return Learnt(camera, len(frames), gray=gray, area=area)
     except ValueError as error:
-        return Lesson(camera, len(frames), problem=f"{error}; move the target through the camera's view")
+        return Learnt(camera, len(frames), problem=f"{error}; move the target through the camera's view")
 
 
-def taught(target: Target, radius: float | None, lessons: Sequence[Lesson]) -> Target:
-    """The target with this radius (m; None: its own) and a template made of these lessons only."""
-    good = [lesson for lesson in lessons if not lesson.problem]
+def with_templates(target: Target, radius: float | None, learnt: Sequence[Learnt]) -> Target:
+    """The target with this radius (m; None: its own) and templates of what was learnt only."""
+    good = [one for one in learnt if not one.problem]
     return Target(
         name=target.name,
         radius=target.radius if radius is None else radius,

@@ -6,15 +6,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from followspot_calibrate.targets.cameras import Agreement
-from followspot_calibrate.targets.learning import Lesson
+from followspot_calibrate.targets.learning import Learnt
 from followspot_calibrate.targets.separability import Separability
 
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """Lessons by target, separability in colour cameras, and corrections of the cameras."""
+    """What was learnt by target, separability in colour cameras, and corrections of the cameras."""
 
-    lessons: Mapping[str, Sequence[Lesson]]
+    learnt: Mapping[str, Sequence[Learnt]]
     apart: Sequence[Separability]
     agreement: Agreement
 

@@ -18,7 +18,7 @@ HUES = "Share of the hues of what glows, red at the left; each camera has its ow
 
 def page_of(room: str, outcome: Outcome) -> Page:
     """The templates of each camera, their separability, and corrections of the cameras."""
-    report = outcome.lessons
+    report = outcome.learnt
     problems = [f"{t}, {o.camera.name}: {o.problem}" for t, some in report.items() for o in some if o.problem]
     warnings = outcome.warnings + problems
     targets = "1 target" if len(report) == 1 else f"{len(report)} targets"
@@ -28,7 +28,7 @@ def page_of(room: str, outcome: Outcome) -> Page:
 
 
 def _sections(outcome: Outcome) -> Iterator[Section]:
-    report = outcome.lessons
+    report = outcome.learnt
     if (correction := outcome.agreement.correction) is not None:
         yield plain_table("Cameras corrected", CHANGES, cells(correction), note=verdict(correction))
     if outcome.apart:
@@ -40,9 +40,9 @@ def _sections(outcome: Outcome) -> Iterator[Section]:
         yield plain_table(
             "Told apart", ("", *one.targets), accepted_rows(one), note=f"Share of {APART}.", marked=confused
         )
-    lines = [template_row(name, one) for name, lessons in report.items() for one in lessons]
+    lines = [template_row(name, one) for name, some in report.items() for one in some]
     yield plain_table("Templates", HEAD, lines)
-    for name, lessons in report.items():
-        hues = {o.camera.name: o.hue_histogram for o in lessons if o.hue_histogram is not None}
+    for name, some in report.items():
+        hues = {o.camera.name: o.hue_histogram for o in some if o.hue_histogram is not None}
         if hues:
             yield hue_bars(f"Hues of {name}", hues, HUES)

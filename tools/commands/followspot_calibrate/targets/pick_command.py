@@ -16,7 +16,7 @@ from followspot.errors import InputError, did_you_mean, writing
 from followspot.messages import Array
 from followspot.plugins.registry import load_stage
 from followspot.room_file import load, update
-from followspot_balls.picked import MOST_ALIKE, Pick, Template, likeness, taught, template_of
+from followspot_balls.picked import MOST_ALIKE, Pick, Template, likeness, template_of, with_template
 
 GRID = 100
 """Distance of the lines in the picture to look at, px."""
@@ -39,7 +39,7 @@ def pick_targets(args: argparse.Namespace, usual: float) -> int:
     targets = dict(room.targets)
     for name, template in found.items():
         target = targets.get(name, Target(name, args.radius or usual))
-        targets[name] = taught(target, camera, template, args.radius)
+        targets[name] = with_template(target, camera, template, args.radius)
     with writing(args.room):
         update(args.room, targets=targets)
     alike = [pair for pair in likeness(targets, found, camera.name) if pair[2] >= MOST_ALIKE]

@@ -11,7 +11,7 @@ import numpy as np
 from followspot.tables import table
 from followspot_calibrate.refine.text import as_json as correction_as_json
 from followspot_calibrate.refine.text import as_text
-from followspot_calibrate.targets.learning import Lesson
+from followspot_calibrate.targets.learning import Learnt
 from followspot_calibrate.targets.outcome import Outcome
 from followspot_calibrate.targets.separability import Separability, worst
 
@@ -22,7 +22,7 @@ APART = "blobs of the target on the left that the template above accepts, in the
 
 def summary(outcome: Outcome) -> str:
     """A line per target and camera, then the separability, and corrections of cameras."""
-    rows = [template_row(name, one) for name, all_ in outcome.lessons.items() for one in all_]
+    rows = [template_row(name, one) for name, all_ in outcome.learnt.items() for one in all_]
     parts = [table(HEAD, rows)]
     if outcome.apart:
         one = worst(outcome.apart)
@@ -38,8 +38,7 @@ def as_json(outcome: Outcome) -> str:
     return json.dumps(
         {
             "targets": {
-                name: {one.camera.name: _fields(one) for one in all_}
-                for name, all_ in outcome.lessons.items()
+                name: {one.camera.name: _fields(one) for one in all_} for name, all_ in outcome.learnt.items()
             },
             "separability": {
                 one.camera: {
@@ -63,8 +62,8 @@ def accepted_rows(one: Separability) -> list[tuple[str, ...]]:
     ]
 
 
-def template_row(name: str, one: Lesson) -> Sequence[str]:
-    """The lesson of a camera about a target, in the order of `HEAD`."""
+def template_row(name: str, one: Learnt) -> Sequence[str]:
+    """What a camera has learnt of a target, in the order of `HEAD`."""
     area = f"{one.area[0]:.0f}-{one.area[1]:.0f} px" if one.area else "-"
     template = "nothing learnt"
     if one.hue_histogram is not None:
@@ -74,7 +73,7 @@ def template_row(name: str, one: Lesson) -> Sequence[str]:
     return name, one.camera.name, str(one.frames), area, template
 
 
-def _fields(one: Lesson) -> dict[str, Any]:
+def _fields(one: Learnt) -> dict[str, Any]:
     histogram = None if one.hue_histogram is None else one.hue_histogram.tolist()
     found = {"hue_histogram": histogram, "gray": one.gray, "area": one.area}
     return {"frames": one.frames, **found, "problem": one.problem}
