@@ -117,6 +117,15 @@ class Candidates(Message):
     targets: Array = column("N", "T", dtype="?")
 
 
+class ExistenceOdds(Message):
+    """How sure an association is that each tracked target exists; one row per target of the room."""
+
+    odds: Array = column("T", unit="nats")
+    """Log-odds that the target is where it is tracked; NaN while it is not tracked or not weighed."""
+    given_up: Array = column("T", dtype="?")
+    """True if the track ends in this frame, for the odds are too low: nothing may prolong it."""
+
+
 class Positions(Message):
     """Fused measurements, at most one row per target; targets that were not seen have no row."""
 

@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from followspot import Array, Field, Joined, Latest, Stage, StageParams
-from followspot.tracking import Blobs, Forecast, Positions
+from followspot import Array, Field, Joined, Latest, Stage
+from followspot.tracking import Blobs, ExistenceOdds, Forecast, Positions
 from followspot_balls.alignment import delays
+from followspot_balls.colored import ColorViews
+from followspot_balls.colorless import Colorless, ColorlessParams
 from followspot_balls.course import Course
 from followspot_balls.outline import unit_outline
 from followspot_balls.search import lost_targets, tracked_targets
@@ -26,9 +28,13 @@ from followspot_balls.single_view import (
 
 
 class Bridge(Stage):
-    """Add targets that the fusion could not place: from a single view and the forecast, or a plane."""
+    """Add targets that the fusion could not place: from a single view and the forecast, or a plane.
 
-    class Params(StageParams):
+    A target that the association gives up (`existence`) stays without position, and so does one that no
+    colour camera has shown for `colorless_time`.
+    """
+
+    class Params(ColorlessParams):
         gate: float = Field(
             3.0,
             gt=0,
@@ -84,9 +90,15 @@ class Bridge(Stage):
         self.radius = np.array([t.radius for t in self.room.targets.values()])
         self.outline = unit_outline(self.room)
         self.course = Course.unknown(len(self.radius))
+        self.color = ColorViews(self.room)
+        self.colorless = Colorless(self.room, self.params)
 
     def process(
-        self, positions: Positions, blobs: Joined[Blobs], forecast: Latest[Forecast] = None
+        self,
+        positions: Positions,
+        blobs: Joined[Blobs],
+        forecast: Latest[Forecast] = None,
+        existence: Joined[ExistenceOdds] = (),
     ) -> Positions:
         wanting = tracked_targets(forecast, len(self.radius))
         if forecast is None or not len(forecast.xyz):
@@ -97,11 +109,15 @@ class Bridge(Stage):
         stray = wanting[positions.target] & self.stray(positions, forecast)
         if stray.any():
             positions = positions.where(~stray)
+        late = self.late(wanting, positions, blobs, forecast)
         wanting[positions.target] &= (positions.support == 0) & ~positions.evident
+        for one in existence:
+            wanting &= ~one.given_up
         if not wanting.any() or not any(len(b.xy) for b in blobs):
             return positions
         target = np.flatnonzero(wanting)
         sight, found = self.nearest(target, blobs, forecast)
+        found &= ~late[target]
         target = target[found]
         return with_predicted(positions, *self.placed(target, sight.where(found), forecast, before))
 
@@ -125,11 +141,26 @@ class Bridge(Stage):
         near = ~rolled | (stray <= COURSE)
         return target[near], xyz[near], covariance[near]
 
+    def late(self, wanting: Array, positions: Positions, blobs: Sequence[Blobs], forecast: Forecast) -> Array:
+        """Which tracked targets no colour camera has shown for too long: (T,) bool. wanting: (T,) bool."""
+        late = np.zeros(len(wanting), bool)
+        if not self.colorless.applies:
+            return late
+        target, unconfirmed = wanting.nonzero()[0], wanting.copy()
+        unconfirmed[positions.target[positions.confirmed]] = False
+        shown = ~unconfirmed
+        if unconfirmed.any():
+            shown |= self.color.shown(forecast.xyz, blobs).diagonal()
+        place = forecast.xyz.take(target, axis=0)
+        late[target] = self.colorless.late(target, shown[target], place, forecast.period)
+        return late
+
     def state(self) -> Any:
-        return self.course._asdict()
+        return {**self.course._asdict(), "since": self.colorless.since}
 
     def restore(self, state: Any) -> None:
         self.course = Course(*(np.array(state[name]) for name in Course._fields))
+        self.colorless.since = np.array(state["since"], float)
 
     def stray(self, positions: Positions, forecast: Forecast) -> Array:
         """Positions of no supporting pair, or of a single weak one, far from the forecast: (M,) bool."""

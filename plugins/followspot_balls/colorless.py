@@ -50,14 +50,21 @@ class Colorless:
         target = positions.target
         if not self.applies or forecast is None or not len(target):
             return positions
-        unseen = ~self.shown(positions, candidates)
+        late = self.late(target, self.shown(positions, candidates), positions.xyz, forecast.period)
+        return positions.where(~late) if late.any() else positions
+
+    def late(self, target: Array, shown: Array, xyz: Array, period: float) -> Array:
+        """Which targets (M,) no colour camera has shown for too long, one frame later: (M,) bool.
+
+        shown: (M,) bool, whether one shows them in this frame; xyz: (M, 3) m, where they are; period: s.
+        """
+        unseen = ~shown
         if not unseen.any():
             self.since[target] = 0.0
-            return positions
-        unseen[unseen] = self.in_picture(positions.xyz[unseen])
-        self.since[target] = np.where(unseen, self.since[target] + forecast.period, 0.0)
-        late = self.since[target] > self.limit
-        return positions.where(~late) if late.any() else positions
+            return unseen
+        unseen[unseen] = self.in_picture(xyz[unseen])
+        self.since[target] = np.where(unseen, self.since[target] + period, 0.0)
+        return np.asarray(self.since[target] > self.limit)
 
     def shown(self, positions: Positions, candidates: Candidates) -> Array:
         """Whether a candidate with the colour of its target lies in its ball: (M,) bool."""

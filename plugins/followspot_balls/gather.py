@@ -9,8 +9,8 @@ import numpy as np
 
 from followspot import Array, Field, Joined, Latest, Stage, StageParams
 from followspot.tracking import Blobs, Candidates, Forecast
+from followspot_balls.colored import ColorViews
 from followspot_balls.search import lost_targets, target_radii, tracked_targets
-from followspot_balls.single_view import images
 
 
 class Gather(Stage):
@@ -37,11 +37,8 @@ class Gather(Stage):
     params: Params
 
     def setup(self) -> None:
-        cameras = self.room.cameras.values()
         self.cameras = tuple(self.room.cameras)
-        self.color = {name for name, camera in self.room.cameras.items() if camera.kind == "color"}
-        self.P = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
-        self.focal = np.array([c.matrix[0, 0] for c in cameras])
+        self.color = ColorViews(self.room)
         self.radii = target_radii(self.room)
         targets = np.zeros((0, len(self.radii)), bool)
         self.nothing = replace(Candidates.empty(), cameras=self.cameras, targets=targets)
@@ -72,7 +69,7 @@ class Gather(Stage):
         alone = (found.view[:, 0] == found.view[:, 1]) & ~found.labelled
         if not alone.any():
             return found
-        targets = found.targets & self.colored(found.xyz, blobs)
+        targets = found.targets & self.color.shown(found.xyz, blobs, self.params.label_radius)
         labelled = alone & targets.any(axis=1)
         unnamed = found.targets & (
             ~lost_targets(forecast, len(self.radii)) | self.known_by_exclusion(forecast)
@@ -81,22 +78,6 @@ class Gather(Stage):
         found = replace(found, targets=targets, labelled=found.labelled | labelled)
         rows = np.flatnonzero(targets.any(axis=1))
         return found if len(rows) == len(targets) else found.where(rows)
-
-    def colored(self, xyz: Array, blobs: Sequence[Blobs]) -> Array:
-        """Which points colour blobs show as which targets: (N, T) bool. xyz: (N, 3) m."""
-        shown = np.zeros((len(xyz), len(self.radii)), bool)
-        for one in blobs:
-            if one.camera not in self.color or not len(one.xy):
-                continue
-            number = self.cameras.index(one.camera)
-            pixel = images(self.P[number : number + 1], xyz[None])[0][0]
-            depth = xyz @ self.P[number, 2, :3] + self.P[number, 2, 3]
-            reach = (
-                self.params.label_radius * self.focal[number] * self.radii / np.maximum(depth, 1e-9)[:, None]
-            )
-            apart = np.hypot(*(pixel[:, None] - one.xy).transpose(2, 0, 1))
-            shown |= ((apart[..., None] <= reach[:, None]) & one.targets).any(axis=1)
-        return shown
 
     def known_by_exclusion(self, forecast: Forecast | None) -> Array:
         """Which targets are the only one of their radius that is not tracked: (T,) bool."""

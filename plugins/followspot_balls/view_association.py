@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from followspot import Array, Latest, Stage
-from followspot.tracking import Candidates, Forecast
+from followspot.tracking import Candidates, ExistenceOdds, Forecast
 from followspot_balls.evidence import appearing
 from followspot_balls.existence import Existence, Rules, followed, restored
 from followspot_balls.finite import finite_candidates, finite_forecast
@@ -47,6 +47,14 @@ class Weighed(NamedTuple):
         """No hypothesis."""
         none = np.zeros(0)
         return cls(np.zeros((0, 3)), np.zeros(0, int), none, none, none, np.zeros(0, bool))
+
+
+@dataclass(frozen=True)
+class Associated:
+    """The candidates that are left to their targets, and what is known of the targets' existence."""
+
+    candidates: Candidates
+    existence: ExistenceOdds
 
 
 class ViewAssociation(Stage, ABC):
@@ -104,10 +112,10 @@ class ViewAssociation(Stage, ABC):
         """Probabilities that the views show targets of which nothing is known: (T, C)."""
         return np.full((len(self.room.targets), len(self.color)), self.params.detection)
 
-    def process(self, candidates: Candidates, forecast: Latest[Forecast] = None) -> Candidates:
-        if self.depth:
-            return candidates
+    def process(self, candidates: Candidates, forecast: Latest[Forecast] = None) -> Associated:
         count = len(self.existence)
+        if self.depth:
+            return Associated(candidates, self.existence_odds(*np.zeros((2, count), bool)))
         if forecast is not None and not len(forecast.state):
             forecast = None
         candidates, forecast = finite_candidates(candidates), finite_forecast(forecast)
@@ -119,7 +127,8 @@ class ViewAssociation(Stage, ABC):
         if not len(row):
             self.decide(Weighed.none(), forecast, tracked, clear)
             self.shown = self.usually_shown()
-            return self.kept(candidates, candidates.targets & clear)
+            left = self.kept(candidates, candidates.targets & clear)
+            return Associated(left, self.existence_odds(tracked, clear))
         blobs = self.evidence.blobs(candidates, forecast, tracked)
         begun = hypotheses(candidates.xyz, row, target, forecast, tracked, self.prior)
         found, views = self.evidence.likeliest(begun, blobs, self.shown)
@@ -132,7 +141,14 @@ class ViewAssociation(Stage, ABC):
         keep[:, mine] = (used[:, candidates.view] == blobs.table.slot).all(axis=2).T
         first = ~tracked[mine]
         keep[begin[first], mine[first]] = True
-        return self.kept(candidates, candidates.targets & keep)
+        left = self.kept(candidates, candidates.targets & keep)
+        return Associated(left, self.existence_odds(tracked, clear))
+
+    def existence_odds(self, tracked: Array, clear: Array) -> ExistenceOdds:
+        """What is known of targets after the frame. tracked, clear: (T,) bool, which keep all candidates."""
+        odds = np.array([one.odds for one in self.existence])
+        given_up = tracked & ~clear & (odds < self.rules.silent)
+        return ExistenceOdds(odds=np.where(tracked, odds, np.nan), given_up=given_up)
 
     def weighed(self, found: Hypotheses, views: Views, candidates: Candidates, lost: Array) -> Weighed:
         """The hypotheses with what speaks for them."""

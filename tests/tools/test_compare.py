@@ -161,7 +161,7 @@ def test_failing_variant_is_named_and_the_exit_code_is_1(
     )
     graph = tmp_path / "graph.yaml"
     text = Path(ROOT / "graphs/glowballs.yaml").read_text().replace("rooms/simulated.yaml", SIMULATED)
-    graph.write_text(re.sub(r"(fuse: .*candidates: associate), forecast: .*", r"\1}}", text))
+    graph.write_text(re.sub(r"(fuse: .*candidates: associate.candidates), forecast: .*", r"\1}}", text))
     command = ["compare", str(graph), "--plugin", str(plugin), "--set", "fuse.uses=broken.fusion"]
     assert main([*command, "--frames", "2", "-o", str(tmp_path / "out"), "--quiet"]) == 1
     said = capsys.readouterr().err

@@ -47,7 +47,8 @@ def test_balls_that_are_covered_are_weighed_over_all_views() -> None:
     plan = compile_graph(GRAPHS / "covered.yaml")
     assert {s.name: s.uses for s in plan.stages}["fuse"] == "balls.bundle"
     assert [e.name for e in plan.edges if e.name.startswith("associate")] == [
-        "associate.out -> fuse.candidates"
+        "associate.candidates -> fuse.candidates",
+        "associate.existence -> bridge.existence",
     ]
 
 

@@ -36,7 +36,7 @@ def views(
 
 
 def associated(to: ViewAssociation, blobs: tuple[Blobs, ...], forecast: Forecast | None) -> Candidates:
-    return to.process(candidates_of(blobs, forecast), forecast)
+    return to.process(candidates_of(blobs, forecast), forecast).candidates
 
 
 def candidates_of(blobs: tuple[Blobs, ...], forecast: Forecast | None = None) -> Candidates:

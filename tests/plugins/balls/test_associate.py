@@ -252,7 +252,7 @@ def test_unknown_numbers_spoil_nothing() -> None:
         to.process(frame, there)
     assert [one.odds for one in associate.existence] == [one.odds for one in empty.existence]
     for candidates, forecast in ((mixed, there), (found, nowhere), (found, there)):
-        left = red(associate.process(candidates, forecast))
+        left = red(associate.process(candidates, forecast).candidates)
         assert len(left)
         assert np.isfinite(left).all()
         assert np.isfinite([one.odds for one in associate.existence]).all()
@@ -271,7 +271,7 @@ def test_a_light_on_the_ray_of_the_last_view_does_not_take_the_ball_along() -> N
             assert found == pytest.approx(np.array([BALL]), abs=1e-6)
         before = candidates_of(views({BALL: ("cam1",), light: ("cam2",)}), there)
         assert np.linalg.norm(red(before) - BALL, axis=1) == pytest.approx([0.22], abs=1e-3)
-        assert not len(red(associate.process(before, there)))
+        assert not len(red(associate.process(before, there).candidates))
 
 
 def test_nothing_seen_is_nothing_found_and_the_state_comes_back() -> None:

@@ -44,8 +44,8 @@ def test_three_candidates_at_the_forecast_settle_where_a_target_is() -> None:
     there = forecast_at([BALL, (-1, 0, 0.5)])
     for cameras, settled in ((("cam0", "cam1", "cam3"), True), (("cam0", "cam1"), False)):
         twice = candidates_of(views({BALL: cameras, beside: ("cam0", "cam1")}), there)
-        assert len(red(twice)) > len(red(everywhere().process(twice, there)))
-        left = stage().process(twice, there)
+        assert len(red(twice)) > len(red(everywhere().process(twice, there).candidates))
+        left = stage().process(twice, there).candidates
         assert (left is twice) == settled
         assert np.linalg.norm(red(left) - BALL, axis=1).min() < 1e-6
 
@@ -64,13 +64,13 @@ def test_what_settles_a_place_is_near_the_forecast_and_shows_its_colour() -> Non
 def test_of_sought_targets_all_candidates_stay() -> None:
     associate = stage()
     paint = candidates_of(views({PATCH: COLOR}))
-    assert associate.process(paint, None) is paint
+    assert associate.process(paint, None).candidates is paint
     tracked = forecast_at([BALL, (-1, 0, 0.5)])
     for _ in range(4):
         associated(associate, views({BALL: INFRARED}), tracked)
     assert associate.existence[0].odds < 0
     missing = seal(replace(tracked, state=np.array([MISSING, TRACKED], np.uint8)))
-    assert associate.process(paint, missing) is paint
+    assert associate.process(paint, missing).candidates is paint
     assert associate.existence[0].odds == 0
 
 
@@ -101,7 +101,7 @@ def test_depth_cameras_leave_all_candidates_as_they_are() -> None:
         cameras = {n: replace(c, kind=kind if n == "cam0" else c.kind) for n, c in ROOM.cameras.items()}
         associate = AssociateTracked(Context(room=replace(ROOM, cameras=cameras)))
         associate.setup()
-        left = [len(associate.process(reflector, there).xyz) for _ in range(30)]
+        left = [len(associate.process(reflector, there).candidates.xyz) for _ in range(30)]
         assert (left[-1] > 0) == (kind == "depth")
 
 

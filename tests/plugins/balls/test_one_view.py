@@ -27,7 +27,8 @@ def reported(path: Array, fps: float = 60.0) -> tuple[Array, Array]:
 
     path: (N, 3) m. Positions are 3 mm off, blobs 0.3 px.
     """
-    rng, bridge, track = np.random.default_rng(0), Bridge(Context(room=ROOM)), Kalman(Context(room=ROOM))
+    rng, track = np.random.default_rng(0), Kalman(Context(room=ROOM))
+    bridge = Bridge(Context(room=ROOM), colorless_time=0.0)  # however long no colour camera shows the ball
     bridge.setup()
     track.setup()
     forecast: Forecast | None = None
