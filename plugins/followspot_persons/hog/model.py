@@ -26,12 +26,13 @@ DIRECTIONS = 16
 OUTPUTS = 1 + 2 * DIRECTIONS
 UNLIKELY = -6.0
 """Log-odds of the network below which the trees are not asked."""
-NO_TREES: Mapping[str, Array] = {
+OPTIONAL: Mapping[str, Array] = {
     "tree_feature": np.zeros((0, 3), np.intp),
     "tree_threshold": np.zeros((0, 3), np.float32),
     "tree_leaf": np.zeros((0, 4), np.float32),
+    "calibration": np.array([1.0, 0.0], np.float32),
 }
-"""Arrays of trees, which a weights file may lack."""
+"""Arrays that a weights file may lack, and what they are then: no trees, and scores that are log-odds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,13 +57,15 @@ class HogModel:
     """(T, 3)"""
     tree_leaf: Array
     """(T, 4)"""
+    calibration: Array
+    """(2,) factor and offset that make log-odds of what network and trees say (Platt 1999)."""
 
     @property
     def trees(self) -> Trees:
         return Trees(self.tree_feature, self.tree_threshold, self.tree_leaf)
 
 
-NAMES = [field.name for field in fields(HogModel) if field.name not in NO_TREES]
+NAMES = [field.name for field in fields(HogModel) if field.name not in OPTIONAL]
 """Arrays that a weights file must have."""
 
 
@@ -85,8 +88,8 @@ def judge(model: HogModel, windows: Array | Sequence[Array]) -> Judgement:
 def judge_described(model: HogModel, looks: Array, channels: Callable[[Array], Array]) -> Judgement:
     """Score and headings of windows from their looks (N, LOOKS), and the channels of the rows that are given.
 
-    The score is the mean of what network and trees say; where the network says that a person is unlikely, or
-    without trees, it is the network's.
+    The score is the calibrated mean of what network and trees say; where the network says that a person is
+    unlikely, or without trees, it is the network's.
     """
     hidden = np.maximum(looks @ model.hidden + model.hidden_bias, 0)
     out = (hidden @ model.output + model.output_bias).astype(float)
@@ -96,7 +99,8 @@ def judge_described(model: HogModel, looks: Array, channels: Callable[[Array], A
         likely = np.flatnonzero(score > UNLIKELY)
         features = np.hstack([looks[likely], channels(likely)])
         score[likely] = (score[likely] + log_odds(model.trees, features)) / 2
-    return Judgement(score, trusted(torso, *model.trust[0]), trusted(head, *model.trust[1]))
+    factor, offset = model.calibration.astype(float)
+    return Judgement(factor * score + offset, trusted(torso, *model.trust[0]), trusted(head, *model.trust[1]))
 
 
 def joined(parts: Sequence[Judgement]) -> Judgement:
@@ -136,16 +140,16 @@ def _arrays(path: Path) -> dict[str, Array]:
             raise ValueError(f"more than {DATA} bytes unpacked")
         file.seek(0)
         stored = np.load(file, allow_pickle=False)
-        trees = {name: stored[name].astype(none.dtype) for name, none in NO_TREES.items() if name in stored}
+        given = {name: stored[name].astype(other.dtype) for name, other in OPTIONAL.items() if name in stored}
         rest = {name: stored[name].astype(np.float32) for name in NAMES}
-        return {**NO_TREES, **trees, **rest}
+        return {**OPTIONAL, **given, **rest}
 
 
 def save(model: HogModel, path: Path) -> None:
     """Write a weights file; half precision is enough for weights, but not for thresholds."""
     half = {name: getattr(model, name).astype(np.float16) for name in NAMES}
-    trees = {name: getattr(model, name).astype(none.dtype) for name, none in NO_TREES.items()}
-    np.savez_compressed(path, allow_pickle=False, **half, **trees)
+    exact = {name: getattr(model, name).astype(other.dtype) for name, other in OPTIONAL.items()}
+    np.savez_compressed(path, allow_pickle=False, **half, **exact)
 
 
 def _check(model: HogModel) -> None:
@@ -161,6 +165,7 @@ def _check(model: HogModel) -> None:
         "tree_feature": (*trees, 3),
         "tree_threshold": (*trees, 3),
         "tree_leaf": (*trees, 4),
+        "calibration": (2,),
     }
     for name, shape in shapes.items():
         array = getattr(model, name)
@@ -168,5 +173,7 @@ def _check(model: HogModel) -> None:
             raise ValueError(f"{name} has shape {array.shape}, not {shape}")
         if not np.isfinite(array).all():
             raise ValueError(f"{name} holds numbers that are not finite")
+    if model.calibration[0] <= 0:
+        raise ValueError("calibration has a factor that is not above 0")
     if np.any((model.tree_feature < 0) | (model.tree_feature >= LOOKS + CHANNELS)):
         raise ValueError(f"tree_feature holds numbers of features beyond 0 to {LOOKS + CHANNELS - 1}")

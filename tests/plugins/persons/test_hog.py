@@ -135,6 +135,14 @@ def test_weights_without_trees_are_those_of_a_network_alone(tmp_path):
     )
 
 
+def test_scores_are_calibrated():
+    model, window = load(SHIPPED), np.random.default_rng(2).integers(0, 256, (3, HEIGHT, WIDTH, 3), np.uint8)
+    before = judge(model, window)
+    after = judge(replace(model, calibration=np.array([2.0, -1.5])), window)
+    np.testing.assert_allclose(after.score, 2 * before.score - 1.5, rtol=1e-6)
+    assert np.array_equal(after.torso, before.torso)
+
+
 def test_files_that_hold_no_weights_are_refused(tmp_path):
     def broken(name, **changes):
         with np.load(SHIPPED) as stored:
@@ -159,6 +167,8 @@ def test_files_that_hold_no_weights_are_refused(tmp_path):
         broken("leaves.npz", tree_leaf=np.zeros((7, 4))): "tree_feature has shape",
         broken("leaf.npz", tree_leaf=np.zeros(())): "has shape",
         broken("beyond.npz", **tree(LOOKS + CHANNELS)): "tree_feature holds numbers of features beyond",
+        broken("half.npz", calibration=np.ones(3)): "calibration has shape",
+        broken("turned.npz", calibration=np.array([-1.0, 0.0])): "a factor that is not above 0",
         broken("nan.npz", output_bias=np.full(33, np.nan)): "not finite",
         broken("object.npz", trust=np.array([[None, 1], [2, 3]], object)): "allow_pickle",
     }

@@ -15,7 +15,7 @@ from followspot_persons.hog.cells import LOOKS
 from followspot_persons.hog.channels import CHANNELS
 from followspot_persons.hog.model import (
     DIRECTIONS,
-    NO_TREES,
+    OPTIONAL,
     OUTPUTS,
     SHIPPED,
     Judgement,
@@ -103,23 +103,44 @@ def test_leaves_step_to_the_minimum_of_the_cross_entropy(monkeypatch):
         assert 1 / (1 + np.exp(-value)) == pytest.approx(own.mean(), abs=0.03)
 
 
+def tried(persons, others, windows=100_000):
+    """A trial that gave these scores to windows of persons and of one folder of backgrounds."""
+    none, unknown = np.zeros(0), np.zeros((len(persons), DIRECTIONS))
+    said = Judgement(persons, unknown, unknown)
+    streets = {"streets": recipe.Searched(others, windows)}
+    return recipe.Trial(None, none, none, said, said, np.zeros(len(persons)), np.zeros(len(persons)), streets)
+
+
 def test_the_threshold_of_the_trials_becomes_the_score_0():
-    """Whatever the network says: the score is half the trees', and they are moved by twice the threshold."""
-    one = {name: np.zeros((1, *rows.shape[1:]), rows.dtype) for name, rows in NO_TREES.items()}
-    model, none = replace(load(SHIPPED), **one), np.zeros(0)
-    said = Judgement(none, np.zeros((1, DIRECTIONS)), np.zeros((1, DIRECTIONS)))
-    streets = {"streets": recipe.Searched(np.linspace(-5, 5, 1001), 100_000)}
-    trial = recipe.Trial(model, none, none, said, said, np.zeros(1), np.zeros(1), streets)
-    moved = calibrated(model, [trial])
+    """Whatever network and trees say, and however far apart they hold persons and others."""
+    one = {name: np.zeros((1, *OPTIONAL[name].shape[1:]), OPTIONAL[name].dtype) for name in OPTIONAL}
+    model = replace(load(SHIPPED), **{**one, "calibration": OPTIONAL["calibration"]})
+    trial = tried(RNG.normal(6, 1, 50), np.linspace(-5, 5, 1001))
     looks = RNG.normal(size=(20, LOOKS)).astype(np.float32)
 
     def described(rows):
         return np.zeros((len(rows), CHANNELS), np.float32)
 
-    before, after = (judge_described(m, looks, described).score for m in (model, moved))
-    asked = before != after
-    assert asked.any()
-    np.testing.assert_allclose((before - after)[asked], figures.threshold([trial]), atol=1e-4)
+    before, after = (judge_described(m, looks, described).score for m in (model, calibrated(model, [trial])))
+    factor = np.ptp(after) / np.ptp(before)
+    assert factor == pytest.approx(figures.steepness([trial]), rel=1e-4)
+    np.testing.assert_allclose(after, factor * (before - figures.threshold([trial])), atol=1e-3)
+
+
+@pytest.mark.parametrize("softness", [1.0, 2.0, 5.0])
+def test_calibrated_scores_differ_by_log_odds_however_soft_they_were(softness):
+    """Of two normal distributions of one sigma the log-odds rise by their distance over the variance."""
+    rng = np.random.default_rng(6)
+    persons, others = rng.normal(3, 1.5, 4000), rng.normal(-1, 1.5, 100_000)
+    found = figures.steepness([tried(persons / softness, others / softness)])
+    assert found / softness == pytest.approx(4 / 1.5**2, rel=0.05)
+
+
+def test_a_calibration_ends_even_if_nothing_is_mistaken():
+    """Persons and others far apart, or hardly any: no factor of any size would be wrong."""
+    apart = figures.steepness([tried(np.full(5, 40.0), np.full(5, -40.0), 5)])
+    assert apart == pytest.approx(1.0, abs=0.05)
+    assert np.isfinite(figures.steepness([tried(np.zeros(0), np.zeros(0), 0)]))
 
 
 def people(bodies=8, rooms=("a", "b", "c")):

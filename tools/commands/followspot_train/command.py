@@ -44,11 +44,11 @@ def train_hog(args: argparse.Namespace) -> int:
 
 
 def calibrated(model: HogModel, trials: Sequence[Trial]) -> HogModel:
-    """The model with 0 as its threshold, and as sure of headings as the trials allow."""
-    leaf = model.tree_leaf.copy()
-    leaf[0] -= 2 * figures.threshold(trials)  # the score is the mean of network and trees
+    """The model with 0 as its threshold, as sure of bodies and headings as the trials allow."""
+    factor = figures.steepness(trials)
+    calibration = np.array([factor, -factor * figures.threshold(trials)], np.float32)
     trust = np.array([figures.trust(trials, "torso"), figures.trust(trials, "head")])
-    return replace(model, tree_leaf=leaf, trust=trust)
+    return replace(model, calibration=calibration, trust=trust)
 
 
 def told_figures(trials: Sequence[Trial], pictures: Pictures) -> dict[str, Any]:

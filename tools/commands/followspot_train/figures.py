@@ -16,6 +16,13 @@ RATE = 1e-3
 """False positives per window at which recall is reported."""
 THRESHOLD_RATE = 1e-4
 """False positives per window at the detector's own threshold."""
+PRESENCE = 1e-3
+"""Odds of a body in a window that the calibration assumes."""
+NEWTON, RIDGE = 20, 0.1
+"""Steps of the calibration, and its pull towards scores as they are, for a few windows tell little."""
+START = np.array([1.0, 0.0])
+STEEP = (0.1, 10.0)
+"""Limits of the factor of scores."""
 ANGLES = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
 FACTORS = np.geomspace(0.3, 3.0, 15)
 MISTAKEN = np.array([0.001, 0.003, 0.01, 0.02, 0.03, 0.05, 0.08, 0.12, 0.2])
@@ -46,6 +53,39 @@ def score_at(scores: Array, searched: int, rate: float) -> float:
     """The score that a share `rate` of the searched windows exceeds; scores: of windows that have one."""
     allowed = int(searched * rate)
     return float(np.sort(scores)[::-1][allowed]) if allowed < len(scores) else float(scores.min(initial=0.0))
+
+
+def steepness(trials: Sequence[Trial]) -> float:
+    """The factor that makes differences of scores those of log-odds (Platt 1999): how surely the windows of
+    strangers, as a search finds them, are told from those of strange backgrounds.
+    """
+    backgrounds = [found for trial in trials for found in trial.backgrounds.values()]
+    persons = np.concatenate([trial.found.score for trial in trials])
+    others = np.concatenate([found.scores for found in backgrounds])
+    weight = PRESENCE * sum(found.windows for found in backgrounds) / max(1, len(persons))
+    return logistic(persons, others, weight)
+
+
+def logistic(persons: Array, others: Array, weight: float) -> float:
+    """The slope of a logistic regression by Newton steps; weight: of each person, others count once."""
+    score = np.concatenate([persons, others])
+    inputs = np.column_stack([score, np.ones(len(score))])
+    sign = np.repeat([1.0, -1.0], [len(persons), len(others)])
+    counts = np.repeat([weight, 1.0], [len(persons), len(others)])
+
+    def loss(line: Array) -> float:
+        return float(counts @ np.logaddexp(0, -sign * (inputs @ line)) + RIDGE * np.sum((line - START) ** 2))
+
+    line, length = START, 1.0
+    for _ in range(NEWTON):
+        wrong = counts / (1 + np.exp(np.clip(sign * (inputs @ line), -50, 50)))
+        bend = (inputs * (wrong * (1 - wrong / counts))[:, None]).T @ inputs + 2 * RIDGE * np.eye(2)
+        step = np.linalg.solve(bend, inputs.T @ (sign * wrong) - 2 * RIDGE * (line - START))
+        length = min(1.0, 2 * length)
+        while loss(line + length * step) > loss(line) and length > 1e-6:
+            length /= 2
+        line = line + length * step
+    return float(np.clip(line[0], *STEEP))
 
 
 def recall(trials: Sequence[Trial], persons: Sequence[Person], rate: float) -> dict[str, Any]:

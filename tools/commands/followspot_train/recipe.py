@@ -20,6 +20,8 @@ VIEWS, MISSES = 14, 5
 DECEIVING = 300
 """Most windows of one background that pass the linear detector and train the network only."""
 FOLDS = 4
+RAW = np.array([1.0, 0.0], np.float32)
+"""Calibration of scores that stay as they are."""
 UNKNOWN = np.array([[1.0, 0.0], [1.0, 0.0]])
 """Trust in a network that was not tried on strangers: its own word."""
 
@@ -115,7 +117,8 @@ def learn(material: Material, split: Split, rng: np.random.Generator, tell: Tell
     seen = np.concatenate([positive.channels, near.channels, channels(windows).astype(np.float16)])
     trees = boosting.train(np.hstack([examples.looks.astype(np.float16), seen]), examples.person, rng, tell)
     none = np.zeros(0, np.float32)
-    model = HogModel(weights, none, none, none, none, UNKNOWN, trees.feature, trees.threshold, trees.leaf)
+    grown = trees.feature, trees.threshold, trees.leaf
+    model = HogModel(weights, none, none, none, none, UNKNOWN, *grown, RAW)
     return network.train(model, examples, rng, tell)
 
 
