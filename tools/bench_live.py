@@ -16,6 +16,8 @@ came last, every part of the time has one cause:
   late frame    the frame enters the graph later than it is due, and its worker does nothing else
   runtime       all that is left: joins, scheduling, sending
 
+`no core` is how much of all that a worker of the path was ready to run while others had the cores.
+
 Parts are means over the frame sets of a round, for medians do not add up; all figures are medians of the
 rounds. The aim is the stages, those that the path waits for too, and 0.5 ms a hop. The trace is in these runs
 only (`tools/benching/live_trace.py`) and costs some microseconds a firing.
@@ -65,7 +67,7 @@ HOP_MS = 0.5
 
 @dataclass(frozen=True)
 class Row:
-    """One placement at one rate, ms. parts: means."""
+    """One placement at one rate, ms. parts, no_core: means."""
 
     rate: float
     placement: str
@@ -74,6 +76,7 @@ class Row:
     mean: float
     parts: dict[str, float]
     hops: float
+    no_core: float
     aim: float
 
 
@@ -162,7 +165,8 @@ def figures(rate: float, placement: str, ways: Sequence[Way]) -> Row:
     hops = fmean(way.hops for way in ways)
     p50, p95 = (float(found) for found in np.percentile(totals, (50, 95)))
     aim = parts[STAGES] + parts[OTHERS] + HOP_MS * hops
-    return Row(rate, placement, p50, p95, fmean(totals), parts, hops, aim)
+    no_core = fmean(way.waited for way in ways) / 1e6
+    return Row(rate, placement, p50, p95, fmean(totals), parts, hops, no_core, aim)
 
 
 def middle(rounds: Sequence[Row]) -> Row:
@@ -172,7 +176,7 @@ def middle(rounds: Sequence[Row]) -> Row:
         parts={part: median(row.parts[part] for row in rounds) for part in PARTS},
         **{
             name: median(getattr(row, name) for row in rounds)
-            for name in ("p50", "p95", "mean", "hops", "aim")
+            for name in ("p50", "p95", "mean", "hops", "no_core", "aim")
         },
     )
 
@@ -184,11 +188,11 @@ def text(args: argparse.Namespace, rows: Sequence[Row]) -> str:
             f"{row.placement}, {row.rate:g}/s",
             *(f"{value:.1f}" for value in (row.p50, row.p95, row.mean)),
             *(f"{row.parts[part]:.1f}" for part in PARTS),
-            *(f"{row.hops:.1f}", f"{row.aim:.1f}"),
+            *(f"{value:.1f}" for value in (row.no_core, row.hops, row.aim)),
         )
         for row in rows
     ]
-    heads = ("capture to track, ms", "p50", "p95", "mean", *PARTS, "number of hops", "aim")
+    heads = ("capture to track, ms", "p50", "p95", "mean", *PARTS, "no core", "number of hops", "aim")
     return shown(args, heads, cells)
 
 

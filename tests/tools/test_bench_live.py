@@ -46,6 +46,7 @@ MAIN = {
         *[("cam0.out -> find0.frame", 2, 102), ("find0.out -> fuse.blobs", 2, 110)],
         *[("find1.out -> fuse.blobs", 2, 148), ("fuse.out -> find0.forecast", 2, 161)],
     ],
+    "waited": [(2, 50), (10, 51), (60, 54), (65, 58), (88, 60), (148, 61), (160, 64)],
 }
 FAR = {
     "frames": [("cam1", 1, 0, 5), ("cam1", 2, 100, 104)],
@@ -55,6 +56,7 @@ FAR = {
         *[("cam1.out -> find1.frame", 1, 7), ("fuse.out -> find1.forecast", 1, 120)],
         ("cam1.out -> find1.frame", 2, 105),
     ],
+    "waited": [(1, 0), (5, 4), (31, 5), (104, 99), (120, 100), (140, 107)],
 }
 
 
@@ -66,9 +68,12 @@ def test_each_nanosecond_has_the_cause_that_the_notes_tell(tmp_path: Path) -> No
     # worker decoded from 40 to 60; at work from 70 to 80, and sent at 88
     assert (first.hops, first.total) == (1, 88)
     assert first.parts == {STAGES: 32, OTHERS: 0, DECODING: 22, FORECAST: 0, HOPS: 15, LATE: 3, RUNTIME: 16}
+    # 4 until the frame entered, 0 until its blobs were found, 7 at the fusion
+    assert first.waited == 4 + 0 + 7
     # 105 at the detector, which waits for the forecast until 120
     assert (second.hops, second.total) == (1, 61)
     assert second.parts == {STAGES: 28, OTHERS: 0, DECODING: 0, FORECAST: 15, HOPS: 8, LATE: 4, RUNTIME: 6}
+    assert second.waited == 4 + 8 + 4, "no longer than the time itself"
     assert len(Trace(tmp_path, plan()).ways("fuse", 1)) == 1
 
 
@@ -92,4 +97,5 @@ def test_a_live_run_is_traced_over_its_workers(
     assert two["hops"] > 0 < two["parts"][HOPS]
     for row in (one, two):
         assert sum(row["parts"].values()) == pytest.approx(row["mean"])
+        assert 0 <= row["no_core"] <= row["mean"]
         assert min(row["parts"].values()) >= 0 < row["parts"][STAGES]

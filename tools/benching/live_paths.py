@@ -43,10 +43,14 @@ class Fired(NamedTuple):
 
 
 class Way(NamedTuple):
-    """What one frame set took, ns by part, and over how many hops between workers it came."""
+    """What one frame set took, ns by part, and over how many hops between workers it came.
+
+    waited: how much of all that the path's workers were ready to run and had no core, ns.
+    """
 
     parts: Mapping[str, int]
     hops: int
+    waited: int
 
     @property
     def total(self) -> int:
@@ -76,6 +80,8 @@ class Trace:
         self._into: dict[str, list[PlannedEdge]] = defaultdict(list)
         for edge in plan.edges:
             self._into[edge.to_stage].append(edge)
+        self._waited: dict[str, Array] = {}
+        """By worker, (2, N): times, and how long its thread had waited for a core by then, ns."""
         worked: dict[str, list[tuple[int, int, str]]] = defaultdict(list)
         for file in sorted(folder.glob("*.json")):
             notes = json.loads(file.read_text(encoding="utf-8"))
@@ -88,6 +94,10 @@ class Trace:
                 worked[plan.worker_of(stage)].append((begun, ended, DECODING))
             for edge, time, arrived in notes["arrived"]:
                 self._arrived[edge, time] = arrived
+            for stage in {row[0] for row in (*notes["frames"], *notes["fired"])}:
+                self._waited[plan.worker_of(stage)] = (
+                    np.array(notes["waited"], dtype=np.int64).reshape(-1, 2).T
+                )
         self._busy = {worker: _busy(rows) for worker, rows in worked.items()}
 
     def ways(self, stage: str, lead: int) -> list[Way]:
@@ -97,7 +107,7 @@ class Trace:
     def _way(self, stage: str, time: int) -> Way:
         """Back from the firing of this stage."""
         parts = dict.fromkeys(PARTS, 0)
-        hops = 0
+        hops = waited = 0
         parts[RUNTIME] += self.fired[stage][time].sent - self.fired[stage][time].ended
         while stage in self.fired:
             firing, here = self.fired[stage][time], self.plan.worker_of(stage)
@@ -112,9 +122,11 @@ class Trace:
             away = edge.kind != "reference"
             hops += away
             self._share(parts, here, left, came, HOPS if away else RUNTIME)
+            waited += self._without_core(here, left, firing.ended)
         due, entered = self.made[stage, time]
         self._share(parts, self.plan.worker_of(stage), due, entered, LATE)
-        return Way(parts, hops)
+        waited += self._without_core(self.plan.worker_of(stage), due, entered)
+        return Way(parts, hops, waited)
 
     def _came(self, stage: str, time: int) -> Iterable[tuple[int, PlannedEdge]]:
         """When the messages of this frame set came, and over which edges."""
@@ -128,6 +140,12 @@ class Trace:
         place = times.index(time)
         needed = [(edge, times[place - edge.delay]) for edge in self._into[stage] if 0 < edge.delay <= place]
         return max((self._arrived.get((edge.name, before), 0) for edge, before in needed), default=0)
+
+    def _without_core(self, worker: str, begun: int, ended: int) -> int:
+        """How long the worker's thread waited for a core meanwhile, ns, as far as its notes tell."""
+        times, waited = self._waited[worker]
+        before, after = np.searchsorted(times, (begun, ended), side="right") - 1
+        return int(min(waited[after] - waited[max(0, before)], ended - begun)) if after >= 0 else 0
 
     def _share(self, parts: dict[str, int], worker: str, begun: int, ended: int, rest: str) -> None:
         """Add a wait to what the worker did meanwhile, and what is left of it to `rest`."""

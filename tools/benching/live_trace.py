@@ -69,7 +69,16 @@ class _Notes:
         """Stage, capture time, when it took its inputs, had its result, and had sent it."""
         self.arrived: list[tuple[str, int, int]] = []
         """Edge, capture time, when its reader had the message."""
+        self.waited: list[tuple[int, int]] = []
+        """At these times, how long the worker's thread had waited for a core since it began, ns."""
         self._taken: dict[str, int] = {}
+        self._told = -1
+
+    def _wait(self) -> None:
+        """Note how long the calling thread has waited for a core: the worker's, for it alone calls this."""
+        if self._told < 0:
+            self._told = os.open("/proc/thread-self/schedstat", os.O_RDONLY | os.O_CLOEXEC)
+        self.waited.append((_now(), int(os.pread(self._told, 64, 0).split()[1])))
 
     def making(self, call: Call) -> Call:
         """Around `SourceRunner._next`."""
@@ -79,6 +88,7 @@ class _Notes:
             begun = _now()
             item = call(runner)
             self.decoded.append((runner.name, begun, _now()))
+            self._wait()
             return item
 
         return noted
@@ -90,6 +100,7 @@ class _Notes:
         def noted(runner: SourceRunner, item: Any) -> Any:
             header = call(runner, item)
             self.frames.append((runner.name, header.time, runner.not_before, header.entered))
+            self._wait()
             return header
 
         return noted
@@ -100,6 +111,7 @@ class _Notes:
         @wraps(call)
         def noted(runner: StageRunner, fire_at: int) -> Any:
             self._taken[runner.name] = _now()
+            self._wait()
             return call(runner, fire_at)
 
         return noted
@@ -110,6 +122,7 @@ class _Notes:
         @wraps(call)
         def noted(runner: StageRunner, result: Any, header: Any) -> None:
             ended = _now()
+            self._wait()
             call(runner, result, header)
             self.fired.append((runner.name, header.time, self._taken[runner.name], ended, _now()))
 
@@ -122,6 +135,7 @@ class _Notes:
         def noted(queue: InputQueue, token: Any) -> None:
             if isinstance(token, Message):
                 self.arrived.append((queue.name, token.header.time, _now()))
+                self._wait()
             call(queue, token)
 
         return noted

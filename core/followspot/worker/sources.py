@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Sequence
 from operator import attrgetter
 
@@ -13,6 +14,8 @@ from followspot.worker.runners.live_source import LiveSourceRunner
 from followspot.worker.runners.source import SourceRunner
 from followspot.worker.runners.stage_runner import StageRunner
 
+_LONGEST_REST_NS = 50_000_000
+"""Longest time that a source which keeps a pace leaves to the stages, ns."""
 _watermark = attrgetter("watermark")
 
 
@@ -23,6 +26,8 @@ class Sources:
         self.all: tuple[SourceRunner, ...] = ()
         self.live: tuple[LiveSourceRunner, ...] = ()
         self.hold = SourceHold()
+        self._resting_until = END
+        """When the first of those that rest goes on, as the last pull found it, ns of the monotonic clock."""
 
     @property
     def handlers(self) -> Handlers:
@@ -43,10 +48,15 @@ class Sources:
         """
         candidates = [s for s in self.all if not s.done and not self.hold.holds(s)]
         candidates.sort(key=_watermark)
-        pulled, reached = False, END
+        pulled, reached, now = False, END, time.monotonic_ns()
+        self._resting_until = END
         for source in candidates:
             if source.watermark >= reached:
                 break
+            if (until := self._rests_until(source)) > now:
+                self._resting_until = min(self._resting_until, until)
+                reached = min(reached, source.watermark + 1)
+                continue
             source.blocked = not source.has_room()
             if source.blocked:
                 continue
@@ -60,10 +70,24 @@ class Sources:
         return pulled
 
     def due(self) -> Iterator[float]:
-        """When those that keep times have their next message to send, s, monotonic."""
+        """When those that keep a pace have their next message to send or to make, s, monotonic."""
         for source in self.all:
             if source.keeps and not source.done and not self.hold.holds(source):
                 yield source.not_before / 1e9
+        if self._resting_until < END:
+            yield self._resting_until / 1e9
+
+    def _rests_until(self, source: SourceRunner) -> int:
+        """From when on a source makes its next message, ns of the monotonic clock.
+
+        One that keeps a pace leaves the cores to the stages of what it has sent, in other workers too. It
+        goes on halfway to the next message, or so early that all sources here need half of the time left.
+        """
+        if not source.interval or source.keeps or source.stopped or self.hold.holding:
+            return 0
+        making = sum(other.made_in for other in self.all if other.interval and not other.done)
+        rest = min(source.interval // 2, source.interval - 2 * making, _LONGEST_REST_NS)
+        return source.not_before + max(0, rest)
 
     def still(self) -> bool:
         """Whether no source of a recording will send anything as long as it is held."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -90,3 +91,71 @@ def test_what_falls_due_just_before_the_worker_sleeps_is_sent(
     monkeypatch.setattr(run.worker, "_finished", finished_late)
     assert run.run().errors == ()
     assert [source.yielded for source in run.worker.sources.all] == [9, 5]
+
+
+PERIOD = 20_000_000
+BEGUN = 1_000_000_000
+
+
+@dataclass
+class Clock:
+    """Stands still until it is told otherwise, ns."""
+
+    now: int = BEGUN
+
+    def __call__(self) -> int:
+        return self.now
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    """In place of the monotonic clock."""
+    clock = Clock()
+    monkeypatch.setattr(time, "monotonic_ns", clock)
+    return clock
+
+
+def after_sending(folder: Path, clock: Clock, made_in: tuple[int, int]) -> Solo:
+    """Two sources that have just sent a message; each took so long to make it, ns."""
+    (folder / "g.yaml").write_text(BOTH_WAIT.replace("waits_at: 0", f"interval: {PERIOD}"))
+    run = Solo(compile_graph(folder / "g.yaml", plugin_files=[PACED]), folder)
+    run.worker.setup()
+    sources = run.worker.sources
+    while sources.pull():
+        pass
+    assert [(source.yielded, source.keeps) for source in sources.all] == [(1, True), (1, True)]
+    clock.now = BEGUN + PERIOD
+    for source, ns in zip(sources.all, made_in, strict=True):
+        source.made_in = ns
+        source.pull()
+    return run
+
+
+@pytest.mark.parametrize(
+    ("made_in", "rest"),
+    [((0, 0), 10_000_000), ((3_000_000, 4_000_000), 6_000_000), ((5_000_000, 9_000_000), 0)],
+    ids=["half of the interval", "half of what is left", "none"],
+)
+def test_after_it_has_sent_a_source_leaves_the_cores_to_the_stages(
+    tmp_path: Path, clock: Clock, made_in: tuple[int, int], rest: int
+) -> None:
+    """Its worker has nothing to do then, but the stages of its message may be in other workers."""
+    run = after_sending(tmp_path, clock, made_in)
+    sources = run.worker.sources
+    if rest:
+        clock.now += rest - 1
+        assert not sources.pull()
+        assert list(sources.due()) == [(BEGUN + PERIOD + rest) / 1e9]
+        clock.now += 1
+    assert sources.pull()
+    assert [source.keeps for source in sources.all] == [True, False]
+    run.worker.close()
+
+
+def test_a_source_that_is_to_stop_does_not_rest(tmp_path: Path, clock: Clock) -> None:
+    run = after_sending(tmp_path, clock, made_in=(0, 0))
+    run.worker.sources.stop()
+    while run.worker.sources.pull():
+        pass
+    assert all(source.done for source in run.worker.sources.all)
+    run.worker.close()

@@ -36,7 +36,11 @@ class SourceRunner(StageRunner):
     entered = 0
     """When the last message was made, ns of the monotonic clock."""
     not_before = 0
-    """When the message that is kept may be sent, ns of the monotonic clock."""
+    """When the newest message may be sent, or might have been, ns of the monotonic clock."""
+    interval = 0
+    """From the time at which the message before was due, ns; 0 for a source that keeps no pace."""
+    made_in = 0
+    """How long the newest message took to make, ns."""
     stopped = False
     until = END
     """Capture time, ns, after which it sends nothing for now."""
@@ -132,7 +136,8 @@ class SourceRunner(StageRunner):
             self.working = False
         ended = time.monotonic_ns()
         self.entered = ended + self.clock.steady
-        self.count.busy_ns += ended - started
+        self.made_in = ended - started
+        self.count.busy_ns += self.made_in
         return item
 
     def _failed(self, error: Exception) -> None:
@@ -161,7 +166,9 @@ class SourceRunner(StageRunner):
         """
         given = check_yielded(self.declared, item, live=self.stage.live)
         seq = given.seq if given.seq >= 0 else self.yielded
-        self.not_before = 0 if self.stage.live else given.entered
+        if not self.stage.live and given.entered != self.not_before:
+            self.interval = given.entered - self.not_before if self.not_before else 0
+            self.not_before = given.entered
         return Header(self.name, seq, self._time(given), self.entered)
 
     def _time(self, given: Header) -> int:
