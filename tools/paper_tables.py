@@ -1,4 +1,4 @@
-"""Prints the tables of docs/jin_qian_2008.md from what `followspot compare` wrote.
+"""Prints the tables of docs/jin_qian_2008.md, of all targets, from what `followspot compare` wrote.
 
 python tools/paper_tables.py runs/published/compare.json
 """
@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+import statistics
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -23,15 +24,29 @@ HEADINGS = (
     "to detections",
     "pairs",
 )
+SPREADS = (
+    "pairs",
+    "10 to 18",
+    "5th to 95th",
+    "to detections",
+    "deviation",
+    "from the truth",
+    "jerk cost",
+    "of the truth",
+)
+PAIRS = 10, 18
+"""Of an object, as in section 4."""
 Target = Mapping[str, Any]
 
 
 def main(path: str) -> None:
-    """A table of all variants over all rooms, then one of the graph files in each room."""
+    """A table of all variants over all rooms, one of the graph files in each room, one of section 4."""
     data = json.loads(Path(path).read_text(encoding="utf-8"))
     print(lines(data, [("", data["rooms"])], data["variants"]), end="\n\n")
-    files = data["variants"][:1] + [v for v in data["variants"] if v == "recorded"]
-    print(lines(data, [(room, [room]) for room in data["rooms"]], files))
+    files = data["variants"][:1] + [v for v in data["variants"][1:] if v == "recorded"]
+    print(lines(data, [(room, [room]) for room in data["rooms"]], files), end="\n\n")
+    rows = [(v, *spreads(targets_of(data, v, data["rooms"]))) for v in files]
+    print(table([("variant", *SPREADS), ("---", *("---:" for _ in SPREADS)), *rows]))
 
 
 def lines(
@@ -45,6 +60,10 @@ def lines(
         for variant in variants:
             cells = figures(targets_of(data, variant, rooms))
             rows.append((*((name,) if several else ()), variant, *cells))
+    return table(rows)
+
+
+def table(rows: Sequence[Sequence[str]]) -> str:
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 
 
@@ -71,6 +90,28 @@ def figures(targets: Sequence[Target]) -> tuple[str, ...]:
         number(100 * false / sought if sought else math.nan, ".2f", " %"),
         number(mean([t["detection_px"] for t in there]), ".2f", " px"),
         number(mean([t["pairs"][0] for t in there]), ".1f", ""),
+    )
+
+
+def spreads(targets: Sequence[Target]) -> tuple[str, ...]:
+    """Smallest and largest figure of a target, with the median of all, in the order of `SPREADS`."""
+    there = [target for target in targets if target["frames"] and target["pairs"][0] is not None]
+
+    def spread(key: str, form: str) -> str:
+        values = [target[key] for target in there if target[key] is not None]
+        if not values:
+            return "-"
+        return f"{min(values):{form}} to {max(values):{form}} ({statistics.median(values):{form}})"
+
+    pairs = [target["pairs"][0] for target in there]
+    within = sum(PAIRS[0] <= count <= PAIRS[1] for count in pairs)
+    middle = [statistics.median(target["pairs"][n] for target in there) for n in (1, 2)] if there else []
+    return (
+        f"{min(pairs):.1f} to {max(pairs):.1f} ({statistics.median(pairs):.1f})" if pairs else "-",
+        f"{within} of {len(pairs)}",
+        " to ".join(f"{value:.0f}" for value in middle) or "-",
+        *(spread(key, ".2f") for key in ("detection_px", "detection_std_px", "reprojection_px")),
+        *(spread(key, ".5f") for key in ("jerk_cost", "true_jerk_cost")),
     )
 
 

@@ -95,6 +95,9 @@ def test_similarity_must_exceed_the_threshold() -> None:
     loose = ColorBlobs(Context.serving(mixed.cameras["cam0"], mixed), similarity=0.7)
     loose.setup()
     assert loose.process(frame, None).similarity == pytest.approx(np.full(2, np.sqrt(0.5)))
+    equal = ColorBlobs(Context.serving(mixed.cameras["cam0"], mixed), similarity=float(np.sqrt(0.5)))
+    equal.setup()
+    assert len(equal.process(frame, None).xy) == 0
 
 
 @pytest.mark.parametrize(("radius", "found"), [(0.7, 0), (3.3, 1), (8.0, 0)])
@@ -177,9 +180,24 @@ def test_hot_pixels_are_not_balls() -> None:
     assert len(detector(IrBlobs, "cam1").process(seal(Frame(camera="cam1", pixels=pixels)), None).xy) == 0
 
 
-def test_grey_levels_out_of_the_range_are_not_seen() -> None:
-    frame = painted("cam1", [(80.0, 60.0, 3.3, (50, 50, 50))])
-    assert len(detector(IrBlobs, "cam1").process(frame, None).xy) == 0
+@pytest.mark.parametrize("forecast", [None, FORECAST])
+@pytest.mark.parametrize(("gray", "seen"), [(99, False), (100, True), (200, True), (201, False)])
+def test_grey_levels_out_of_the_range_are_not_seen(gray: int, seen: bool, forecast: Forecast | None) -> None:
+    room = make_room()
+    for target in room.targets.values():
+        target.gray["cam1"] = (100.0, 200.0)  # type: ignore[index]
+    stage = IrBlobs(Context.serving(room.cameras["cam1"], room))
+    stage.setup()
+    column, row = np.rint(project(room.cameras["cam1"], np.array([HERE]))[0]).astype(int)
+    pixels = np.zeros((SIZE[1], SIZE[0], 1), np.uint8)
+    pixels[row - 2 : row + 4, column - 2 : column + 4] = gray
+    assert len(stage.process(seal(Frame(camera="cam1", pixels=pixels)), forecast).xy) == seen
+
+
+def test_pixels_that_touch_at_a_corner_are_one_component() -> None:
+    level = np.zeros((20, 20), np.uint8)
+    level[5:9, 5:9] = level[9:13, 9:13] = 200
+    assert components(level > 0, level, whole_strip(20)).area.tolist() == [32]
 
 
 def test_noise_is_bounded() -> None:

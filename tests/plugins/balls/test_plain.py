@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -98,6 +99,10 @@ def test_the_centre_starts_at_the_forecast_and_ignores_what_lies_outside_one_sig
     assert fused(found, forecast_at([(0.0, 0.0, 1.0)], sigma=0.01))[0] == pytest.approx([0.002, 0.0, 1.0])
     wide = fused(found, forecast_at([(0.0, 0.0, 1.0)], sigma=0.01), bandwidth_scale=2.5)
     assert wide[0] == pytest.approx([0.016 / 3, 0.0, 1.0])
+    moving = replace(forecast_at([(0.3, 0.0, 1.0)], sigma=0.01), last=np.array([[0.0, 0.0, 1.0]]))
+    assert len(fused(found, moving)) == 0
+    back = replace(forecast_at([(0.0, 0.0, 1.0)], sigma=0.01), last=np.array([[0.3, 0.0, 1.0]]))
+    assert fused(found, back)[0] == pytest.approx([0.002, 0.0, 1.0])
 
 
 def test_labelled_candidates_weigh_one_and_unlabelled_ones_less_with_distance() -> None:
@@ -206,8 +211,15 @@ def test_the_forecast_is_for_the_next_frame_at_any_rate() -> None:
 
 
 def test_the_noise_is_the_constant_one_whatever_the_fusion_says() -> None:
-    sigma = [watch(kalman(measurement_sigma=s), 2)[1].tracks.sigma[0, 0] for s in (0.008, 0.04)]
-    assert sigma[1] > 2 * sigma[0]
+    found = []
+    for told in (np.nan, 0.001, 1.0):
+        stage = kalman()
+        found.append(
+            [stage.process(positions_at({0: HERE}, n / FPS, sigma=told)).tracks.sigma for n in range(5)]
+        )
+    assert found[0][0] == pytest.approx(np.full((1, 3), 0.008))
+    assert np.array_equal(found[0], found[1])
+    assert np.array_equal(found[0], found[2])
 
 
 def test_a_successor_carries_on_where_its_predecessor_stopped() -> None:

@@ -129,6 +129,18 @@ def test_list_b_excuses_only_pairs_that_share_the_confirmed_color_blob() -> None
     color = np.array([[True, True], [True, True], [True, False]])
     on_plane = np.array([[True, True, True]])
     assert homography_test(pair, color, on_plane, 5).tolist() == [True, False, True]
+    # the confirmed blob may be that of either camera
+    assert homography_test(np.array([[0, 2], [1, 3], [2, 4]]), color, on_plane, 5).tolist() == [
+        True,
+        False,
+        True,
+    ]
+
+
+def test_pairs_with_an_infrared_camera_on_a_plane_are_no_projections() -> None:
+    pair = np.array([[0, 2], [3, 4]])
+    color = np.array([[True, False], [False, False]])
+    assert homography_test(pair, color, np.array([[True, True]]), 5).tolist() == [True, True]
 
 
 def test_list_b_of_one_plane_does_not_excuse_another() -> None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.plugins.persons.drawn import perspective, standing
 
 from followspot.geometry import project
 from followspot_persons.body_view import view
-from followspot_persons.fitness import Fitness, Picture, Weights
+from followspot_persons.fitness import UNSEEN_EDGE, Fitness, Picture, Weights
 from followspot_persons.shape import read_shape
 
 SHAPE = read_shape()
@@ -57,3 +59,30 @@ def test_a_body_without_an_image_has_no_places_and_no_likelihood_and_warns_of_no
     likelihood = Fitness(everywhere, SHAPE, Weights()).edge(seen)
     assert likelihood[0] == 0
     assert likelihood[1] > 0
+
+
+@pytest.mark.parametrize("roll", [0.3, -0.5])
+def test_edges_lean_with_the_body_in_the_picture_of_a_camera_that_is_tilted_sideways(roll):
+    upright, pose = perspective(), standing(3)
+    sine, cosine = np.sin(roll), np.cos(roll)
+    turn = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
+    tilted = replace(upright, rotation=turn @ upright.rotation, translation=turn @ upright.translation)
+    before, after = (view(camera, SHAPE, pose[None]).normal[0] for camera in (upright, tilted))
+    assert after - before == pytest.approx(np.full(len(before), roll), abs=0.02)
+
+
+def test_edges_that_a_nearer_person_hides_speak_neither_for_nor_against_a_body():
+    camera = perspective()
+    seen = view(camera, SHAPE, standing(3)[None])
+    nothing = np.zeros(camera.size[0] * camera.size[1], np.uint8)
+    colors = np.tile(nothing[:, None], 3)
+
+    def edge(magnitude, hidden):
+        picture = Picture(camera, nothing + np.uint8(magnitude), nothing, colors, hidden)
+        return Fitness(picture, SHAPE, Weights()).edge(seen)[0]
+
+    assert edge(0, nothing) == 0
+    assert edge(0, nothing + 1) == edge(255, nothing + 1) == pytest.approx(UNSEEN_EDGE)
+    half = nothing.copy()
+    half.reshape(camera.size[::-1])[:, : camera.size[0] // 2] = 1
+    assert 0 < edge(0, half) < UNSEEN_EDGE

@@ -41,6 +41,14 @@ def test_the_recursive_variance_approaches_that_of_the_colours():
     np.testing.assert_allclose(np.sqrt(model.variance[0]), sigma, rtol=0.1)
 
 
+def test_hues_on_both_sides_of_red_are_alike():
+    hue = np.where(np.arange(200) % 2, 0.02, 0.98)
+    colors = np.column_stack([hue, np.full(200, 0.5), np.full(200, 0.5)])[:, None]
+    model = seen_often(colors, memory=1e6)
+    assert abs(model.mean[0, 0] - np.rint(model.mean[0, 0])) < 0.01
+    assert np.sqrt(model.variance[0, 0]) == pytest.approx(0.02, rel=0.1)
+
+
 def test_what_was_not_seen_stays_unknown():
     model = learnt(ColorModel.unseen(2), np.full((2, 3), 0.5), np.array([1.0, 0.0]), 30)
     assert model.evidence.tolist() == [1, 0]

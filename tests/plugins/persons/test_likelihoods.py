@@ -65,6 +65,13 @@ def test_hog_likelihood_is_vertical_overlap_times_horizontal_distance_to_the_nea
     assert said[0] == pytest.approx(overlap * math.exp(-0.5 * (apart / 0.15) ** 2))
 
 
+def test_of_two_boxes_on_a_body_the_better_one_counts_alone():
+    expected = np.array([[100.0, 50, 140, 110]])
+    good, worse = [100.0, 52, 140, 110], [104.0, 46, 150, 115]
+    both = box_likelihood(expected, np.array([worse, good]), 0.15)
+    assert both == box_likelihood(expected, np.array([good]), 0.15)
+
+
 def test_the_width_of_boxes_does_not_count():
     """Figure 3: the ratio of sides of detected boxes is fixed, so areas say nothing."""
     expected = np.array([[100.0, 50, 140, 110], [60.0, 50, 180, 110]])
