@@ -5,7 +5,8 @@
 
 The tracker runs once in each room with each fusion, and its tracks are compared with ground truth in all
 frames in which a target is trackable. `fast`: the ball moves at more than 2 m/s, as in a toss; `beside`: the
-centre of another ball is nearer than 25 cm, as in a hand-over from one ball to the other; `covered`: less
+centre of another ball is nearer than 25 cm; `handover`: of these the frames in which the two move relative to
+each other at more than 0.2 m/s, as when balls change hands, for the truth knows no hands; `covered`: less
 than half of the ball is visible to all colour or to all infrared cameras, as in a hand. For each: frames,
 those without a position within 15 cm, RMSE and the RMSE of the worst target with five such frames or more,
 outliers included, in mm.
@@ -37,11 +38,13 @@ from scripting import options_of
 
 GRAPH = Path(__file__).parent.parent / "graphs" / "glowballs.yaml"
 FUSIONS = ("balls.mean_shift", "balls.bundle")
-SITUATIONS = ("all", "fast", "beside", "covered")
+SITUATIONS = ("all", "fast", "beside", "handover", "covered")
 FAST = 2.0
 """m/s."""
 BESIDE = 0.25
 """m, between the centres."""
+PASSING = 0.2
+"""m/s, of one ball relative to the other."""
 FEWEST = 5
 """Frames of a target from which it may be the worst."""
 
@@ -119,15 +122,21 @@ def errors_of(tracks: TrackTable, truth: TruthTable) -> Iterator[tuple[str, str,
 
 def situations(truth: TruthTable, own: int) -> dict[str, Array]:
     """The frames of each situation of an object of the truth, (F,) bool."""
-    xyz = truth.xyz[:, own]
-    velocity = np.gradient(xyz, truth.time, axis=0) if len(xyz) > 1 else np.zeros_like(xyz)
-    apart = np.linalg.norm(np.delete(truth.xyz, own, axis=1) - xyz[:, None], axis=2)
+    others = np.delete(truth.xyz, own, axis=1) - truth.xyz[:, own, None]
+    near = np.linalg.norm(others, axis=2) < BESIDE
+    passing = np.linalg.norm(rates(others, truth.time), axis=2) > PASSING
     return {
-        "all": np.ones(len(xyz), bool),
-        "fast": np.linalg.norm(velocity, axis=1) > FAST,
-        "beside": (apart < BESIDE).any(axis=1),
+        "all": np.ones(len(near), bool),
+        "fast": np.linalg.norm(rates(truth.xyz[:, own], truth.time), axis=1) > FAST,
+        "beside": near.any(axis=1),
+        "handover": (near & passing).any(axis=1),
         "covered": ~truth.pair[:, own],
     }
+
+
+def rates(xyz: Array, time: Array) -> Array:
+    """Velocities (F, ..., 3) m/s of places over F times, s; zero if there is one time alone."""
+    return np.gradient(xyz, time, axis=0) if len(xyz) > 1 else np.zeros_like(xyz)
 
 
 def figures(errors: Sequence[tuple[str, Array]]) -> Figures:

@@ -130,6 +130,7 @@ def test_balls_that_are_hardly_seen_are_tracked_and_their_errors_are_within_what
     assert len(targets) == count
     for name, target in targets.items():
         assert target["coverage"] >= 0.97, name
+        assert target["beyond"] <= 0.005, name
         assert target["identity_switches"] == 0, name
         assert target["false_positions"] == 0, name
         assert target["rated_frames"] > 80, name

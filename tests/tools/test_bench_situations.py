@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -46,6 +47,18 @@ def test_frames_belong_to_the_situations_of_their_own_ball() -> None:
         assert np.flatnonzero(of["fast"]).tolist() == [5, 6], "the mean of both steps at 0.4 and 0.7 s is 1.5"
     assert np.flatnonzero(red["covered"]).tolist() == [7, 8, 9]
     assert not green["covered"].any()
+
+
+def test_balls_change_hands_while_they_pass_each_other_near_by() -> None:
+    """Green comes nearer between 0.7 and 0.8 s, by 2 cm, then by 6 cm in place of it."""
+    assert not bench_situations.situations(truth(), 0)["handover"].any(), "0.1 m/s is no hand-over"
+    place = truth().xyz.copy()
+    place[:, 1, 1] = np.where(TIME > 0.75, 0.2, 0.26)
+    faster = replace(truth(), xyz=place)
+    for own in (0, 1):
+        of = bench_situations.situations(faster, own)
+        assert np.flatnonzero(of["handover"]).tolist() == [8]
+        assert np.flatnonzero(of["beside"]).tolist() == [8, 9]
 
 
 def test_errors_are_those_of_trackable_frames_in_each_situation() -> None:

@@ -64,6 +64,8 @@ class TargetScore:
     """Rated frames of state "predicted": without a measurement of its own."""
     bridged_within_95: float = np.nan
     """Share of these, likewise."""
+    beyond: float = np.nan
+    """Share of the trackable frames with a position that is not within 15 cm: false ones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,6 +169,7 @@ def _target_score(track: Trajectory, truth: TruthTable, own: int, cameras: Seque
         within_95=share(within & rated, rated),
         bridged_frames=int(bridged.sum()),
         bridged_within_95=share(within & bridged, bridged),
+        beyond=share(measured & ~right, trackable),
     )
 
 

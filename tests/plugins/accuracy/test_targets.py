@@ -148,6 +148,16 @@ def test_false_positions_are_tracked_rows_while_hidden() -> None:
     assert only(score(tracks(estimate, MISSING), truth(xyz, **flags))).false_positions == 0
 
 
+def test_beyond_is_the_share_of_trackable_frames_that_are_reported_elsewhere() -> None:
+    xyz = still(10, (0, 0, 0))
+    estimate = xyz.copy()
+    estimate[2:5, 0, 2] = 0.2
+    estimate[5] = np.nan
+    seen = np.arange(10)[:, None] >= 4
+    one = only(score(tracks(estimate), truth(xyz, trackable=seen, pair=seen)))
+    assert (one.frames, one.beyond, one.coverage) == (6, 1 / 6, 4 / 6)
+
+
 def test_target_that_is_not_in_the_room_is_hidden_everywhere() -> None:
     scores = score(tracks(still(4, (0, 0, 0), (1, 1, 1))), truth(still(4, (0, 0, 0))))
     assert (scores["b"].frames, scores["b"].false_positions, scores["b"].false_share) == (0, 4, 1.0)
