@@ -20,6 +20,9 @@ from followspot_balls.inertial.learning import navigated, search_from, searched
 from followspot_balls.inertial.navigation import Navigation, carried, coasted, corrected, sighted
 from followspot_balls.inertial.sensor_errors import SensorErrors
 
+OFTEN, LATELY = 3, 10_000_000_000
+"""How often the positions contradict a navigation within how long, ns, until it is not believed."""
+
 
 class Navigator:
     """The navigation of one target with its history.
@@ -35,6 +38,7 @@ class Navigator:
         self.readings, self.orientations = Rows.none(6), Rows.none(5)
         self.checkpoints: list[Checkpoint] = []
         self.late = 0
+        self.doubts: tuple[int, ...] = ()
         self.ahead: tuple[int, Checkpoint] | None = None
 
     def receive(self, readings: Rows, orientations: Rows) -> None:
@@ -71,6 +75,14 @@ class Navigator:
         needed = min(self.checkpoints[0].read, self.checkpoints[0].frame.time - self.history)
         self.readings, self.orientations = self.readings.since(needed), self.orientations.since(needed)
 
+    def contradicted(self, time: int) -> bool:
+        """Whether the positions have contradicted the navigation again and again before a capture time, ns.
+
+        Its clock may be wrong, it may sit loosely, or on another target; or the positions are not the
+        target's.
+        """
+        return sum(time - LATELY < doubt <= time for doubt in self.doubts) >= OFTEN
+
     def _process_again_from(self, time: int) -> None:
         """Process the frames at and after a capture time again."""
         first = next((i for i, c in enumerate(self.checkpoints) if c.frame.time >= time), None)
@@ -106,6 +118,8 @@ class Navigator:
         found: Navigation | None = corrected(nav, sight, *frame.measured, GATE)
         if found is not None and found.rejected >= CONTRADICTIONS:
             found = doubted(found, *frame.measured)
+            others = (doubt for doubt in self.doubts if frame.time - LATELY < doubt < frame.time)
+            self.doubts = (*others, frame.time)
         return before._replace(nav=found)
 
     def _sought(self, search: HeadingSearch | None, found: Checkpoint) -> Checkpoint:
@@ -161,6 +175,7 @@ class Navigator:
             "read": oldest.read if oldest else 0,
             "last": oldest.last if oldest else np.zeros(6),
             "late": self.late,
+            "doubts": np.array(self.doubts, np.int64),
         }
 
     def restore(self, state: Mapping[str, Any]) -> None:
@@ -168,6 +183,7 @@ class Navigator:
         self.readings = Rows(*(np.array(state["readings"][name]) for name in Rows._fields))
         self.orientations = Rows(*(np.array(state["orientations"][name]) for name in Rows._fields))
         self.late = int(state["late"])
+        self.doubts = tuple(np.array(state["doubts"], np.int64).tolist())
         rows = zip(state["times"], np.array(state["xyz"]), np.array(state["noise"]), strict=True)
         frames = [
             Frame(int(time), (xyz, noise) if np.isfinite(xyz).all() else None) for time, xyz, noise in rows

@@ -40,7 +40,8 @@ class InertialFilter(Kalman):
     The heading between sensor and room, the sensor's biases, its place on the target and its delay are learnt
     from the motion. A target without a sensor, or whose heading is not yet learnt, is filtered as by
     `balls.kalman`. The fix with the smallest sigma counts if a target carries several sensors, so another
-    sensor takes over from one that falls silent. Readings that come late are used.
+    sensor takes over from one that falls silent. Readings that come late are used; those of a sensor that the
+    positions contradict again and again are not.
     """
 
     class Params(Kalman.Params):
@@ -114,7 +115,8 @@ class InertialFilter(Kalman):
         self.navigators = {
             sensor: Navigator(errors, p.history, p.maximum_reading_gap) for sensor in self.carriers
         }
-        self.told = self.wide = False
+        self.told: set[tuple[str, str]] = set()
+        self.wide = False
 
     def process(
         self,
@@ -125,7 +127,7 @@ class InertialFilter(Kalman):
         time = positions.header.time
         for sensor, navigator in self.navigators.items():
             navigator.receive(readings_of(readings, sensor), orientations_of(orientations, sensor))
-            self.tell_late(sensor, navigator.late)
+            self.tell(sensor, navigator, time)
         bridges = self.fixes(time)
         trusted = self.trusted(positions, bridges)
         outputs = super().process(stamped(self.bridged(trusted, bridges), positions.header))
@@ -154,7 +156,10 @@ class InertialFilter(Kalman):
         """What the surest sensor of each target says, if its heading is known. time: ns; ahead: s."""
         found: dict[int, Fix] = {}
         for sensor, number in self.carriers.items():
-            fix = fix_at(self.navigators[sensor].now(time), time, ahead)
+            navigator = self.navigators[sensor]
+            if navigator.contradicted(time):
+                continue
+            fix = fix_at(navigator.now(time), time, ahead)
             if fix is not None and (number not in found or fix.surer_than(found[number])):
                 found[number] = fix
         return found
@@ -195,14 +200,26 @@ class InertialFilter(Kalman):
             seen = (positions.xyz[row], noise[row]) if counted else None
             self.navigators[sensor].add(Frame(time, seen))
 
-    def tell_late(self, sensor: str, late: int) -> None:
-        """Warn once about readings that came too late."""
-        if late and not self.told:
-            self.told = True
-            self.context.warn(
-                f"readings of {sensor} come more than {self.params.history:g} s late and are left out: "
-                "raise `history`, or compare the clocks"
+    def tell(self, sensor: str, navigator: Navigator, time: int) -> None:
+        """Warn, once of each sensor, about readings that come too late, and that contradict the positions."""
+        if navigator.late:
+            self.tell_once(
+                sensor,
+                f"come more than {self.params.history:g} s late and are left out: raise `history`, or "
+                "compare the clocks",
             )
+        if navigator.contradicted(time):
+            self.tell_once(
+                sensor,
+                "contradict the positions again and again and are left out meanwhile: compare the clocks, "
+                "look how the sensor is fixed, and whether it is on the target that `mount` names",
+            )
+
+    def tell_once(self, sensor: str, trouble: str) -> None:
+        """Warn about the readings of a sensor."""
+        if (sensor, trouble) not in self.told:
+            self.told.add((sensor, trouble))
+            self.context.warn(f"readings of {sensor} {trouble}")
 
     def state(self) -> Any:
         return super().state() | {

@@ -87,6 +87,38 @@ def test_readings_that_are_too_late_are_left_out_and_told() -> None:
     assert np.nanmax(run.error[run.time > 1.0]) < 0.05
 
 
+@pytest.mark.parametrize(("delay", "believed"), [(0.05, True), (0.2, False), (-0.2, False)])
+def test_sensor_that_the_positions_contradict_again_and_again_is_told_and_not_believed(
+    delay: float, believed: bool
+) -> None:
+    told: list[str] = []
+    stage = InertialFilter(Context(name="track", room=ROOM, warn=told.append))
+    stage.setup()
+    run = tracked(stage, Motion(1), 6.5, errors=Errors(delay=delay), hidden=lambda t: 5.6 < t < 6.4)
+    hidden = (run.time > 5.7) & (run.time < 6.4)
+    assert np.isfinite(run.error[hidden]).all() == believed
+    assert np.isnan(run.error[hidden]).all() != believed
+    assert np.nanmax(run.error) < 0.1
+    assert len(told) == (not believed)
+    assert believed or "readings of imu contradict the positions" in told[0]
+
+
+def test_sensor_is_believed_again_when_the_positions_agree() -> None:
+    stage = filter_of()
+    jumps = (3.0, 3.4, 3.8)
+    tracked(
+        stage, Motion(1), 4.2, moved=lambda t: np.array([0.3 * sum(t > jump for jump in jumps), 0.0, 0.0])
+    )
+    (navigator,) = stage.navigators.values()
+    assert len(navigator.doubts) == 3
+    last = navigator.doubts[-1]
+    assert navigator.contradicted(last)
+    assert not navigator.contradicted(navigator.doubts[0] + 10_000_000_000)
+    other = filter_of()
+    other.restore(stage.state())
+    assert other.navigators["imu"].doubts == navigator.doubts
+
+
 def test_readings_that_never_come_cost_no_more_than_they_must() -> None:
     run = tracked(filter_of(), Motion(2, arm=ARM), 6.0, errors=REAL, lost=lambda t: 3.5 < t < 3.7)
     assert run.error.max() < 0.08
