@@ -8,7 +8,8 @@ ends stand in this process, one message is sent and read at a time, and nothing 
 `system calls` only sends and receives a datagram; `and messages` also makes and seals what is sent, and makes
 what is read: a compiled core of the ring that cost nothing would leave this; `bare ring` is the yardstick
 (`tools/benching/bare_ring.py`); `ring` is the whole. Instructions are counted by valgrind, if it is
-installed: those of a process with so many messages, less those of one with none.
+installed, and so are misses of the first caches, of instructions and of data (32 kB each, simulated): those
+of a process with so many messages, less those of one with none.
 """
 
 from __future__ import annotations
@@ -43,6 +44,11 @@ from scripting import shown, table_options
 SIZES = {"1 kB": (18, 19, 3), "640x480": (480, 640, 3)}
 HEAD = 96
 """Bytes of a datagram without its arrays, about those of the ring."""
+CACHES = ("--cache-sim=yes", "--I1=32768,8,64", "--D1=32768,8,64")
+"""The simulated caches: bytes, ways, and bytes of a line."""
+EVENTS = {"instructions": ("Ir",), "I1 misses": ("I1mr",), "D1 misses": ("D1mr", "D1mw")}
+"""Of callgrind, by what they are called here."""
+MISSES = tuple(EVENTS)[1:]
 Hop = Callable[[int], None]
 """Send and read the message of this number."""
 
@@ -169,7 +175,7 @@ def figures(size: str, messages: int, rounds: int) -> list[dict[str, Any]]:
     counted = counts(size, messages)
     rows = []
     for case, hop in hops.items():
-        calls, count, bare = called(hop), counted[case], counted["bare ring"]
+        calls, bare = called(hop), counted["bare ring"]
         row: dict[str, Any] = {
             "size": size,
             "case": case,
@@ -178,8 +184,9 @@ def figures(size: str, messages: int, rounds: int) -> list[dict[str, Any]]:
         }
         row["hot_us"] = median(found[case] for found in times)
         row["hot_ratio"] = median(found[case] / found["bare ring"] for found in times)
-        row["instructions"] = count
-        row["instructions_ratio"] = count / bare if count and bare else None
+        for kind in EVENTS:
+            row[kind] = counted[case].get(kind)
+        row["instructions_ratio"] = row["instructions"] / bare["instructions"] if bare else None
         rows.append(row)
     return rows
 
@@ -203,37 +210,60 @@ def called(hop: Hop) -> Counter[str]:
     return found
 
 
-def counts(size: str, messages: int) -> dict[str, int | None]:
-    """Instructions of one message in each case; None without valgrind. Those of the kernel do not count."""
+def counts(size: str, messages: int) -> dict[str, dict[str, int]]:
+    """What valgrind counts of one message in each case; empty without it. The kernel does not count."""
     valgrind = shutil.which("valgrind")
     if not valgrind:
-        return dict.fromkeys(CASES)
+        return {case: {} for case in CASES}
     start = executed(valgrind, "ring", size, 0)
-    return {case: round((executed(valgrind, case, size, messages) - start) / messages) for case in CASES}
+    found = {case: executed(valgrind, case, size, messages) for case in CASES}
+    return {
+        case: {kind: round((count - start[kind]) / messages) for kind, count in counted.items()}
+        for case, counted in found.items()
+    }
 
 
-def executed(valgrind: str, case: str, size: str, messages: int) -> int:
-    """Instructions of a process that runs one case."""
+def executed(valgrind: str, case: str, size: str, messages: int) -> dict[str, int]:
+    """Instructions and misses of a process that runs one case."""
     with TemporaryDirectory() as folder:
         out = Path(folder) / "counts"
-        command = [valgrind, "--tool=callgrind", f"--callgrind-out-file={out}", sys.executable, __file__]
+        command = [valgrind, "--tool=callgrind", f"--callgrind-out-file={out}", *CACHES]
+        command += [sys.executable, __file__]
         command += ["--only", case, size, "--messages", str(messages)]
         same = {**os.environ, "PYTHONHASHSEED": "0"}  # so that all start alike
         subprocess.run(command, check=True, capture_output=True, env=same)
-        (total,) = re.findall(r"^totals: (\d+)", out.read_text(encoding="utf-8"), re.MULTILINE)
-        return int(total)
+        told = dict(re.findall(r"^(events|totals): (.+)$", out.read_text(encoding="utf-8"), re.MULTILINE))
+        totals = dict(zip(told["events"].split(), map(int, told["totals"].split()), strict=True))
+        return {kind: sum(totals[event] for event in events) for kind, events in EVENTS.items()}
 
 
 def text(options: argparse.Namespace, rows: list[dict[str, Any]]) -> str:
     """The table for people."""
-    heads = ("size and case", "Python calls", "C calls", "hot us", "x bare", "instructions", "x bare")
+    heads = (
+        "size and case",
+        "Python calls",
+        "C calls",
+        "hot us",
+        "x bare",
+        "instructions",
+        "x bare",
+        *MISSES,
+    )
     cells = []
     for row in rows:
         counts = row["instructions"], row["instructions_ratio"]
         known = (f"{counts[0]}", f"{counts[1]:.2f}") if counts[0] is not None else ("", "")
+        misses = ("" if row[kind] is None else f"{row[kind]}" for kind in MISSES)
         hot = f"{row['hot_us']:.1f}", f"{row['hot_ratio']:.2f}"
         cells.append(
-            (f"{row['size']} {row['case']}", str(row["python_calls"]), str(row["c_calls"]), *hot, *known)
+            (
+                f"{row['size']} {row['case']}",
+                str(row["python_calls"]),
+                str(row["c_calls"]),
+                *hot,
+                *known,
+                *misses,
+            )
         )
     return shown(options, heads, cells)
 

@@ -1,12 +1,14 @@
 """Rewrites the tables of docs/speed.md: each that stands right below a command is what that command prints.
 
-    python tools/speed_page.py --room room.yaml              # all of them, on a machine that rests
+    python tools/speed_page.py --rooms FOLDER                # all of them, on a machine that rests
     python tools/speed_page.py --only bench_edges bench_live
     python tools/speed_page.py --list
+    python tools/speed_page.py --aims
 
 The page shows a command in a block of its own, and then its tables; this runs it with --markdown and puts
-what it prints in their place. `room.yaml` in a command is the file that --room names: a room of six cameras
-that play videos, with targets; without it these tables stay. The first table names the machine.
+what it prints in their place. FOLDER has dev1.yaml to dev6.yaml, rooms of the development recordings with
+their targets; without it the tables of commands that name them stay. The first table names the machine; that
+of the aims is made of all others whenever one of them is.
 """
 
 from __future__ import annotations
@@ -18,16 +20,19 @@ import re
 import shlex
 import subprocess
 import sys
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from benching import speed_aims
 from scripting import markdown, options_of
 
 ROOT = Path(__file__).parent.parent
 PAGE = ROOT / "docs/speed.md"
-ROOM = "room.yaml"
-"""Stands for a room of the reader's own in the commands."""
+ROOM = re.compile(r"dev\d\.yaml")
+"""A room of the folder that --rooms names."""
+AIMS = "python tools/speed_page.py --aims"
 _BLOCK = re.compile(
     r"^```sh\n(?P<command>python tools/(?P<tool>\w+)\.py[^\n]*)\n```\n\n(?P<tables>(?:\|[^\n]*\n|\n(?=\|))+)",
     re.MULTILINE,
@@ -55,21 +60,26 @@ def main() -> None:
     if args.machine:
         print(machine())
         return
+    if args.aims:
+        print(aims(PAGE.read_text(encoding="utf-8")))
+        return
     chosen = [block.command for block in blocks(PAGE.read_text(encoding="utf-8")) if wanted(block, args)]
     for command in chosen:
         print(command, file=sys.stderr)
         if not args.list:
-            tables = printed(command, args.room)
-            PAGE.write_text(rewritten(PAGE.read_text(encoding="utf-8"), command, tables), encoding="utf-8")
+            rewrite(command, printed(command, args.rooms))
+    if not args.list:
+        rewrite(AIMS, aims(PAGE.read_text(encoding="utf-8")))
 
 
 def parser() -> argparse.ArgumentParser:
     """The command line."""
     options = options_of(__doc__)
-    options.add_argument("--room", help=f"room file in place of {ROOM}")
+    options.add_argument("--rooms", type=Path, metavar="FOLDER", help="has dev1.yaml to dev6.yaml")
     options.add_argument("--only", nargs="+", metavar="TOOL", help="commands of these, bench_edges for one")
     options.add_argument("--list", action="store_true", help="name the commands, run none")
     options.add_argument("--machine", action="store_true", help="print the table of this machine")
+    options.add_argument("--aims", action="store_true", help="print the aims beside the figures of the page")
     options.add_argument("--markdown", action="store_true", help="as it is printed in any case")
     return options
 
@@ -82,14 +92,21 @@ def blocks(text: str) -> Iterator[Block]:
 
 def wanted(block: Block, args: argparse.Namespace) -> bool:
     """Whether to run this command."""
-    if args.only is not None and block.tool not in args.only:
+    if block.command == AIMS or (args.only is not None and block.tool not in args.only):
         return False
-    return ROOM not in block.options or args.room is not None or args.list
+    return args.rooms is not None or args.list or not any(ROOM.fullmatch(word) for word in block.options)
 
 
-def printed(command: str, room: str | None) -> str:
+def rewrite(command: str, tables: str) -> None:
+    """Put tables below a command of the page."""
+    PAGE.write_text(rewritten(PAGE.read_text(encoding="utf-8"), command, tables), encoding="utf-8")
+
+
+def printed(command: str, rooms: Path | None) -> str:
     """What a command of the page prints."""
-    words = [room if room and word == ROOM else word for word in shlex.split(command, comments=True)]
+    words = shlex.split(command, comments=True)
+    if rooms is not None:
+        words = [str((rooms / word).resolve()) if ROOM.fullmatch(word) else word for word in words]
     run = [sys.executable, *words[1:], "--markdown"]
     return subprocess.run(run, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
 
@@ -98,6 +115,15 @@ def rewritten(text: str, command: str, tables: str) -> str:
     """The page with these tables below a command."""
     (block,) = (block for block in blocks(text) if block.command == command)
     return f"{text[: block.begin]}{tables.strip()}\n{text[block.end :]}"
+
+
+def aims(text: str) -> str:
+    """The aims beside what the tables of a page tell. Raises LookupError if they lack a figure."""
+    found: dict[str, list[speed_aims.Table]] = defaultdict(list)
+    for block in blocks(text):
+        if block.command != AIMS:
+            found[block.tool] += speed_aims.tables(text[block.begin : block.end])
+    return markdown(speed_aims.HEAD, list(speed_aims.aims(speed_aims.Page(found))))
 
 
 def machine() -> str:

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import importlib
+import re
+import subprocess
+from pathlib import Path
 
 import pytest
 
@@ -12,7 +15,7 @@ PAGE = speed_page.PAGE.read_text()
 BLOCKS = list(speed_page.blocks(PAGE))
 TOOLS = {
     *("bench_tracker", "bench_edges", "bench_hop_code", "bench_live", "bench_peers", "bench_delay"),
-    *("bench_beside", "bench_cost", "bench_start", "speed_page"),
+    *("bench_beside", "bench_cost", "bench_start", "bench_tracker_calls", "speed_page"),
 }
 
 
@@ -40,5 +43,40 @@ def test_commands_with_a_room_of_the_reader_wait_for_one() -> None:
     block = next(block for block in BLOCKS if block.tool == "bench_tracker")
     parse = speed_page.parser().parse_args
     assert not speed_page.wanted(block, parse([]))
-    assert speed_page.wanted(block, parse(["--room", "mine.yaml"]))
-    assert not speed_page.wanted(block, parse(["--room", "mine.yaml", "--only", "bench_edges"]))
+    assert speed_page.wanted(block, parse(["--rooms", "mine"]))
+    assert not speed_page.wanted(block, parse(["--rooms", "mine", "--only", "bench_edges"]))
+
+
+def test_rooms_of_the_page_are_those_of_the_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    ran: list[list[str]] = []
+
+    def run(words: list[str], **_: object) -> subprocess.CompletedProcess[str]:
+        ran.append(words)
+        return subprocess.CompletedProcess(words, 0, "| a |")
+
+    monkeypatch.setattr(subprocess, "run", run)
+    speed_page.printed("python tools/x.py --room dev1.yaml --room dev6.yaml", tmp_path)
+    assert ran[0][3::2] == [str(tmp_path / "dev1.yaml"), str(tmp_path / "dev6.yaml")]
+
+
+def test_the_aims_are_held_against_the_tables_of_the_page() -> None:
+    (block,) = (block for block in BLOCKS if block.command == speed_page.AIMS)
+    assert PAGE[block.begin : block.end].strip() == speed_page.aims(PAGE)
+
+
+def test_an_aim_is_held_or_missed_by_its_figure() -> None:
+    (block,) = (block for block in BLOCKS if block.tool == "bench_tracker")
+    rate = PAGE[block.begin : block.end].split("\n")[2].split("|")[2]
+    faster = PAGE.replace(f"| tracked |{rate}|", "| tracked | 801 |")
+    assert "| frame sets/s tracked | at least 800 | 801 | yes |" in speed_page.aims(faster)
+    assert "| frame sets/s tracked | at least 800 | 801 | yes |" not in speed_page.aims(PAGE)
+    with pytest.raises(LookupError, match="bench_start printed no a worker more of forked"):
+        speed_page.aims(PAGE.replace("| forked |", "| spooned |"))
+
+
+def test_the_words_of_the_page_repeat_no_figure_that_was_measured() -> None:
+    """Those of the tables change whenever these are printed anew."""
+    words = re.sub(r"```.*?```|`[^`]*`|^\|[^\n]*$", "", PAGE, flags=re.MULTILINE | re.DOTALL)
+    allowed = {"0.5 ms", "2.2 GB", "2 %"}  # an aim; bytes of the pictures; width of a histogram's bin
+    found = set(re.findall(r"\d[\d.,]*(?: to \d[\d.,]*)? (?:us|ms|s|%|MB|GB|times|frame sets)\b|\d %", words))
+    assert found - allowed == set()

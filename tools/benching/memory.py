@@ -34,10 +34,14 @@ TRACKER = "track"
 
 
 class Stopwatch:
-    """CPU time of the process from frame set `lead` on; the first ones find the targets."""
+    """CPU time of the process from frame set `lead` on; the first ones find the targets.
 
-    def __init__(self, lead: int) -> None:
+    began: called when that frame set begins.
+    """
+
+    def __init__(self, lead: int, began: Callable[[], None] | None = None) -> None:
         self.lead = lead
+        self.began = began
         self.busy: dict[str, int] = defaultdict(int)
         """CPU time of each stage, ns."""
         self.tracked = 0
@@ -50,6 +54,8 @@ class Stopwatch:
         if number == self.lead and self.started is None:
             self.busy.clear()
             self.tracked = 0
+            if self.began is not None:
+                self.began()
             self.started = time.process_time()
 
     def seconds(self) -> float:
@@ -142,15 +148,16 @@ def measure(
     lead: int = 0,
     searching: bool = False,
     by_stage: bool = True,
+    began: Callable[[], None] | None = None,
 ) -> Cost:
     """Run a plan of one worker over frames in memory. Raises StageError, and ValueError for too few frames.
 
     frames: at most; lead: frame sets before the clock starts; searching: no target is ever found; by_stage:
-    whether each stage is clocked, which costs a microsecond or two a call.
+    whether each stage is clocked, which costs a microsecond or two a call; began: called as the clock starts.
     """
     ledger = Ledger(len(plan.edges))
     worker = build_worker(Wiring(plan), plan.workers[0].name, ledger, RunOptions(out, frames))
-    watch = Stopwatch(lead)
+    watch = Stopwatch(lead, began)
     for stage, runner in zip(plan.stages, worker.runners, strict=True):
         if isinstance(runner, SourceRunner) and stage.camera is not None:
             source = FromMemory(runner.stage.context)

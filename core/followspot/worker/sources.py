@@ -53,7 +53,7 @@ class Sources:
         for source in candidates:
             if source.watermark >= reached:
                 break
-            if (until := self._rests_until(source)) > now:
+            if source.interval and (until := self._rests_until(source)) > now:
                 self._resting_until = min(self._resting_until, until)
                 reached = min(reached, source.watermark + 1)
                 continue
@@ -83,7 +83,7 @@ class Sources:
         One that keeps a pace leaves the cores to the stages of what it has sent, in other workers too. It
         goes on halfway to the next message, or so early that all sources here need half of the time left.
         """
-        if not source.interval or source.keeps or source.stopped or self.hold.holding:
+        if source.keeps or source.stopped or self.hold.holding:
             return 0
         making = sum(other.made_in for other in self.all if other.interval and not other.done)
         rest = min(source.interval // 2, source.interval - 2 * making, _LONGEST_REST_NS)
