@@ -15,7 +15,6 @@ from followspot_persons.background import Background
 from followspot_persons.bodies import Bodies
 from followspot_persons.body_view import view
 from followspot_persons.box_assignment import FAR, NANOSECOND, NEAR, BoxAssignment
-from followspot_persons.certainty import certainty
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.model import learnt
 from followspot_persons.condensation import Search
@@ -89,13 +88,14 @@ class Appearance(Stage):
         shown = np.ones(len(boxes.box)) if mask is None else shares(self.camera, mask, boxes.box)
         still = shown < STILL
         detections = [Detection.row(boxes, row) for row in range(len(boxes.box))]
+        detections[detected:] = [replace(d, certainty=0.0) for d in detections[detected:]]
         present = [p for p in self.people if not p.absent]
         pairs = self.assignment.pairs(present, detections, still, upright, picture, now)
         shades, known = Shades(picture, picture), dict[int, Acquaintance | None]()
         for i, box in sorted(pairs, key=lambda pair: self.bodies.distance(present[pair[0]])):
             person, taken = present[i], [j for k, j in pairs if known.get(k)]
             known[i] = None
-            if person.number == 0 and self.assignment.on_others(boxes.box, box, taken):
+            if person.number == 0 and self.assignment.on_others(boxes, box, taken):
                 continue
             others, seen = self.bodies.nearer(present, person), shades.of(person.number)
             found = detections[box], float(boxes.score[box])
@@ -147,8 +147,7 @@ class Appearance(Stage):
         contact = person.contact_after(known.contact, seconds)
         fitness = self.fitness(picture, known.detection, contact)
         search = Search(self.params.particles)
-        told = spawned(self.camera, self.shape, known.detection, int(JOINING * search.particles), self.rng)
-        before = person.track.joined_by(told)
+        before = self.joined(person.track, known.detection)
         track = followed(before, seconds, fitness, self.girths, search, self.rng)
         if track.shown < HIDDEN:
             return missed(replace(person, track=track), 0.0, now, self.params.maximum_missed_time, left=False)
@@ -159,7 +158,7 @@ class Appearance(Stage):
         weight = np.where(visible >= SHARP_VISIBILITY, visible, 0.0)
         stature = person.stature
         if not known.part:
-            stature = sized(stature, self.camera, detection.box, certainty(score))
+            stature = sized(stature, self.camera, detection.box, detection.certainty)
         shown = presence(self.scene, track.pose, others)
         stature = stature.stood(None if shown is None else shown.height)
         stirring = person.stirring.after(shown, now)
@@ -206,15 +205,21 @@ class Appearance(Stage):
         if box is None or self.assignment.stranger(person, seen, box, picture):
             return None
         detection = Detection(box, np.zeros(0), np.zeros(0))
-        told = stood(self.scene, detection, there.pose, person.stature.estimate[0], others).contact
-        contact = person.contact_after(told, seconds)
-        fitness = self.fitness(picture, detection, contact)
+        known = stood(self.scene, detection, there.pose, person.stature.estimate[0], others)
+        contact = person.contact_after(known.contact, seconds)
+        fitness = self.fitness(picture, known.detection, contact)
         search = Search(self.params.particles)
-        track = followed(person.track, seconds, fitness, self.girths, search, self.rng)
+        before = self.joined(person.track, known.detection) if known.part else person.track
+        track = followed(before, seconds, fitness, self.girths, search, self.rng)
         shown = presence(self.scene, track.pose, others)
         stature = person.stature.stood(None if shown is None else shown.height)
         track = replace(track, stature=stature.estimate)
         return replace(person, track=track, stature=stature, contact=contact, seen=now, left=False)
+
+    def joined(self, track: Track, detection: Detection) -> Track:
+        """The track with a share of its particles where a detection is."""
+        count = int(JOINING * self.params.particles)
+        return track.joined_by(spawned(self.camera, self.shape, detection, count, self.rng))
 
     def fitness(self, picture: Picture, detection: Detection, contact: Contact | None) -> Fitness:
         """Weighs poses of a person by edges, box, feet and the limits of space."""

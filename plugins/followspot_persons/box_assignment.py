@@ -9,8 +9,9 @@ import numpy as np
 from followspot import Array, Camera
 from followspot.people import Boxes
 from followspot_persons.acquaintance import Acquaintance
-from followspot_persons.association import box_distance, carried, matched, on_body
+from followspot_persons.association import box_offsets, carried, matched, on_body
 from followspot_persons.body_view import BodyView, view
+from followspot_persons.certainty import certainties
 from followspot_persons.color.difference import ColorRelations, at_large, completed
 from followspot_persons.color.likelihood import color_likelihood, feature_responses
 from followspot_persons.color.model import ColorModel
@@ -22,6 +23,10 @@ NANOSECOND = 1e-9
 NEAR, FAR = 0.5, 1.5
 """Distance between the boxes of a person at which they may belong together, in heights: at once, and more for
 each second since the last one, for a body is 0.7 m high to the waist and people walk a metre a second."""
+WALK = 1.0
+"""Growth of a person's distance with the time since the last box, m/s. Who is near cannot be far away at
+once; who seemed far away, by boxes of the head alone, can be near.
+"""
 COLOR_SHARE = 0.3
 """Weight of minus log F^C against the distance, relative to this limit, when boxes are given to persons."""
 STRANGE = 2.0
@@ -67,8 +72,11 @@ class BoxAssignment:
         for i, person in enumerate(people):
             age = (now - person.seen) * NANOSECOND
             seen = view(self.camera, self.shape, person.track.pose[None])
-            distance = box_distance(seen.box, boxes, self.turn)[0]
-            cost[i] = np.where(still & person.comparable, np.inf, distance / (NEAR + FAR * age))
+            shift, size = box_offsets(seen.box, boxes, self.turn)
+            reach = NEAR + FAR * age
+            farther = NEAR + WALK * age / max(float(seen.bearing.distance[0]), 0.1)
+            cost[i] = np.hypot(shift[0] / reach, size[0] / np.where(size[0] > 0, farther, reach))
+            cost[i, still & person.comparable] = np.inf
             for j in np.flatnonzero(cost[i] < 1):
                 cost[i, j] += COLOR_SHARE * self.strangeness(person, seen, boxes[j], picture)
                 if (self.specific or upright[j]) and self.stranger(person, seen, boxes[j], picture):
@@ -101,9 +109,11 @@ class BoxAssignment:
         )
         return -float(np.log(color_likelihood(responses * inside, seen.visibility)[0]))
 
-    def on_others(self, boxes: Array, box: int, taken: list[int]) -> bool:
-        """Whether a box is on a body that has another one; boxes: (N, 4) px; taken: numbers of those."""
-        return bool(on_body(boxes[[box]], boxes[taken], self.turn).any())
+    def on_others(self, boxes: Boxes, box: int, taken: list[int]) -> bool:
+        """Whether a box is on a body that has another one; taken: numbers of those."""
+        return bool(
+            on_body(boxes.box[[box]], boxes.box[taken], self.turn, certainties(boxes.score[[box]])).any()
+        )
 
     def unclaimed(self, boxes: Boxes, pairs: list[tuple[int, int]], bodies: Array, least: Array) -> list[int]:
         """Boxes that initiate a person: of a sufficient score, and not on a person that is seen.
@@ -111,7 +121,8 @@ class BoxAssignment:
         bodies: (K, 4) px, upper bodies of people seen without a box; least: (N,) smallest scores.
         """
         claimed = [box for _, box in pairs]
-        taken = on_body(boxes.box, np.concatenate([boxes.box[claimed], bodies]), self.turn)
+        others = np.concatenate([boxes.box[claimed], bodies])
+        taken = on_body(boxes.box, others, self.turn, certainties(boxes.score))
         taken |= boxes.score < least
         taken[claimed] = True
         return [int(i) for i in np.flatnonzero(~taken)]

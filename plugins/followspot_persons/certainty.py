@@ -9,10 +9,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from followspot import Array
+
 HALF = 3.0
 """Score of boxes that count half."""
 
 
 def certainty(score: float) -> float:
     """Weight of what a box of this score (log-odds) says about the size of a body, 0 to 1."""
-    return float(1 / (1 + np.exp(HALF - score)))
+    return float(certainties(np.array(score)))
+
+
+def certainties(score: Array) -> Array:
+    """The same of many boxes."""
+    return np.asarray(1 / (1 + np.exp(HALF - score)))

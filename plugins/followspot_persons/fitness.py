@@ -74,7 +74,7 @@ def pictured(camera: Camera, frame: Frame, gradients: Gradients, light: float = 
 class Detection:
     """A detection of one person: box (4,) px, log-likelihoods (B,) of the headings of chest and face.
 
-    certainty: that the box spans the upper body, 0 to 1.
+    certainty: that the box spans the upper body, 0 to 1; 0 if its size was not measured.
     """
 
     box: Array

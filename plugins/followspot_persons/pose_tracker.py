@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from followspot import Latest, Stage
+from followspot import Array, Latest, Stage
 from followspot.people import Appearances, Boxes, Gradients, Poses
 from followspot.tracking import PREDICTED, TRACKED, Frame
 from followspot_persons.association import box_distance, matched
@@ -34,9 +34,9 @@ from followspot_persons.walkable import Walkable
 
 JOINING = 0.1
 """Share of the particles that a pose of the slow instance replaces."""
-ASTRAY = 0.8
-"""Distance from a pose of the slow instance from which the track was another body's or furniture's, m; poses
-of the slow one are some decimetres off along the line of sight."""
+ASTRAY, ASIDE = 0.8, 0.4
+"""Distances from a pose of the slow instance, along and across the line of sight, from which the track was
+another body's or furniture's, m; poses of the slow one are some decimetres off along it, hardly across."""
 NEAR = 0.6
 """Largest distance of a box from its person, in heights of the box."""
 
@@ -143,7 +143,7 @@ class PoseTracker(Stage):
             self.slow_poses[number] = SlowPose(seen, pose)
             known = self.people.get(number)
             then = None if known is None else known.trail.at(seen)
-            if known is not None and then is not None and np.hypot(*(pose - then)[:2]) > ASTRAY:
+            if known is not None and then is not None and self.astray(then, pose):
                 self.known[number], known = self.people.pop(number).track, None
             if known is None:
                 kept = self.past.between(seen, now)
@@ -157,6 +157,13 @@ class PoseTracker(Stage):
             joining = max(1, int(JOINING * len(track.particles)))
             track = track.joined_by(scattered_about(told, joining, self.rng))
             self.people[number] = replace(known, track=track, boxed=max(known.boxed, seen))
+
+    def astray(self, then: Array, pose: Array) -> bool:
+        """Whether the track's pose (6,) is not that of the person whom the slow instance saw in this pose."""
+        sight = pose[:2] - self.camera.center[:2]
+        sight, apart = sight / max(float(np.hypot(*sight)), 1e-6), (then - pose)[:2]
+        along, across = sight @ apart, sight[0] * apart[1] - sight[1] * apart[0]
+        return bool(np.hypot(along / ASTRAY, across / ASIDE) > 1)
 
     def followed_then(
         self, people: Appearances, row: int, track: Track, seconds: float, past: PastPicture

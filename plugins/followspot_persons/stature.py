@@ -102,7 +102,9 @@ def size_sigma(height: float, eye: float) -> float:
 def sized(stature: Stature, camera: Camera, box: Array, weight: float = 1.0) -> Stature:
     """What is known after a box (4,) px of the upper body, head top to waist: people stand on the floor.
 
-    weight: how surely the box spans the upper body, 0 to 1.
+    weight: how surely the box spans the upper body, 0 to 1; 0 if its size was not measured.
     """
+    if not weight:
+        return stature
     height = float(standing(camera, box[None])[1][0]) if knows_floor(camera) else np.nan
     return stature.sized(height, float(camera.center[2]), weight) if LOWEST < height < HIGHEST else stature

@@ -9,7 +9,7 @@ from followspot.geometry import ray
 from followspot.people import Boxes, Gradients
 from followspot.tracking import Frame
 from followspot_persons.ascent import ascend
-from followspot_persons.association import BESIDE
+from followspot_persons.association import ARMS
 from followspot_persons.body_view import HEADING, HEIGHT, view
 from followspot_persons.box_assignment import NANOSECOND
 from followspot_persons.condensation import systematic
@@ -175,6 +175,6 @@ def separate(box: Array, turn: int) -> list[int]:
     middle, height = (box[:, 0] + box[:, 2]) / 2, box[:, 3] - box[:, 1]
     for row in range(len(box)):
         apart = short_way(middle[row] - middle[kept], turn)
-        if (np.abs(apart) > BESIDE * np.maximum(height[kept], height[row])).all():
+        if (np.abs(apart) > ARMS * np.maximum(height[kept], height[row])).all():
             kept.append(row)
     return kept

@@ -196,6 +196,33 @@ def test_people_are_remembered_for_a_time():
     assert numbers(told) == [2]
 
 
+def test_who_surely_is_an_upper_body_is_no_arm_of_the_nearer_person_beside():
+    behind, near = standing(4.0, 0.6), standing(1.8)
+    unsure, sure = Show(), Show()
+    for _ in range(4):
+        unsure.see(behind, near, score=1.5)
+        sure.see(behind, near, score=5.0)
+    assert len(unsure.stage.people) == 1
+    assert len(sure.stage.people) == 2
+
+
+def test_who_is_near_does_not_get_the_box_of_who_is_far_and_who_seemed_far_can_be_near():
+    show, still = Show(), np.zeros(1, bool)
+
+    def given(known, box):
+        for _ in range(4):
+            show.see(known)
+        (person,) = show.stage.people
+        picture, now = picture_of(show.camera, drawn(show.camera, box)), person.seen + SECOND // 2
+        show.stage.people = []
+        return show.stage.assignment.pairs(
+            [person], [detection_of(show.camera, box)], still, still, picture, now
+        )
+
+    assert given(standing(2.0), standing(5.5, height=1.5)) == []
+    assert given(standing(5.5, height=1.5), standing(2.0)) == [(0, 0)]
+
+
 def test_a_second_box_on_a_body_initiates_nobody():
     show = Show()
     for _ in range(3):

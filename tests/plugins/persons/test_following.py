@@ -222,6 +222,12 @@ def test_who_was_followed_elsewhere_than_the_slow_instance_says_is_followed_ther
     assert room.stage.people[1].track.girth.mean == pytest.approx(girth.mean, abs=0.05)
 
 
+@pytest.mark.parametrize(("pose", "astray"), [((2.5, 0.5), True), ((3.0, 0.0), False)])
+def test_slow_poses_are_vague_along_the_line_of_sight_and_not_across(pose, astray):
+    room = Room()
+    assert room.stage.astray(standing(2.5), standing(*pose)) is astray
+
+
 def test_a_fifth_of_the_particles_about_a_slow_pose_may_look_the_other_way():
     particles = scattered_about(standing(2.5, heading=0.0), 200, np.random.default_rng(1))
     assert 0.08 < (np.cos(particles[:, 3]) < 0).mean() < 0.2

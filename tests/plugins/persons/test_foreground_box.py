@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.plugins.persons.drawn import SHIRT, perspective, standing
 from tests.plugins.persons.test_appearance import Show
-from tests.plugins.persons.test_background import FEWEST
+from tests.plugins.persons.test_background import FEWEST, room_with
 
 from followspot_persons.body_view import view
 from followspot_persons.foreground_box import STEP, foreground_box, shares, without_others
 from followspot_persons.shape import read_shape
+from followspot_persons.slow_pose import scattered_about
+from followspot_persons.track import Track
 from followspot_persons.upper_body_box import RATIO
 
 CAMERA = perspective()
@@ -82,6 +86,18 @@ def test_who_is_known_stays_without_boxes_for_a_time_in_the_foreground(time, los
     np.testing.assert_array_equal(person.colors.mean, colors.mean)
     if not lost:
         assert person.track.pose[1] == pytest.approx(0.35, abs=0.12)
+
+
+def test_who_was_taken_for_somebody_far_away_is_where_the_feet_are_at_once():
+    show = Show(foreground_boxes=False)
+    show.leave(FEWEST)
+    for _ in range(3):
+        show.see(standing(3.0))
+    (person,) = show.stage.people
+    far = Track.initiated(scattered_about(standing(6.5), 60, np.random.default_rng(1)))
+    show.stage.people = [replace(person, track=far, contact=None)]
+    told = show.see_pixels(room_with(standing(3.0)).pixels, boxed=[], score=1.0)
+    assert told.pose[0, 0] == pytest.approx(3.0, abs=0.5)
 
 
 def test_boxes_on_furniture_are_nobodys_who_came_later():

@@ -131,6 +131,20 @@ def test_who_comes_is_known_without_any_box_of_the_detector(on, numbers):
         assert told.pose[0, 0] == pytest.approx(3.2, abs=0.3)
 
 
+def test_the_foreground_of_a_known_person_says_nothing_of_its_height():
+    """Feet are below the picture: the size of such a box follows from the height of people at large."""
+    show = Show()
+    show.leave(FEWEST)
+    for step in range(4):
+        show.see(standing(1.7, 0.02 * step, height=1.55), score=6.0)
+    sizes = len(show.stage.people[0].stature.sizes)
+    for step in range(4):
+        show.see(standing(1.7, 0.08 - 0.1 * step, height=1.55), boxed=[])
+    (person,) = show.stage.people
+    assert person.hits > 4
+    assert len(person.stature.sizes) == sizes
+
+
 @pytest.mark.parametrize(("front", "known"), [(SHIRT, True), ((30, 30, 30), False)])
 def test_the_foreground_is_a_known_persons_only_in_its_clothes(front, known):
     """Somebody stands where the detector misses a known person."""

@@ -33,6 +33,12 @@ def sized(height, pictures=60):
     return known
 
 
+def test_a_box_whose_size_was_not_measured_says_nothing_of_the_height():
+    camera, box = perspective(), np.array([139.5, 80, 179.5, 140])
+    assert len(sized_by_box(Stature(), camera, box, 0.5).sizes) == 1
+    assert len(sized_by_box(Stature(), camera, box, 0.0).sizes) == 0
+
+
 def test_of_an_unknown_person_the_height_is_that_of_people():
     assert Stature().estimate == (USUAL, SPREAD)
 
