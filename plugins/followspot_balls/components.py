@@ -67,7 +67,15 @@ def components(mask: Array, level: Array, strip: Strip) -> Components:
     count, labels = cv2.connectedComponentsWithAlgorithm(mask.view(np.uint8), 8, cv2.CV_32S, cv2.CCL_BBDT)
     count -= 1  # the background
     label = np.subtract(np.asarray(labels).take(pixels), 1, dtype=np.intp)
-    row, column = row_and_column(pixels, mask.shape[1])
+    return described(pixels, label, count, level, strip)
+
+
+def described(pixels: Array, label: Array, count: int, level: Array, strip: Strip) -> Components:
+    """The components of pixels that have their labels: (P,) flat indices and labels below `count`, each used.
+
+    level: (H, W), positive there.
+    """
+    row, column = row_and_column(pixels, level.shape[1])
     weight = level.take(pixels).astype(float)
     total = np.bincount(label, weight, count)
     center = np.empty((count, 2))

@@ -23,6 +23,7 @@ from followspot_balls.strip import (
     scattered,
     window_strip,
 )
+from followspot_balls.touching import divided
 from followspot_balls.votes import disc_centers
 
 SAME = 0.5
@@ -198,6 +199,8 @@ def measured(
     view: (N,) of each part; circles: of all views; windows: of the parts, if they are windows.
     """
     blobs = components(above_local_peak(level, p.edge_level), level, strip)
+    around = circles_of(circles, view.take(blobs.part), len(limits.darkest))
+    blobs = divided(blobs, level, strip, around)
     seen = view.take(blobs.part)
     keep = of_size(blobs.area, limits.smallest.take(seen), limits.largest.take(seen), seen)
     if windows is not None:
