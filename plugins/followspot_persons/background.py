@@ -61,8 +61,7 @@ class Background:
             if len(kept) >= FEWEST
             else None
         )
-        due = max(self.due + round(interval * 1e9), time) if self.kept else time + round(interval * 1e9)
-        return Background(self.turn, kept, due, interval, median)
+        return Background(self.turn, kept, time + round(interval * 1e9), interval, median)
 
     def without(self, pixels: Array, people: Array) -> Array:
         """The picture with the background in place of people."""
