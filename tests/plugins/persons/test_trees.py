@@ -68,6 +68,7 @@ def test_an_edge_counts_for_its_orientation(number):
 def test_weights_with_trees_ship_beside_those_in_use():
     file = SHIPPED.with_name("hog_weights_trees.npz")
     assert len(load(file).tree_leaf) == 600
+    assert load(file).calibration[0] > 1.0  # a mean of two log-odds is softer than they are
     assert file.stat().st_size < 300_000
 
 
