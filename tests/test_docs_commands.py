@@ -23,6 +23,7 @@ ELSEWHERE = {
     r"followspot (new|plugins studio|run graph.yaml)": "tests/test_tutorial.py",
     r"python tools/bench_bounces.py": "tests/tools/test_bench_bounces.py",
     r"python tools/paper_tables.py": "tests/tools/test_paper_tables.py",
+    r"python tools/bench_busy_persons.py": "tests/tools/test_bench_busy_persons.py",
     r"python tools/bench_persons.py": "tests/tools/test_bench_persons.py",
     r"python tools/bench_strangers.py": "tests/tools/test_bench_strangers.py",
     r"python tools/learn_weights.py": "tests/tools/test_learn_weights.py",
