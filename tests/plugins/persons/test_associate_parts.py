@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from tests.plugins.persons.crowded import corner_room
 
+from followspot_persons.associate.affinity import pair_ratios
 from followspot_persons.associate.contraction import clusters
 from followspot_persons.associate.ellipsoid import boxes_of
 from followspot_persons.associate.existence import Tally, missed, visible_shares
@@ -28,6 +29,19 @@ def test_a_weak_tie_is_outweighed_by_the_rest_of_a_cluster() -> None:
     assert [rows.tolist() for rows in clusters(ratio)] == [[0, 1, 2]]
     ratio[0, 2] = ratio[2, 0] = -4
     assert [rows.tolist() for rows in clusters(ratio)] == [[0, 1]]
+
+
+@pytest.mark.parametrize(("size", "body"), [(0.06, False), (0.1, True), (0.7, True), (0.9, False)])
+def test_points_that_meet_in_no_body_of_a_persons_size_are_no_pair(size: float, body: bool) -> None:
+    around = np.random.default_rng(3).normal(size=(13, 3))
+    around -= around.mean(axis=0)
+    points = np.array([0.0, 0.0, 1.0]) + size * around / np.sqrt(np.square(around).sum(axis=1).mean())
+    xy = np.stack([images(VIEWS.each[camera].projection, points)[0] for camera in (0, 1)])
+    ratio = pair_ratios(VIEWS, np.array([0, 1]), xy, Noise(2.0, 0.02, 0.0))
+    assert (ratio[0, 1] > 0) == body
+    assert np.isneginf(ratio[0, 1]) != body
+    assert ratio[0, 1] == ratio[1, 0]
+    assert np.isneginf(pair_ratios(VIEWS, np.array([1, 1]), xy, Noise(2.0, 0.02, 0.0))).all()  # of one camera
 
 
 def test_one_camera_alone_is_no_evidence_of_existence() -> None:
