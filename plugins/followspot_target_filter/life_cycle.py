@@ -25,7 +25,8 @@ class Evidence:
     confirm it otherwise: one colour-infrared pair may be a coincidence, several in a row hardly are. A
     missing target near its last position needs one candidate less, and one alone where it was last measured:
     one that is not confirmed within half of `back`. Elsewhere near its last position, to which one view may
-    have led it, a candidate is half of what confirms it.
+    have led it, a candidate is half of what confirms it. Both hold for targets with many measurements, for
+    others may be false.
     """
 
     support: int
@@ -35,6 +36,8 @@ class Evidence:
     """m; a position that is nearer than this to another target belongs to that target."""
     back: float
     """m; a missing target that is nearer than this to where it was has stayed there."""
+    many: int
+    """Measurements since it was last lost from which a target is surely true."""
 
 
 class Left(NamedTuple):
@@ -110,8 +113,9 @@ def confirmed(
     near_by = (status == MISSING) & (life.status.take(target) == MISSING)
     agreeing = positions.support >= np.where(positions.evident, 2, evidence.support) - near_by
     stayed = evidence.back * np.where(positions.confirmed, 1.0, 0.5)
-    agreeing |= near_by & close(xyz, left.measured[target], stayed)
-    there = near_by & close(xyz, left.last[target], evidence.back)
+    back = near_by & (life.hits.take(target) >= evidence.many)
+    agreeing |= back & close(xyz, left.measured[target], stayed)
+    there = back & close(xyz, left.last[target], evidence.back)
     shown = np.where(there, (evidence.frames + 1) // 2, positions.evident)
     shown = np.where(agreeing, evidence.frames, shown)
     row = np.where(possible, np.where(again, life.streak[target], 0) + shown, 0)

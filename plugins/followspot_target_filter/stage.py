@@ -92,8 +92,8 @@ class TargetFilter(Stage, ABC):
             ge=0,
             unit="m",
             description="distance from where it was last measured up to which one candidate confirms a "
-            "missing target; 0: never; raising it finds covered targets sooner, and takes other things for "
-            "them",
+            "missing target that had as many measurements as it may miss frames; 0: never; raising it finds "
+            "covered targets sooner, and takes other things for them",
         )
         fade_time: float = Field(
             0.1,
@@ -134,7 +134,12 @@ class TargetFilter(Stage, ABC):
         self.marks = marked(p.marks, tuple(self.room.targets))
         apart = min((t.radius for t in self.room.targets.values()), default=0.0)
         self.evidence = Evidence(
-            p.minimum_support, p.confirmation_frames, p.confirmation_distance, apart, p.return_distance
+            p.minimum_support,
+            p.confirmation_frames,
+            p.confirmation_distance,
+            apart,
+            p.return_distance,
+            p.maximum_missed_frames,
         )
         self.constant = np.eye(3) * p.measurement_sigma**2
         self.motion = self.motion_model(count)

@@ -127,6 +127,13 @@ def test_one_candidate_shows_a_missing_target_where_it_was_measured(
     assert [len(o.tracks.target) for o in outputs] == found
 
 
+def test_one_candidate_shows_no_missing_target_that_was_hardly_measured() -> None:
+    stage = kalman()
+    watch(stage, 20)
+    watch(stage, 1, first=20, seen=False)
+    assert not any(len(o.tracks.target) for o in watch(stage, 4, first=21, support=1, evident=False))
+
+
 def led_away(stage: Kalman) -> tuple[float, float, float]:
     """A target that one view leads away from where it was measured, then missing for five frames."""
     watch(stage, 40)
