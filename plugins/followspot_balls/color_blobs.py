@@ -16,7 +16,7 @@ from followspot_balls.detection import DetectionParams, Detections, blobs_by_vie
 from followspot_balls.hue import BINS, bhattacharyya, hue_bits, normalised
 from followspot_balls.search import Circles, Regions, search_regions
 from followspot_balls.strip import Windows, abreast, row_and_column
-from followspot_balls.votes import disc_centers
+from followspot_balls.votes import disc_centers, own_area
 
 SMALL = 12.0
 """Area up to which a blob is never too large for its forecast, px: pixels are coarse."""
@@ -109,7 +109,8 @@ class ColorBlobs(Stage):
             1.8,
             gt=0,
             unit="1",
-            description="largest blob area over that expected at the forecast; raising it keeps biased blobs",
+            description="largest blob area over that expected at the forecast, unless a rim tells the ball "
+            "from other light; raising it keeps biased blobs",
         )
 
     params: Params
@@ -192,7 +193,9 @@ def measured(
     blobs = components(above_local_peak(level, p.edge_level), level, strip)
     owner = sought.owner.take(blobs.part)
     smallest, largest = templates.area.take(owner, axis=0).T
-    keep = of_size(blobs.area, smallest, largest, owner // max(count, 1))
+    area = blobs.area
+    bound = largest if near is None else np.full(len(largest), np.inf)
+    keep = of_size(area, smallest, bound, owner // max(count, 1))
     histograms = component_histograms(blobs, sought.hue)
     similarity = bhattacharyya(histograms, templates.histograms.take(owner, axis=0))
     keep &= similarity > p.similarity
@@ -200,15 +203,17 @@ def measured(
     if near is not None:
         circles, windows = near
         ball = circles.ball.take(owner)
-        keep &= blobs.area <= np.maximum(p.maximum_expected_area * np.pi * ball * ball, SMALL)
         keep &= ~clipped(blobs, strip, windows)
         radius = np.where(keep, ball + p.radius_offset, np.nan)
         expected = circles.center.take(owner, axis=0)
-        pixel = disc_centers(level, strip, blobs, radius, p.edge_level, expected)
+        pixel, rim = disc_centers(level, strip, blobs, radius, p.edge_level, expected)
+        bound = np.minimum(largest, np.maximum(p.maximum_expected_area * np.pi * ball * ball, SMALL))
+        area = own_area(area, bound, radius, rim)
+        keep &= area <= bound
         right, down = (pixel - expected).T
         keep &= np.hypot(right, down) <= circles.radius.take(owner)
     rows = keep.nonzero()[0]
-    return Found(pixel.take(rows, axis=0), blobs.area.take(rows), similarity.take(rows), owner.take(rows))
+    return Found(pixel.take(rows, axis=0), area.take(rows), similarity.take(rows), owner.take(rows))
 
 
 def component_histograms(blobs: Components, hue: Array) -> Array:

@@ -24,7 +24,7 @@ from followspot_balls.strip import (
     window_strip,
 )
 from followspot_balls.touching import divided
-from followspot_balls.votes import disc_centers
+from followspot_balls.votes import disc_centers, own_area
 
 SAME = 0.5
 """Distance below which blobs of two windows are one, px."""
@@ -202,15 +202,19 @@ def measured(
     around = circles_of(circles, view.take(blobs.part), len(limits.darkest))
     blobs = divided(blobs, level, strip, around)
     seen = view.take(blobs.part)
-    keep = of_size(blobs.area, limits.smallest.take(seen), limits.largest.take(seen), seen)
+    largest = limits.largest.take(seen)
+    bound = largest if windows is None else np.full(len(largest), np.inf)
+    keep = of_size(blobs.area, limits.smallest.take(seen), bound, seen)
     if windows is not None:
         keep &= ~clipped(blobs, strip, windows)
     rows = keep.nonzero()[0]
     near = circles_of(circles, seen.take(rows), len(limits.darkest))
     radius, expected = np.full(len(keep), np.nan), np.full((len(keep), 2), np.nan)
     expected[rows], radius[rows] = nearest_ball(near, blobs.center.take(rows, axis=0))
-    center = disc_centers(level, strip, blobs, radius + p.radius_offset, p.edge_level, expected)
-    return Found(center.take(rows, axis=0), blobs.area.take(rows), seen.take(rows))
+    center, rim = disc_centers(level, strip, blobs, radius + p.radius_offset, p.edge_level, expected)
+    area = own_area(blobs.area, largest, radius, rim)
+    rows = rows[area[rows] <= largest[rows]]
+    return Found(center.take(rows, axis=0), area.take(rows), seen.take(rows))
 
 
 def circles_of(circles: Circles, view: Array, views: int) -> Circles:

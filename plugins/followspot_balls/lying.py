@@ -1,4 +1,4 @@
-"""Finds pairs that show a tracked ball on a plane; the homography test alone takes them for projections."""
+"""Finds pairs that show a ball where it lies on a plane; the homography test alone takes them for light."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from followspot.messages import Array
 from followspot.room import Room
-from followspot.tracking import TRACKED, Forecast
+from followspot.tracking import LOST, Forecast
 from followspot_balls.bundle.points import point_images
 from followspot_balls.outline import unit_outline
 from followspot_balls.single_view import nearest_planes
@@ -25,11 +25,11 @@ class LyingTargets:
         self.outline = unit_outline(room)[:, None]
 
     def shown(self, ends: Array, cameras: Array, targets: Array, forecast: Forecast) -> Array:
-        """Which pairs lie in both images of a tracked target that lies on a plane: (M,) bool.
+        """Which pairs lie in both images of a target that is forecast to lie on a plane: (M,) bool.
 
         ends: (M, 2, 2) px, the two blobs; cameras: (M, 2) numbers; targets: (M, T) bool, which each may be.
         """
-        lying = ((forecast.state == TRACKED) & self.touching(forecast.xyz)).nonzero()[0]
+        lying = ((forecast.state != LOST) & self.touching(forecast.xyz)).nonzero()[0]
         if not len(lying):
             return np.zeros(len(ends), bool)
         place = forecast.xyz[lying]

@@ -59,8 +59,8 @@ class VerifyPairs(Stage):
             0.03,
             ge=0,
             unit="m",
-            description="clearance up to which a tracked target lies on a plane, where a pair in its images "
-            "is no projection; 0: never; raising it keeps more pairs",
+            description="clearance up to which a target that is not lost lies on a plane, where a pair in "
+            "its images is no projection; 0: never; raising it keeps more pairs",
         )
         color_color: bool = Field(True, description="whether to give pairs of two colour cameras")
         infrared_infrared: bool = Field(

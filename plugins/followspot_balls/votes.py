@@ -4,7 +4,8 @@ The centroid of a partly hidden ball is off by a pixel or more. Its visible rim 
 circle whose radius follows from the forecast distance, so each edge pixel votes for the point one
 radius inward; the rim's votes agree, those of the edge of an occluder scatter. A blob that is larger than
 the ball shows it beside other light, and its centroid lies between them: then the votes around the
-forecast count as well. A smaller one does not ask the forecast, which few votes would always confirm.
+forecast count as well, and if most of a rim agrees there is a ball, however large the blob. A smaller one
+does not ask the forecast, which few votes would always confirm.
 """
 
 from __future__ import annotations
@@ -30,6 +31,10 @@ UNHEARD = 1e-9
 """Weight of the centroid itself, so that it stays if there is no vote."""
 SPREADS = (2.0, 1.4, 1.0, 0.8)
 """Scale of the robust kernel in each iteration, px: wide enough to leave a biased centroid, then exact."""
+WHOLE_RIM = 4.3
+"""Votes of the rim of a ball in clear view that agree on its centre, over its radius in px."""
+SEPARATE = 0.7
+"""Share of these votes from which a ball is told from the light that it is merged with."""
 MERGED = 1.2
 """Area over the disc's above which a component is merged with other light."""
 TOUCHING = np.ones((3, 3), np.uint8)
@@ -42,17 +47,19 @@ def disc_centers(
     radius: Array,
     edge: float,
     expected: Array | None = None,
-) -> Array:
+) -> tuple[Array, Array]:
     """Centres of the discs whose visible parts are the components.
 
     level: (H, W) u8 brightness that the components were cut from, in a strip;
     radius: (N,) px of each component's disc, NaN if unknown; edge: of a disc over its peak; expected:
     (N, 2) px, where the discs of known radius are forecast.
-    Returns (N, 2) px in the picture; the centroid if the radius is unknown.
+    Returns (N, 2) px in the picture, the centroid if the radius is unknown, and the share of a whole rim that
+    votes for it, (N,), 0 if the radius is unknown.
     """
     known = np.equal(radius, radius).nonzero()[0]
+    rim = np.zeros(len(radius))
     if not len(known):
-        return blobs.center
+        return blobs.center, rim
     index, label = rim_band(blobs, known, level.shape)
     planes = derivatives(level, index) / (GAIN * blobs.peak.take(known)).take(label)
     right, down, value = planes
@@ -72,8 +79,10 @@ def disc_centers(
     center = blobs.center.copy()
     point, heard = agreement(votes, slope, label, center.take(known, axis=0))
     center[known] = point
+    whole = WHOLE_RIM * radius.take(known)
+    rim[known] = heard / whole
     if expected is None:
-        return center
+        return center, rim
     merged = (blobs.area.take(known) > MERGED * np.pi * np.square(radius.take(known))).nonzero()[0]
     if len(merged):
         number = np.full(len(known), -1)
@@ -83,8 +92,19 @@ def disc_centers(
         start = expected.take(known.take(merged), axis=0)
         point, there = agreement(votes.take(mine, axis=1), slope.take(mine), label.take(mine), start)
         better = there > heard.take(merged)
-        center[known.take(merged[better])] = point[better]
-    return center
+        row = merged[better]
+        center[known.take(row)] = point[better]
+        rim[known.take(row)] = there[better] / whole.take(row)
+    return center, rim
+
+
+def own_area(area: Array, largest: Array, radius: Array, rim: Array) -> Array:
+    """Areas of the balls in components, px: that of its disc if a larger one has a rim that tells it.
+
+    area: (N,) px, of the components; largest: (N,) px, that balls have; radius: (N,) px, of the discs; rim:
+    (N,) of :func:`disc_centers`.
+    """
+    return np.where((area > largest) & (rim >= SEPARATE), np.pi * np.square(radius), area)
 
 
 def rim_band(blobs: Components, known: Array, shape: tuple[int, ...]) -> tuple[Array, Array]:

@@ -23,7 +23,10 @@ class Evidence:
     support: number of candidates that agree in one frame; two are enough if one of them is evident.
     frames: number of frames with an evident candidate, each within `reach` (m) of the one before, that
     confirm it otherwise: one colour-infrared pair may be a coincidence, several in a row hardly are. A
-    missing target near its last position needs one candidate less.
+    missing target near its last position needs one candidate less, and one alone where it was last measured:
+    one that is not confirmed within half of `back`. Elsewhere near its last position, to which one view may
+    have led it, a candidate is half of what confirms it. Both hold for targets with many measurements, for
+    others may be false.
     """
 
     support: int
@@ -31,6 +34,19 @@ class Evidence:
     reach: float
     apart: float
     """m; a position that is nearer than this to another target belongs to that target."""
+    back: float
+    """m; a missing target that is nearer than this to where it was has stayed there."""
+    many: int
+    """Measurements since it was last lost from which a target is surely true."""
+
+
+class Left(NamedTuple):
+    """Where T missing targets were, (T, 3) m each."""
+
+    last: Array
+    """Last position."""
+    measured: Array
+    """The last that was measured, not predicted from one view."""
 
 
 class LifeCycle(NamedTuple):
@@ -45,7 +61,7 @@ class LifeCycle(NamedTuple):
     streak: Array
     """(T,) successive frames with an evident candidate of a tentative target; one in which candidates agree
     counts as many as confirm it. A frame in which a roaming target was sought near its last position does not
-    count and does not end the streak."""
+    count and does not end the streak; nor does a search everywhere, if the streak is there."""
     place: Array
     """(T, 3) m, the candidate in the last of these frames."""
 
@@ -77,7 +93,7 @@ def sought(life: LifeCycle, near: int, marked: Array) -> Array:
 
 
 def confirmed(
-    life: LifeCycle, status: Array, near: int, positions: Positions, evidence: Evidence
+    life: LifeCycle, status: Array, near: int, positions: Positions, left: Left, evidence: Evidence
 ) -> tuple[LifeCycle, Array]:
     """Which measurements count: those of tracked targets, and those that confirm a tentative target.
 
@@ -85,7 +101,8 @@ def confirmed(
     status, near: of :func:`sought`. Returns the life cycle with new streaks, and (M,) bool.
     """
     target, xyz = positions.target, positions.xyz
-    streak = np.where(roaming(life, near) & (status == MISSING), life.streak, 0)
+    elsewhere = (status == MISSING) != close(life.place, left.last, evidence.back)
+    streak = np.where(roaming(life, near) & elsewhere, life.streak, 0)
     status = status.take(target)
     known = (status == TRACKED) | (status == PREDICTED)
     if known.all():
@@ -95,13 +112,23 @@ def confirmed(
     again = np.linalg.norm(xyz - life.place[target], axis=1) <= evidence.reach
     near_by = (status == MISSING) & (life.status.take(target) == MISSING)
     agreeing = positions.support >= np.where(positions.evident, 2, evidence.support) - near_by
-    shown = np.where(agreeing, evidence.frames, positions.evident)
+    stayed = evidence.back * np.where(positions.confirmed, 1.0, 0.5)
+    back = near_by & (life.hits.take(target) >= evidence.many)
+    agreeing |= back & close(xyz, left.measured[target], stayed)
+    there = back & close(xyz, left.last[target], evidence.back)
+    shown = np.where(there, (evidence.frames + 1) // 2, positions.evident)
+    shown = np.where(agreeing, evidence.frames, shown)
     row = np.where(possible, np.where(again, life.streak[target], 0) + shown, 0)
     doubted = (status == LOST) & vague(positions, evidence)
     strong = possible & (shown > 0) & (row >= evidence.frames * (1 + doubted))
     place = life.place.copy()
     streak[target], place[target] = row, xyz
     return LifeCycle(life.status, life.missed, life.hits, streak, place), known | strong
+
+
+def close(xyz: Array, place: Array, reach: Array | float) -> Array:
+    """Which of M points are nearer than that to places: (M, 3) m each, and m -> (M,) bool."""
+    return np.asarray(np.linalg.norm(xyz - place, axis=1) < reach)
 
 
 def vague(positions: Positions, evidence: Evidence) -> Array:

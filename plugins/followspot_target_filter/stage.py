@@ -15,7 +15,7 @@ from followspot.room import Camera, Member, Room
 from followspot.stage import Stage
 from followspot.stage_params import Field, StageParams
 from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Forecast, Positions, Tracks
-from followspot_target_filter.life_cycle import Evidence, LifeCycle, coasted, confirmed, sought
+from followspot_target_filter.life_cycle import Evidence, Left, LifeCycle, coasted, confirmed, sought
 from followspot_target_filter.marks import marked, untold
 from followspot_target_filter.motion_model import MotionModel
 
@@ -87,6 +87,14 @@ class TargetFilter(Stage, ABC):
             description="largest step between these frames, and sigma of a position from which on it needs "
             "twice as many; raising it confirms faster targets, and vague ones",
         )
+        return_distance: float = Field(
+            0.1,
+            ge=0,
+            unit="m",
+            description="distance from where it was last measured up to which one candidate confirms a "
+            "missing target that had as many measurements as it may miss frames; 0: never; raising it finds "
+            "covered targets sooner, and takes other things for them",
+        )
         fade_time: float = Field(
             0.1,
             ge=0,
@@ -125,18 +133,26 @@ class TargetFilter(Stage, ABC):
         p = self.params
         self.marks = marked(p.marks, tuple(self.room.targets))
         apart = min((t.radius for t in self.room.targets.values()), default=0.0)
-        self.evidence = Evidence(p.minimum_support, p.confirmation_frames, p.confirmation_distance, apart)
+        self.evidence = Evidence(
+            p.minimum_support,
+            p.confirmation_frames,
+            p.confirmation_distance,
+            apart,
+            p.return_distance,
+            p.maximum_missed_frames,
+        )
         self.constant = np.eye(3) * p.measurement_sigma**2
         self.motion = self.motion_model(count)
         self.life = LifeCycle.lost(count)
-        self.last, self.before = np.zeros((count, 3)), np.zeros((count, 3))
+        self.last, self.before, self.measured = np.zeros((3, count, 3))
         self.time, self.period = -1, DEFAULT_PERIOD
 
     def process(self, positions: Positions) -> Outputs:
         p = self.params
         self.advance(positions.header.time)
         status = sought(self.life, p.local_search_frames, self.marks.there)
-        life, counted = confirmed(self.life, status, p.local_search_frames, positions, self.evidence)
+        left = Left(self.last, self.measured)
+        life, counted = confirmed(self.life, status, p.local_search_frames, positions, left, self.evidence)
         if not counted.all():
             positions = positions.where(counted)
         target, xyz = positions.target.astype(np.intp), positions.xyz
@@ -154,7 +170,7 @@ class TargetFilter(Stage, ABC):
             vague = self.motion.estimate.sigma.take(target, axis=0).max(axis=1) > p.maximum_predicted_sigma
             bridged[target] = positions.predicted & ~vague
         self.life = coasted(life, measured, bridged, p.maximum_missed_frames)
-        self.remember(target, target[new])
+        self.remember(target, target[new], measured)
         return Outputs(self.tracks(), self.forecast())
 
     def advance(self, time: int) -> None:
@@ -167,11 +183,15 @@ class TargetFilter(Stage, ABC):
         """Covariances of measurements, with the constant one if the fusion gives none."""
         return np.where(np.isfinite(covariance), covariance, self.constant)
 
-    def remember(self, target: Array, new: Array) -> None:
-        """Store the last two estimates of measured targets, and slow down coasting targets."""
+    def remember(self, target: Array, new: Array, measured: Array) -> None:
+        """Store the last two estimates of targets with positions, and slow down coasting targets.
+
+        What one view predicts is no measurement. measured: (T,) bool.
+        """
         self.before[target] = self.last.take(target, axis=0)
         self.last[target] = self.motion.estimate.xyz.take(target, axis=0)
         self.before[new] = self.last[new]
+        self.measured[measured] = self.motion.estimate.xyz[measured]
         status = self.life.status
         if self.params.fade_time > 0:
             unmeasured = ((status == MISSING) | (status == PREDICTED)).nonzero()[0]
@@ -216,6 +236,7 @@ class TargetFilter(Stage, ABC):
             **self.life._asdict(),
             "last": self.last,
             "before": self.before,
+            "measured": self.measured,
             "time": self.time,
             "period": self.period,
         }
@@ -224,4 +245,5 @@ class TargetFilter(Stage, ABC):
         self.motion.restore(state)
         self.life = LifeCycle(*(np.array(state[name]) for name in LifeCycle._fields))
         self.last, self.before = np.array(state["last"]), np.array(state["before"])
+        self.measured = np.array(state["measured"])
         self.time, self.period = int(state["time"]), float(state["period"])

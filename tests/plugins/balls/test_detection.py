@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.plugins.balls.scene import SIZE, disc, forecast_at, learn_color, make_room, picture
@@ -16,7 +18,7 @@ from followspot_balls.hue import BIT, bhattacharyya, hue_bits, normalised
 from followspot_balls.ir_blobs import IrBlobs
 from followspot_balls.strip import whole_strip
 from followspot_balls.template import learn_infrared
-from followspot_balls.votes import agreement, disc_centers
+from followspot_balls.votes import SEPARATE, agreement, disc_centers, own_area
 
 ROOM = make_room()
 HERE, THERE = (0.1, 0.0, 1.0), (-0.4, 0.3, 0.8)
@@ -173,6 +175,37 @@ def test_an_infrared_blob_in_two_windows_is_one_blob_of_two_targets() -> None:
     assert blobs.targets.tolist() == [[True, True]]
 
 
+@pytest.mark.parametrize("camera", ["cam1", "cam3"])
+def test_infrared_balls_that_touch_in_a_picture_are_two_blobs(camera: str) -> None:
+    beside = (HERE[0] + 0.14, HERE[1], HERE[2])
+    places = np.array([HERE, beside])
+    frame = picture(ROOM.cameras[camera], dict(zip(("red", "green"), places, strict=True)))
+    assert len(detector(IrBlobs, camera).process(frame, None).pixel) == 1
+    found = detector(IrBlobs, camera).process(frame, forecast_at([HERE, beside]))
+    off = np.linalg.norm(found.pixel[:, None] - project(ROOM.cameras[camera], places), axis=2)
+    assert off.min(axis=0) == pytest.approx(np.zeros(2), abs=0.6)
+
+
+@pytest.mark.parametrize(
+    ("apart", "size", "seen"), [(11.5, 5.5, True), (3.0, 9.0, False)], ids=["touching", "submerged"]
+)
+def test_a_ball_that_touches_much_light_of_its_colour_is_found_by_its_rim(
+    apart: float, size: float, seen: bool
+) -> None:
+    large = replace(ROOM.targets["red"], radius=0.15, area={"cam0": (100.0, 140.0)})
+    room = replace(ROOM, targets={"red": large})
+    stage = ColorBlobs(Context.serving(room.cameras["cam0"], room), maximum_expected_area=1.5)
+    stage.setup()
+    x, y = project(room.cameras["cam0"], np.array([HERE]))[0]
+    radius = 150.0 * 0.15 / float(np.linalg.norm(HERE - room.cameras["cam0"].center))
+    frame = painted("cam0", [(x, y, radius, (0, 0, 255)), (x + apart, y, size, (0, 0, 255))])
+    found = stage.process(frame, forecast_at([HERE]))
+    assert len(found.pixel) == seen
+    if seen:
+        assert found.pixel[0] == pytest.approx((x, y), abs=0.6)
+        assert found.area[0] == pytest.approx(np.pi * radius**2, rel=0.01)
+
+
 def test_hot_pixels_are_not_balls() -> None:
     frame = painted("cam1", [])
     pixels = frame.pixels.copy()
@@ -214,7 +247,8 @@ def test_without_a_radius_the_centre_is_the_centroid() -> None:
     level, strip = np.zeros((20, 20), np.uint8), whole_strip(20)
     level[5:9, 5:9] = 200
     found = components(above_local_peak(level, 0.5), level, strip)
-    assert disc_centers(level, strip, found, np.array([np.nan]), 0.5) == pytest.approx(np.array([[6.5, 6.5]]))
+    center, _ = disc_centers(level, strip, found, np.array([np.nan]), 0.5)
+    assert center == pytest.approx(np.array([[6.5, 6.5]]))
 
 
 def test_without_a_vote_the_centre_is_the_centroid() -> None:
@@ -238,15 +272,34 @@ def test_of_two_discs_in_one_blob_the_one_at_the_forecast_is_found(expected: tup
     level, strip = discs(*both), whole_strip(60)
     blobs = components(above_local_peak(level, 0.5), level, strip)
     assert len(blobs.area) == 1
-    center = disc_centers(level, strip, blobs, np.array([8.0]), 0.5, np.array([expected]))
+    center, _ = disc_centers(level, strip, blobs, np.array([8.0]), 0.5, np.array([expected]))
     nearest = min(both, key=lambda disc: np.hypot(*np.subtract(disc, expected)))
     assert center == pytest.approx(np.array([nearest]), abs=0.3)
+
+
+@pytest.mark.parametrize(
+    ("hidden", "told"), [(0, True), (8, False)], ids=["most of its rim shows", "half of it is covered"]
+)
+def test_a_rim_tells_a_ball_from_the_light_that_it_is_merged_with(hidden: int, told: bool) -> None:
+    level, strip = discs((20.0, 30.0)), whole_strip(60)
+    level[22:39, : 12 + hidden] = 0
+    level[24:36, 27:58] = 200
+    blobs = components(above_local_peak(level, 0.5), level, strip)
+    radius = np.array([8.0])
+    center, rim = disc_centers(level, strip, blobs, radius, 0.5, np.array([[20.0, 30.0]]))
+    area = own_area(blobs.area, np.array([250.0]), radius, rim)
+    whole = own_area(blobs.area, blobs.area, radius, rim)
+    assert whole == pytest.approx(blobs.area)
+    assert (rim[0] >= SEPARATE) == told
+    assert area == pytest.approx(np.pi * 64 if told else blobs.area)
+    if told:
+        assert center == pytest.approx(np.array([[20.0, 30.0]]), abs=0.5)
 
 
 def test_a_forecast_beside_a_merged_blob_leads_to_a_disc_all_the_same() -> None:
     level, strip = discs((20.0, 30.0), (26.0, 30.0)), whole_strip(60)
     blobs = components(above_local_peak(level, 0.5), level, strip)
-    center = disc_centers(level, strip, blobs, np.array([8.0]), 0.5, np.array([[45.0, 12.0]]))
+    center, _ = disc_centers(level, strip, blobs, np.array([8.0]), 0.5, np.array([[45.0, 12.0]]))
     assert center == pytest.approx(np.array([[26.0, 30.0]]), abs=0.3)
 
 
@@ -254,8 +307,8 @@ def test_a_fragment_does_not_ask_the_forecast_which_its_edge_would_confirm() -> 
     level, strip = np.zeros((60, 60), np.uint8), whole_strip(60)
     level[25:35, 20:24] = 200
     blobs = components(above_local_peak(level, 0.5), level, strip)
-    alone = disc_centers(level, strip, blobs, np.array([8.0]), 0.5)
-    center = disc_centers(level, strip, blobs, np.array([8.0]), 0.5, np.array([[15.5, 29.5]]))
+    alone, _ = disc_centers(level, strip, blobs, np.array([8.0]), 0.5)
+    center, _ = disc_centers(level, strip, blobs, np.array([8.0]), 0.5, np.array([[15.5, 29.5]]))
     assert np.array_equal(center, alone)
 
 

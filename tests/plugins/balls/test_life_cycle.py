@@ -98,12 +98,63 @@ def test_color_alone_finds_a_missing_target_near_its_last_place_and_nowhere_else
 def test_missing_target_near_its_last_place_needs_one_candidate_less(
     support: int, evident: bool, found: bool
 ) -> None:
-    stage = kalman()
+    stage = kalman(return_distance=0.0)
     watch(stage, 40)
     watch(stage, 1, first=40, seen=False)
     assert stage.forecast().state[0] == MISSING
     seen = watch(stage, 1, first=41, support=support, evident=evident)[0]
     assert bool(len(seen.tracks.target)) == found
+
+
+@pytest.mark.parametrize(
+    ("off", "how", "found"),
+    [
+        (0.08, {"support": 1}, [1, 1]),
+        (0.12, {"support": 1}, [0, 0]),
+        (0.08, {"support": 0}, [0, 0]),
+        (0.04, {"support": 1, "confirmed": False}, [1, 1]),
+        (0.08, {"support": 1, "confirmed": False}, [0, 1]),
+    ],
+    ids=["where it was", "elsewhere", "by no pair", "by one kind", "by one kind, not quite there"],
+)
+def test_one_candidate_shows_a_missing_target_where_it_was_measured(
+    off: float, how: dict[str, object], found: list[int]
+) -> None:
+    stage = kalman()
+    watch(stage, 40)
+    watch(stage, 1, first=40, seen=False)
+    outputs = watch(stage, 2, first=41, place=(off, 0.0, 1.0), evident=False, **how)
+    assert [len(o.tracks.target) for o in outputs] == found
+
+
+def test_one_candidate_shows_no_missing_target_that_was_hardly_measured() -> None:
+    stage = kalman()
+    watch(stage, 20)
+    watch(stage, 1, first=20, seen=False)
+    assert not any(len(o.tracks.target) for o in watch(stage, 4, first=21, support=1, evident=False))
+
+
+def led_away(stage: Kalman) -> tuple[float, float, float]:
+    """A target that one view leads away from where it was measured, then missing for five frames."""
+    watch(stage, 40)
+    place = (0.0, 0.0, 1.0)
+    for frame in range(12):
+        place = (0.02 * (frame + 1), 0.0, 1.0)
+        watch(stage, 1, first=40 + frame, place=place, support=0, evident=False, predicted=True)
+    watch(stage, 5, first=52, seen=False)
+    return place
+
+
+@pytest.mark.parametrize("between", [0, 1, 3])
+def test_where_one_view_led_it_a_missing_target_is_shown_by_two_candidates_in_turn(between: int) -> None:
+    stage = kalman()
+    place = led_away(stage)
+    assert stage.forecast().state[0] == LOST  # sought everywhere, in every second frame
+    watch(stage, 1, first=57, seen=False)
+    assert not len(watch(stage, 1, first=58, place=place, support=1, evident=False)[0].tracks.target)
+    watch(stage, between, first=59, seen=False)
+    seen = watch(stage, 1, first=59 + between, place=place, support=1, evident=False)[0]
+    assert bool(len(seen.tracks.target)) == (between == 1)
 
 
 @pytest.mark.parametrize(

@@ -47,8 +47,9 @@ def test_light_on_the_floor_is_a_projection_without_a_track() -> None:
     assert not of_colors(paired(None, [True, False])).any()
 
 
-def test_light_where_a_tracked_ball_lies_is_kept_and_proves_nothing() -> None:
-    pairs = paired(expected(TRACKED, SPOT), [True, False])
+@pytest.mark.parametrize("status", [TRACKED, PREDICTED, MISSING])
+def test_light_where_a_ball_lies_that_is_not_lost_is_kept_and_proves_nothing(status: int) -> None:
+    pairs = paired(expected(status, SPOT), [True, False])
     kept = of_colors(pairs)
     assert kept.sum() == 1
     assert not pairs.confirmed[kept].any()
@@ -63,13 +64,11 @@ def test_without_clearance_only_infrared_light_excuses_a_ball() -> None:
     ("status", "place", "targets"),
     [
         (LOST, SPOT, [True, False]),
-        (MISSING, SPOT, [True, False]),
-        (PREDICTED, SPOT, [True, False]),
         (TRACKED, (SPOT[0] + 0.2, SPOT[1], RADIUS), [True, False]),
         (TRACKED, (SPOT[0], SPOT[1], RADIUS + 0.05), [True, False]),
         (TRACKED, SPOT, [False, True]),
     ],
-    ids=["lost", "missing", "predicted", "elsewhere", "above the floor", "of another colour"],
+    ids=["lost", "elsewhere", "above the floor", "of another colour"],
 )
 def test_other_light_on_the_floor_stays_a_projection(
     status: int, place: tuple[float, float, float], targets: list[bool]

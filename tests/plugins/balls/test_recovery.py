@@ -74,7 +74,7 @@ def test_one_colour_blob_on_the_ray_to_a_reflector_makes_many_pairs_and_no_sure_
     found = fused(fusion, room_of("cicicicic"), "01357", off=OFF)
     assert found.support.tolist() == [1]
     assert found.evident.all()
-    assert vague(found, Evidence(3, 3, 0.3, 0.0)).all(), "so it needs several frames"
+    assert vague(found, Evidence(3, 3, 0.3, 0.0, 0.0, 0)).all(), "so it needs several frames"
     sure = fused(fusion, room_of("cicicicic"), "01357", off=OFF, sure_recovery_evidence=-50.0)
     assert sure.support[0] >= 6
 
