@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from followspot_persons.association import BESIDE, box_distance, carried, matched, on_body
+from followspot_persons.association import ARMS, SHOULDERS, box_distance, carried, matched, on_body
 
 BOX = np.array([[100.0, 50.0, 140.0, 130.0]])
 
@@ -30,9 +30,9 @@ def test_boxes_on_both_sides_of_the_seam_of_a_panorama_are_near() -> None:
     ("right", "down", "there"),
     [
         (0, 0, True),
-        (80 * BESIDE - 1, 0, True),
-        (80 * BESIDE + 1, 0, False),
-        (-80 * BESIDE - 1, 0, False),
+        (80 * ARMS - 1, 0, True),
+        (80 * ARMS + 1, 0, False),
+        (-80 * ARMS - 1, 0, False),
         (0, -39, True),  # the middle is at the head's top
         (0, -41, False),
         (0, 119, True),  # at the feet
@@ -46,6 +46,14 @@ def test_a_box_is_on_a_body_if_its_middle_is_down_to_a_height_below(
     assert on_body(moved, BOX).tolist() == [there]
     assert on_body(moved, np.vstack([BOX + 1000.0, BOX])).tolist() == [there]  # of any body
     assert on_body(moved, BOX[:0]).tolist() == [False]
+
+
+def test_what_surely_is_an_upper_body_is_no_arm_beside_another() -> None:
+    half = (ARMS + SHOULDERS) / 2
+    for certainty, limit in ((0.0, ARMS), (0.5, half), (1.0, SHOULDERS)):
+        near, far = (BOX + np.array([right, 0, right, 0]) for right in (80 * limit - 1, 80 * limit + 1))
+        both = np.concatenate([near, far])
+        assert on_body(both, BOX, certainty=np.full(2, certainty)).tolist() == [True, False]
 
 
 def test_the_surest_pairs_come_first_and_none_twice_or_beyond_the_limit() -> None:
