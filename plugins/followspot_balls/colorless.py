@@ -53,7 +53,8 @@ class Colorless:
             return positions
         shown = self.shown(positions, candidates)
         late = self.late(target, shown, positions.xyz, forecast.period)
-        late |= ~shown & (positions.support < 2) & (forecast.state[target] == MISSING)
+        if len(forecast.state):  # the first forecast knows no targets
+            late |= ~shown & (positions.support < 2) & (forecast.state[target] == MISSING)
         return positions.where(~late) if late.any() else positions
 
     def late(self, target: Array, shown: Array, xyz: Array, period: float) -> Array:
