@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from followspot import Array, Field, Room, StageParams
-from followspot.tracking import Candidates, Forecast, Positions
+from followspot.tracking import MISSING, Candidates, Forecast, Positions
 from followspot_balls.bundle.points import point_images
 
 NEAREST = 1e-3
@@ -45,12 +45,16 @@ class Colorless:
     def bounded(self, positions: Positions, candidates: Candidates, forecast: Forecast | None) -> Positions:
         """The positions without those of targets that no colour camera has shown for too long.
 
-        Depth cameras tell a ball without its colour: where there are any, all positions remain.
+        One pair of infrared cameras alone shows no missing target: it may be what ended the track. Depth
+        cameras tell a ball without its colour: where there are any, all positions remain.
         """
         target = positions.target
         if not self.applies or forecast is None or not len(target):
             return positions
-        late = self.late(target, self.shown(positions, candidates), positions.xyz, forecast.period)
+        shown = self.shown(positions, candidates)
+        late = self.late(target, shown, positions.xyz, forecast.period)
+        if len(forecast.state):  # the first forecast knows no targets
+            late |= ~shown & (positions.support < 2) & (forecast.state[target] == MISSING)
         return positions.where(~late) if late.any() else positions
 
     def late(self, target: Array, shown: Array, xyz: Array, period: float) -> Array:

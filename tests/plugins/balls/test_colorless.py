@@ -10,7 +10,7 @@ from tests.plugins.balls.scene import blobs_of, forecast_at, make_room, position
 
 from followspot.messages import seal
 from followspot.stage import Context
-from followspot.tracking import Candidates
+from followspot.tracking import MISSING, Candidates, Forecast
 from followspot_balls.bundle_fusion import Bundle
 from followspot_balls.colorless import Colorless, ColorlessParams
 from followspot_balls.mean_shift import MeanShift
@@ -57,6 +57,15 @@ def test_a_target_that_infrared_cameras_alone_show_is_silent_after_a_second(fusi
     assert first_silent(stage(fusion)) == 30
     assert first_silent(stage(fusion, colorless_time=0.5)) == 15
     assert first_silent(stage(fusion, colorless_time=0.0)) is None
+
+
+@FUSIONS
+def test_one_pair_of_infrared_cameras_shows_no_target_that_is_missing(fusion: Fusion) -> None:
+    missing = replace(THERE, state=np.full(2, MISSING, np.uint8))
+    assert 0 not in stage(fusion).process(candidates_of(INFRARED), missing).target
+    assert 0 in stage(fusion).process(candidates_of(ALL), missing).target
+    first = stage(fusion).process(candidates_of(ALL), Forecast.empty())  # knows no targets yet
+    assert 0 in first.target
 
 
 @FUSIONS

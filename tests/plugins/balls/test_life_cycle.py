@@ -123,7 +123,7 @@ def test_one_candidate_shows_a_missing_target_where_it_was_measured(
     stage = kalman()
     watch(stage, 40)
     watch(stage, 1, first=40, seen=False)
-    outputs = watch(stage, 2, first=41, place=(off, 0.0, 1.0), evident=False, **how)
+    outputs = watch(stage, 2, first=41, place=(off, 0.0, 1.0), evident=False, **how)  # type: ignore[arg-type]
     assert [len(o.tracks.target) for o in outputs] == found
 
 
