@@ -98,7 +98,7 @@ def altered(show: Path, path: Path, **changes: object) -> Path:
 def test_every_port_is_recorded_and_nothing_is_lost(show: Path) -> None:
     with Recording(show) as recording:
         assert recording.problem == ""
-        assert len(recording.ports) == 19
+        assert len(recording.ports) == 20
         assert {len(list(recording.messages(port))) for port in recording.ports} == {FRAMES}
 
 
@@ -160,7 +160,7 @@ def test_verify_finds_everything_the_same(show: Path, capsys: pytest.CaptureFixt
     found = json.loads(capsys.readouterr().out)
     assert found["same"]
     assert {row["messages"] for row in found["ports"]} == {FRAMES}
-    assert len(found["ports"]) == 13
+    assert len(found["ports"]) == 14
 
 
 def test_verify_names_the_first_difference(

@@ -132,9 +132,10 @@ class Fusion:
         before, header = self.forecast, blobs[0].header
         pairs = _sent(verify.process(blobs, before), header)
         candidates = _sent(triangulate.process(pairs, before), header)
-        likely = _sent(associate.process(candidates, before), header)
+        associated = associate.process(candidates, before)
+        likely, existence = _sent(associated.candidates, header), _sent(associated.existence, header)
         positions = _sent(fuse.process(likely, before), header)
-        bridged = _sent(bridge.process(positions, blobs, before), header)
+        bridged = _sent(bridge.process(positions, blobs, before, [existence]), header)
         found = track.process(bridged)
         self._told.tracks(_sent(found.tracks, header))
         self.forecast = _sent(found.forecast, header)
