@@ -23,7 +23,7 @@ from followspot_balls.strip import (
     scattered,
     window_strip,
 )
-from followspot_balls.touching import divided
+from followspot_balls.touching import divided, touching
 from followspot_balls.votes import disc_centers, own_area
 
 SAME = 0.5
@@ -199,16 +199,19 @@ def measured(
     view: (N,) of each part; circles: of all views; windows: of the parts, if they are windows.
     """
     blobs = components(above_local_peak(level, p.edge_level), level, strip)
-    around = circles_of(circles, view.take(blobs.part), len(limits.darkest))
-    blobs = divided(blobs, level, strip, around)
-    seen = view.take(blobs.part)
+    views, seen = len(limits.darkest), view.take(blobs.part)
+    large = touching(blobs.area, seen, circles.ball, views)
+    if len(large):
+        around = circles_of(circles, seen.take(large), views)
+        blobs = divided(blobs, large, level, strip, around)
+        seen = view.take(blobs.part)
     largest = limits.largest.take(seen)
     bound = largest if windows is None else np.full(len(largest), np.inf)
     keep = of_size(blobs.area, limits.smallest.take(seen), bound, seen)
     if windows is not None:
         keep &= ~clipped(blobs, strip, windows)
     rows = keep.nonzero()[0]
-    near = circles_of(circles, seen.take(rows), len(limits.darkest))
+    near = circles_of(circles, seen.take(rows), views)
     radius, expected = np.full(len(keep), np.nan), np.full((len(keep), 2), np.nan)
     expected[rows], radius[rows] = nearest_ball(near, blobs.center.take(rows, axis=0))
     center, rim = disc_centers(level, strip, blobs, radius + p.radius_offset, p.edge_level, expected)

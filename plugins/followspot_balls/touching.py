@@ -19,25 +19,39 @@ SHOWN = 0.35
 """Smallest share of its disc that a component must cover for a ball to be in it."""
 
 
-def divided(blobs: Components, level: Array, strip: Strip, circles: Circles) -> Components:
+def touching(area: Array, view: Array, ball: Array, views: int) -> Array:
+    """Numbers of the components that are larger than the smallest ball of their view.
+
+    area: (N,) px; view: (N,) of each; ball: radii px of all targets in each of the views in turn.
+    """
+    smallest = np.fmin.reduce(ball.reshape(views, -1), axis=1, initial=np.inf)
+    return np.flatnonzero(MERGED * np.pi * np.square(smallest.take(view)) < area)
+
+
+def divided(blobs: Components, large: Array, level: Array, strip: Strip, circles: Circles) -> Components:
     """The components, of which those that show several balls are divided among these.
 
-    level: (H, W) u8 brightness that they were cut from, in a strip; circles: (N, T) of each component's view.
+    large: (L,) numbers of those that may; level: (H, W) u8 brightness that they were cut from, in a strip;
+    circles: (L, T) of each one's view.
     """
-    disc = np.pi * np.square(circles.ball)
-    large = np.fmin.reduce(disc, axis=1, initial=np.inf) * MERGED < blobs.area
-    if not large.any():
+    rank = np.full(len(blobs.area), -1)
+    rank[large] = np.arange(len(large))
+    row = rank.take(blobs.label)
+    pixel = (row >= 0).nonzero()[0]
+    row = row[pixel]
+    shift = strip.shift.take(blobs.part.take(large.take(row)), axis=0)
+    x, y = blobs.column[pixel] + shift[:, 0], blobs.row[pixel] + shift[:, 1]
+    center, radius2 = circles.center.take(row, axis=0), np.square(circles.ball)
+    away = np.square(x[:, None] - center[..., 0])
+    away += np.square(y[:, None] - center[..., 1])
+    away /= radius2.take(row, axis=0)
+    covered = (row == np.arange(len(large))[:, None]).astype(float) @ (away <= 1.0)
+    shown = covered >= SHOWN * np.pi * radius2
+    several = np.count_nonzero(shown, axis=1) > 1
+    if not several.any():
         return blobs
+    ball = np.where(shown.take(row, axis=0), away, np.inf).argmin(axis=1)
     part, count = np.zeros(len(blobs.pixels), int), circles.ball.shape[1]
-    for number in large.nonzero()[0]:
-        mine = (blobs.label == number).nonzero()[0]
-        xy = np.column_stack([blobs.column[mine], blobs.row[mine]]) + strip.shift[blobs.part[number]]
-        off = xy[:, None] - circles.center[number]
-        away = np.hypot(off[..., 0], off[..., 1]) / circles.ball[number]
-        shown = (away <= 1.0).sum(axis=0) >= SHOWN * disc[number]
-        if np.count_nonzero(shown) > 1:
-            part[mine] = np.where(shown, away, np.inf).argmin(axis=1)
-    if not part.any():
-        return blobs
+    part[pixel] = np.where(several.take(row), ball, 0)
     used, label = np.unique(blobs.label * count + part, return_inverse=True)
     return described(blobs.pixels, label, len(used), level, strip)
