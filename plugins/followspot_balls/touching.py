@@ -34,13 +34,13 @@ def divided(blobs: Components, large: Array, level: Array, strip: Strip, circles
     large: (L,) numbers of those that may; level: (H, W) u8 brightness that they were cut from, in a strip;
     circles: (L, T) of each one's view.
     """
-    rank = np.full(len(blobs.area), -1)
-    rank[large] = np.arange(len(large))
-    row = rank.take(blobs.label)
-    pixel = (row >= 0).nonzero()[0]
-    row = row[pixel]
-    shift = strip.shift.take(blobs.part.take(large.take(row)), axis=0)
-    x, y = blobs.column[pixel] + shift[:, 0], blobs.row[pixel] + shift[:, 1]
+    row, pixel, x, y = placed(blobs, large, strip)
+    near = within_reach(blobs.center.take(large, axis=0), row, x, y, circles).sum(axis=1) > 1
+    if not near.any():
+        return blobs
+    if not near.all():
+        large, circles = large[near], Circles(*(column[near] for column in circles))
+        row, pixel, x, y = placed(blobs, large, strip)
     center, radius2 = circles.center.take(row, axis=0), np.square(circles.ball)
     away = np.square(x[:, None] - center[..., 0])
     away += np.square(y[:, None] - center[..., 1])
@@ -55,3 +55,23 @@ def divided(blobs: Components, large: Array, level: Array, strip: Strip, circles
     part[pixel] = np.where(several.take(row), ball, 0)
     used, label = np.unique(blobs.label * count + part, return_inverse=True)
     return described(blobs.pixels, label, len(used), level, strip)
+
+
+def placed(blobs: Components, chosen: Array, strip: Strip) -> tuple[Array, Array, Array, Array]:
+    """Of each pixel of chosen components: their number among these, its own, and x and y in the picture."""
+    rank = np.full(len(blobs.area), -1)
+    rank[chosen] = np.arange(len(chosen))
+    row = rank.take(blobs.label)
+    pixel = (row >= 0).nonzero()[0]
+    row = row[pixel]
+    shift = strip.shift.take(blobs.part.take(chosen.take(row)), axis=0)
+    return row, pixel, blobs.column[pixel] + shift[:, 0], blobs.row[pixel] + shift[:, 1]
+
+
+def within_reach(center: Array, row: Array, x: Array, y: Array, circles: Circles) -> Array:
+    """Which balls components may show, by their largest extent: (L, T) bool. center: (L, 2) px."""
+    reach = np.zeros(len(center))
+    np.maximum.at(reach, row, np.square(x - center[:, 0].take(row)) + np.square(y - center[:, 1].take(row)))
+    apart = circles.center - center[:, None]
+    distance = np.hypot(apart[..., 0], apart[..., 1])
+    return np.asarray(distance <= np.sqrt(reach)[:, None] + circles.ball)
