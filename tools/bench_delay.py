@@ -8,7 +8,9 @@ forecast two frames ago. Accuracy is that of the default graph over all rooms gi
 Frame sets per second are those of the last room, whose cameras play videos from memory, tracked and searching
 (no target is ever confirmed): in one process, and in as many as `auto` chose by a report of the first. Rounds
 are interleaved, and ratios are those to one process with a delay of one in the same round. `others` is the
-number of cores that other programs used meanwhile; what they took, a second process could not have.
+number of cores that other programs used meanwhile; what they took, a second process could not have. `set ms`
+is the time of a frame set by the clock of the wall, `stages ms` how long stages and sources of all processes
+work on it, and `busiest ms` how long those of the busiest process do.
 """
 
 from __future__ import annotations
@@ -157,7 +159,15 @@ def figures(told: dict[str, Any], others: float) -> Cell:
     """Of one run."""
     if not told["ok"]:
         raise SystemExit("\n".join(told["errors"]))
-    return {"workers": len(told["workers"]), "sets/s": told["frames"] / told["seconds"], "others": others}
+    busy = [sum(stage["busy_ms"] for stage in worker["stages"]) for worker in told["workers"]]
+    return {
+        "workers": len(busy),
+        "sets/s": told["frames"] / told["seconds"],
+        "set ms": told["seconds"] * 1e3 / told["frames"],
+        "stages ms": sum(busy) / told["frames"],
+        "busiest ms": max(busy) / told["frames"],
+        "others": others,
+    }
 
 
 def beside(run: Callable[[], dict[str, Any]]) -> tuple[dict[str, Any], float]:
