@@ -121,7 +121,7 @@ class ExistenceOdds(Message):
     """How sure an association is that each tracked target exists; one row per target of the room."""
 
     odds: Array = column("T", unit="nats")
-    """Log-odds that the target is where it is tracked; NaN while it is not tracked or not weighed."""
+    """Log-odds that the target exists at its tracked position; NaN if it is not tracked, or not weighed."""
     given_up: Array = column("T", dtype="?")
     """True if the track ends in this frame, for the odds are too low: nothing may prolong it."""
 

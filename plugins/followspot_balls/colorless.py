@@ -46,7 +46,7 @@ class Colorless:
         """The positions without those of targets that no colour camera has shown for too long.
 
         One pair of infrared cameras alone shows no missing target: it may be what ended the track. Depth
-        cameras tell a ball without its colour: where there are any, all positions remain.
+        cameras tell a ball without its colour: if the room has any, all positions remain.
         """
         target = positions.target
         if not self.applies or forecast is None or not len(target):

@@ -1,4 +1,4 @@
-"""Finds pairs that show a ball where it lies on a plane; the homography test alone takes them for light."""
+"""Finds pairs that show a ball that lies on a plane; the homography test alone takes them for projections."""
 
 from __future__ import annotations
 

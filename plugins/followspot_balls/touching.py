@@ -58,7 +58,9 @@ def divided(blobs: Components, large: Array, level: Array, strip: Strip, circles
 
 
 def placed(blobs: Components, chosen: Array, strip: Strip) -> tuple[Array, Array, Array, Array]:
-    """Of each pixel of chosen components: their number among these, its own, and x and y in the picture."""
+    """The pixels of C chosen components: row of each among the chosen, its number in the strip's pixels, and
+    x and y in the picture, px, (Q,) each. chosen: (C,) numbers of components.
+    """
     rank = np.full(len(blobs.area), -1)
     rank[chosen] = np.arange(len(chosen))
     row = rank.take(blobs.label)
@@ -69,7 +71,11 @@ def placed(blobs: Components, chosen: Array, strip: Strip) -> tuple[Array, Array
 
 
 def within_reach(center: Array, row: Array, x: Array, y: Array, circles: Circles) -> Array:
-    """Which balls components may show, by their largest extent: (L, T) bool. center: (L, 2) px."""
+    """Which balls components may show, by their largest extent: (L, T) bool.
+
+    center: (L, 2) px, of the components; row, x, y: of their pixels, as :func:`placed` gives them; circles:
+    (L, T) of each one's view.
+    """
     reach = np.zeros(len(center))
     np.maximum.at(reach, row, np.square(x - center[:, 0].take(row)) + np.square(y - center[:, 1].take(row)))
     apart = circles.center - center[:, None]

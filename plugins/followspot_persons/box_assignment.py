@@ -24,8 +24,8 @@ NEAR, FAR = 0.5, 1.5
 """Distance between the boxes of a person at which they may belong together, in heights: at once, and more for
 each second since the last one, for a body is 0.7 m high to the waist and people walk a metre a second."""
 WALK = 1.0
-"""Growth of a person's distance with the time since the last box, m/s. Who is near cannot be far away at
-once; who seemed far away, by boxes of the head alone, can be near.
+"""Growth of a person's distance with the time since the last box, m/s. A person nearby cannot be
+far away at once; a person who seemed far away, by boxes of the head alone, can be near.
 """
 COLOR_SHARE = 0.3
 """Weight of minus log F^C against the distance, relative to this limit, when boxes are given to persons."""

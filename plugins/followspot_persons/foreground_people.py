@@ -1,9 +1,9 @@
 """People whom the detector misses, by what differs from the background and stands on the floor.
 
 Feet tell the distance, and with it the height of the head's top; below the picture, they leave the height of
-people at large to tell the distance. What is as high and as broad as a person may be one. If a person
-leaves who was a part of the background, the background has the outline and the picture has none (a ghost;
-Cucchiara et al. 2003). A door that was opened stays as it is; people who stand still sway.
+people at large to tell the distance. What is as high and as broad as a person may be one. A person
+who was a part of the background leaves a ghost: the background has the outline and the picture has none
+(Cucchiara et al. 2003). A door that was opened stays as it is; people who stand still sway.
 """
 
 from __future__ import annotations

@@ -35,7 +35,7 @@ class Evidence:
     apart: float
     """m; a position that is nearer than this to another target belongs to that target."""
     back: float
-    """m; a missing target that is nearer than this to where it was has stayed there."""
+    """m; a missing target within this distance of its last position has stayed there."""
     many: int
     """Measurements since it was last lost from which a target is surely true."""
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from tests.plugins.balls.scene import BGR, SIZE, disc, forecast_at, look_at, make_room
+from tests.plugins.balls.scene import BGR, SIZE, disc, forecast_at, look_at, make_room, picture
 
 from followspot.geometry import project
 from followspot.messages import Array, identical, seal
@@ -75,6 +75,21 @@ def test_together_is_what_each_gives_alone(
         for order in (slice(number), slice(number - 1, None, -1)):
             together = kind.process_together(stages[order], inputs[order])  # type: ignore[arg-type]
             assert all(identical(seal(a), b) for a, b in zip(together, alone[order], strict=True))
+
+
+def test_balls_that_touch_are_divided_as_they_are_alone() -> None:
+    places = {"red": np.array([0.1, 0.2, 1.2]), "green": np.array([0.1, 0.28, 1.2])}
+    near, apart = [(0.1, 0.2, 1.2), (0.1, 0.28, 1.2)], [(0.1, 0.2, 1.2), (-0.4, 0.3, 0.8)]
+    stages = [IrBlobs(Context.serving(camera, INFRARED)) for camera in INFRARED.cameras.values()]
+    for stage in stages:
+        stage.setup()
+    inputs = [(picture(stage.camera, places), forecast_at(near)) for stage in stages]
+    inputs[0] = (inputs[0][0], forecast_at(apart))
+    alone = [seal(stage.process(*given)) for stage, given in zip(stages, inputs, strict=True)]
+    assert max(len(blobs.pixel) for blobs in alone[1:]) == 2
+    for order in (slice(None), slice(None, None, -1)):
+        together = IrBlobs.process_together(stages[order], inputs[order])
+        assert all(identical(seal(a), b) for a, b in zip(together, alone[order], strict=True))
 
 
 @pytest.mark.parametrize("forecast", [None, forecast_at([(0.1, 0.0, 1.0), (-0.4, 0.3, 0.8)])])
