@@ -201,7 +201,7 @@ def test_light_on_the_floor_misleads_all_color_cameras_but_not_the_result() -> N
     xy[COLOR] = undistorted(ball - [0.0, 0.0, 0.02])[COLOR]
     expected = forecast_at([tuple(ball), (1.5, 1.5, 1.0)], 0.02)
     fits = {
-        touching: bundle(glow_sigma=touching).process(one_ball(xy, ball), expected)
+        touching: bundle(glow_sigma=touching, plane_sigma=1.0).process(one_ball(xy, ball), expected)
         for touching in (0.0, 0.02)
     }
     errors = {touching: np.linalg.norm(p.xyz[0] - ball) for touching, p in fits.items()}
