@@ -25,7 +25,8 @@ from followspot.transport.codec import pack
 from followspot_calibrate.triangulation import triangulate
 
 ROOT = Path(__file__).parent.parent
-PAGES = {page.name: page.read_text() for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))}
+FILES = {page.name: page for page in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))}
+PAGES = {name: page.read_text() for name, page in FILES.items()}
 GRAPHS = ROOT / "graphs"
 TRIED_ELSEWHERE = (
     "README.md",
@@ -174,8 +175,7 @@ def test_the_reference_describes_the_stages_as_they_are() -> None:
 @pytest.mark.parametrize("page", PAGES)
 def test_every_page_that_is_linked_is_there(page: str) -> None:
     for target in re.findall(r"\]\(([\w./-]+)(?:#[\w-]+)?\)", PAGES[page]):
-        folder = ROOT if page == "README.md" else ROOT / "docs"
-        assert (folder / target).is_file(), target
+        assert (FILES[page].parent / target).is_file(), target
 
 
 @pytest.mark.parametrize("page", PAGES)

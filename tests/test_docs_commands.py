@@ -11,7 +11,7 @@ import pytest
 from followspot.cli.main import main
 
 ROOT = Path(__file__).parent.parent
-PAGES = {page.name: page.read_text() for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))}
+PAGES = {page.name: page.read_text() for page in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))}
 FENCED = re.compile(r"^```(?P<language>\S*)\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE)
 FILE = re.compile(r"# (?P<name>\w+\.yaml)\n")
 """The first line of a file that a page shows whole."""

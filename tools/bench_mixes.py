@@ -24,8 +24,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import followspot as fs
+from benching.performed import performed
 from followspot import room_file
-from followspot.room import Room, StageUse, Target
+from followspot.room import Room, Target
 from followspot.stage import Context
 from followspot_sim.truth import SimTruth
 
@@ -70,14 +71,14 @@ def part(room: Room, mix: Mix, seed: int, frames: int) -> Room:
         for name in [n for n, c in room.cameras.items() if c.kind == kind][:count]
     ]
     targets = list(room.targets)[: mix.targets or None]
-    change = {"seed": seed, "frames": frames}
-    return replace(
-        room,
-        cameras={
-            n: replace(c, source=_with(c.source, change)) for n, c in room.cameras.items() if n in names
-        },
-        targets={name: _seen_by(room.targets[name], names) for name in targets},
-        truth=_with(room.truth, change),
+    return performed(
+        replace(
+            room,
+            cameras={name: room.cameras[name] for name in names},
+            targets={name: _seen_by(room.targets[name], names) for name in targets},
+        ),
+        seed,
+        frames,
     )
 
 
@@ -88,10 +89,6 @@ def _seen_by(target: Target, cameras: Sequence[str]) -> Target:
         for name in ("hue_histogram", "area", "gray")
     }
     return replace(target, **parts)
-
-
-def _with(use: StageUse | None, params: Mapping[str, Any]) -> StageUse | None:
-    return None if use is None else StageUse(use.uses, {**use.params, **params})
 
 
 def first_positions(room: Room) -> dict[str, list[float]]:

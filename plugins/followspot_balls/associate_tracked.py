@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot import Array, Latest
+from followspot import Array
 from followspot.tracking import Candidates, Forecast
 from followspot_balls.existence import Existence
 from followspot_balls.likelihood import reflector_ratio
-from followspot_balls.search import tracked_targets
-from followspot_balls.view_association import Associated, ViewAssociation, Weighed
+from followspot_balls.view_association import ViewAssociation, Weighed
 
 SETTLED = 3
 """Candidates at its forecast that settle where a target is."""
@@ -36,14 +35,6 @@ class AssociateTracked(ViewAssociation):
         """How balls and clutter show, and how evidence moves the existence of targets."""
 
     params: Params
-
-    def process(self, candidates: Candidates, forecast: Latest[Forecast] = None) -> Associated:
-        count = len(self.existence)
-        tracked = tracked_targets(forecast, count)
-        if tracked.any():
-            return super().process(candidates, forecast)
-        self.existence, self.shown = [Existence.unknown()] * count, self.usually_shown()
-        return Associated(candidates, self.existence_odds(tracked, ~tracked))
 
     def unweighed(self, candidates: Candidates, forecast: Forecast | None, tracked: Array) -> Array:
         """Sought targets, and those whose place is settled: (T,) bool."""

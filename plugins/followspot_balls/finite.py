@@ -11,9 +11,11 @@ from followspot.tracking import LOST, Candidates, Forecast
 
 def finite_candidates(candidates: Candidates) -> Candidates:
     """The candidates of which place and blobs are known; the same message if all are."""
-    known = np.isfinite(candidates.xyz).all(axis=1) & np.isfinite(candidates.area).all(axis=1)
-    known &= np.isfinite(candidates.xy).all(axis=(1, 2))
-    return candidates if known.all() else candidates.where(np.flatnonzero(known))
+    numbers = candidates.xyz, candidates.area, candidates.xy
+    if all(np.isfinite(column).all() for column in numbers):
+        return candidates
+    known = [np.isfinite(column).reshape(len(column), -1).all(axis=1) for column in numbers]
+    return candidates.where(np.logical_and.reduce(known))
 
 
 def finite_forecast(forecast: Forecast | None) -> Forecast | None:

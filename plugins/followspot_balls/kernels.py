@@ -13,13 +13,11 @@ def epipolar_weight(distance: Array, threshold: Array | float) -> Array:
 
 
 def scales(bandwidth: Array) -> Array:
-    """Weights of squared offsets in :func:`kernel`: (T, 3) m -> (T, 3, 2), 1 / h^2 and
-    1 / max(h)^2.
-    """
+    """Weights of squared offsets in :func:`kernel`: (T, 3) m -> (T, 2, 3), 1 / h^2 and 1 / max(h)^2."""
     squares = np.square(bandwidth)
-    scale = np.empty((*bandwidth.shape, 2))
-    scale[..., 0] = 1 / squares
-    scale[..., 1] = 1 / squares.max(axis=1, keepdims=True)
+    scale = np.empty((len(bandwidth), 2, 3))
+    scale[:, 0] = 1 / squares
+    scale[:, 1] = 1 / squares.max(axis=1, keepdims=True)
     return scale
 
 
@@ -28,10 +26,13 @@ def kernel(offsets: Array, scale: Array, unlabelled: Array) -> Array:
 
     Inside the ellipsoid with the bandwidth as semi-axes (eq. 5) a labelled candidate weighs 1 (eq. 6), an
     unlabelled one exp(-|x - y|^2 / max(h)^2) (eq. 7); outside, both weigh 0.
-    offsets: (T, N, 3) m, candidate minus centre; scale: (T, 3, 2), :func:`scales` of the bandwidths;
+    offsets: (T, 3, N) m, candidate minus centre; scale: (T, 2, 3), :func:`scales` of the bandwidths;
     unlabelled: (N,), 1 or 0. Returns (T, N).
     """
-    return weight_at((offsets * offsets) @ scale, unlabelled)
+    distance2 = scale @ (offsets * offsets)
+    weight = np.exp(-unlabelled * distance2[:, 1])
+    weight *= distance2[:, 0] < 1.0
+    return np.asarray(weight)
 
 
 def squared_distances(points: Array, centers: Array, scale: Array) -> Array:
@@ -46,10 +47,3 @@ def squared_distances(points: Array, centers: Array, scale: Array) -> Array:
     distance2 += np.vecdot(weighed, y)[:, None]
     distance2 += (x * x) @ scale
     return np.asarray(distance2)
-
-
-def weight_at(distance2: Array, unlabelled: Array) -> Array:
-    """The kernel of squared distances (..., N, 2) in both measures of the bandwidth; as :func:`kernel`."""
-    weight = np.exp(-unlabelled * distance2[..., 1])
-    weight *= distance2[..., 0] < 1.0
-    return np.asarray(weight)

@@ -49,8 +49,9 @@ def seek_modes(start: Array, sample: Sample, tolerance: float, steps: int) -> Mo
     center, taken = start, np.zeros(len(start), int)
     held, moving = sample.weights, np.ones(len(start), bool)
     scale, unlabelled = scales(sample.bandwidth), 1.0 - sample.labelled
+    across = np.ascontiguousarray(sample.xyz.T)  # long rows are computed faster
     for step in range(1, steps + 1):
-        held = kernel(sample.xyz - center[:, None], scale, unlabelled)
+        held = kernel(across - center[..., None], scale, unlabelled)
         held *= sample.weights
         total = held.sum(axis=1)
         free = moving & (total > 0)
@@ -91,9 +92,9 @@ def densest(sample: Sample, credit: Array) -> Array:
 def kernel_matrix(sample: Sample, bandwidth: Array, seeds: Array) -> Array:
     """Weights of N candidates by their distances from some of them: (N, S). bandwidth: (1, 3) m."""
     xyz, (scale,) = sample.xyz, scales(bandwidth)
-    inside = squared_distances(xyz, xyz.take(seeds, axis=0), scale[:, 0]) < 1.0
+    inside = squared_distances(xyz, xyz.take(seeds, axis=0), scale[0]) < 1.0
     weight = inside.T.astype(float)
     seed, candidate = (inside & ~sample.labelled).nonzero()
     offset = xyz.take(candidate, axis=0) - xyz.take(seeds.take(seed), axis=0)
-    weight[candidate, seed] = np.exp(-((offset * offset) @ scale[:, 1]))
+    weight[candidate, seed] = np.exp(-((offset * offset) @ scale[1]))
     return weight

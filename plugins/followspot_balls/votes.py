@@ -76,25 +76,16 @@ def disc_centers(
     votes[0] += x + shift[:, 0].take(label)
     votes[1] += y + shift[:, 1].take(label)
     votes[2] = 1.0
+    start, area = blobs.center.take(known, axis=0), blobs.area.take(known)
+    merged = (area > MERGED * np.pi * np.square(radius.take(known))).nonzero()[0]
+    if expected is None or not len(merged):
+        point, heard = agreement(votes, slope, label, start)
+    else:
+        forecast = expected.take(known.take(merged), axis=0)
+        point, heard = better_agreement(votes, slope, label, start, merged, forecast)
     center = blobs.center.copy()
-    point, heard = agreement(votes, slope, label, center.take(known, axis=0))
     center[known] = point
-    whole = WHOLE_RIM * radius.take(known)
-    rim[known] = heard / whole
-    if expected is None:
-        return center, rim
-    merged = (blobs.area.take(known) > MERGED * np.pi * np.square(radius.take(known))).nonzero()[0]
-    if len(merged):
-        number = np.full(len(known), -1)
-        number[merged] = np.arange(len(merged))
-        label = number.take(label)
-        mine = (label >= 0).nonzero()[0]
-        start = expected.take(known.take(merged), axis=0)
-        point, there = agreement(votes.take(mine, axis=1), slope.take(mine), label.take(mine), start)
-        better = there > heard.take(merged)
-        row = merged[better]
-        center[known.take(row)] = point[better]
-        rim[known.take(row)] = there[better] / whole.take(row)
+    rim[known] = heard / (WHOLE_RIM * radius.take(known))
     return center, rim
 
 
@@ -154,3 +145,26 @@ def agreement(votes: Array, weight: Array, label: Array, start: Array) -> tuple[
         heard = np.bincount(bins, (votes * (weight / kernel)).reshape(-1), 3 * count)
         sums = heard.reshape(3, count) + faint
     return np.asarray(sums[:2] / sums[2]).T, sums[2]
+
+
+def better_agreement(
+    votes: Array, weight: Array, label: Array, start: Array, merged: Array, other: Array
+) -> tuple[Array, Array]:
+    """As :func:`agreement`, where some components also begin at another point: the one with more votes holds.
+
+    merged: (M,) numbers of these components; other: (M, 2) px.
+    """
+    count = len(start)
+    twin = np.full(count, -1)
+    twin[merged] = np.arange(count, count + len(merged))
+    again = twin.take(label)
+    mine = (again >= 0).nonzero()[0]
+    point, heard = agreement(
+        np.concatenate([votes, votes.take(mine, axis=1)], axis=1),
+        np.concatenate([weight, weight.take(mine)]),
+        np.concatenate([label, again.take(mine)]),
+        np.concatenate([start, other]),
+    )
+    best, better = np.arange(count), (heard[count:] > heard.take(merged)).nonzero()[0]
+    best[merged.take(better)] = better + count
+    return point.take(best, axis=0), heard.take(best)

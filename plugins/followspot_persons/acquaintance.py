@@ -25,7 +25,8 @@ class Acquaintance:
     upper body that differs from the background, None while there is no background; comparable: whether the
     person came after the background, or once differed from it, and so is no part of it; left: whether the
     last picture shows the background where the person would be; contact: where the person stood at the last
-    update, None if the feet were not seen; stirring: against the background.
+    update, None if the feet were not seen; stirring: against the background; first: (H, W, 3) u1, picture of
+    the first box, as long as nothing about the person has changed since, then None.
     """
 
     number: int
@@ -43,6 +44,7 @@ class Acquaintance:
     left: bool = False
     contact: Contact | None = None
     stirring: Stirring = Stirring()
+    first: Array | None = None
 
     @classmethod
     def tentative(
@@ -54,6 +56,7 @@ class Acquaintance:
         *,
         comparable: bool,
         contact: Contact | None,
+        first: Array | None = None,
     ) -> Acquaintance:
         """A person after one box, at one of these places (N, 6); no colour of so many features is known."""
         return cls(
@@ -66,6 +69,7 @@ class Acquaintance:
             trust=score,
             comparable=comparable,
             contact=contact,
+            first=first,
         )
 
     def contact_after(self, told: Contact | None, seconds: float) -> Contact | None:

@@ -18,7 +18,7 @@ from followspot_persons.box_assignment import FAR, NANOSECOND, NEAR, BoxAssignme
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.model import learnt
 from followspot_persons.condensation import Search
-from followspot_persons.existence import EVIDENCE, STILL, THERE, averaged, evidence_of
+from followspot_persons.existence import EVIDENCE, RIGID, STILL, THERE, averaged, evidence_of, stirred
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights, pictured, sampled
 from followspot_persons.floor_contact import Contact, presence
 from followspot_persons.foreground_box import STEP, foreground_box, shares, without_others
@@ -164,6 +164,9 @@ class Appearance(Stage):
         stirring = person.stirring.after(shown, now)
         if stirring.furniture(now):
             return replace(person, absent=True, left=True) if person.number else None
+        first = None if stirring.most >= RIGID else person.first
+        if first is not None and stirred(Scene(self.camera, self.pixels, first, 1.0), track.pose, others):
+            first = None
         share = averaged(person.foreground, shown)
         comparable = person.comparable or (share or 0.0) >= THERE
         model = learnt(person.colors, colors[0].astype(float), weight, self.params.color_averaging_frames)
@@ -179,6 +182,7 @@ class Appearance(Stage):
             left=False,
             contact=contact,
             stirring=stirring,
+            first=first,
             hits=person.hits + 1,
             trust=min(person.trust + score + evidence_of(share, comparable=comparable), TRUSTED),
         )
@@ -267,4 +271,5 @@ class Appearance(Stage):
             now,
             comparable=self.background.median is not None,
             contact=known.contact,
+            first=self.pixels,
         )

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from followspot_persons.floor_contact import Presence
+from followspot import Array
+from followspot_persons.floor_contact import Presence, presence
+from followspot_persons.scene import Scene
 
 STILL, THERE = 0.2, 0.5
 """Shares of foreground on the upper body at which nothing is there, and at which somebody is."""
@@ -39,6 +41,12 @@ class Stirring:
     def furniture(self, now: int) -> bool:
         """Whether nothing has stirred for so long that it is no person."""
         return self.since > 0 and (now - self.since) * 1e-9 >= PATIENCE and self.most < RIGID
+
+
+def stirred(scene: Scene, pose: Array, others: Array) -> bool:
+    """Whether anything about a person in a pose (6,) differs between two pictures; others: of `presence`."""
+    shown = presence(scene, pose, others)
+    return shown is None or shown.about >= RIGID
 
 
 def evidence_of(foreground: float | None, *, comparable: bool) -> float:

@@ -40,9 +40,11 @@ class Recognition:
         return others, numbers
 
     def confirmed(self, person: Acquaintance) -> bool:
-        """Whether a tentative person is confirmed."""
+        """Whether a tentative person is confirmed: by boxes, and because it stirred."""
         unusual = 0.5 * ((person.stature.by_size - USUAL) / UNUSUAL) ** 2
-        return person.number == 0 and person.hits > 1 and person.trust >= self.confirmation_score + unusual
+        if person.number or person.first is not None:
+            return False
+        return person.hits > 1 and person.trust >= self.confirmation_score + unusual
 
     def returned(self, newcomer: Acquaintance, others: list[Acquaintance]) -> Acquaintance | None:
         """The person, lost before the newcomer appeared, that it most likely is; None if it is unknown."""

@@ -54,8 +54,9 @@ class CsvFile(LineSink):
                     " give messages of another type a sink and a file of their own"
                 )
             start = f"{message.header.seq},{seconds(message.header.time)},"
-            rows = zip(*(_texts(table[i]) for i in self.chosen or ()), strict=True)
-            self.write(f"{start}{','.join(row)}\n" for row in rows)
+            columns = [table[i] for i in self.chosen or ()]
+            line = f"{start}{','.join(map(_form, columns))}\n"
+            self.write(line % row for row in zip(*map(_values, columns), strict=True))
 
     def _begin(self, table: Table) -> None:
         """Write the first line of the file."""
@@ -65,12 +66,16 @@ class CsvFile(LineSink):
         self.begin(",".join(map(_text, head)) + "\n")
 
 
-def _texts(cells: Cells) -> list[str]:
-    """The values of a column as a CSV file holds them."""
+def _form(cells: Cells) -> str:
+    """How a line of the file shows a value of a column, in the language of the operator %."""
+    return "%s" if cells.decimals is None or isinstance(cells.values, list) else f"%.{cells.decimals}f"
+
+
+def _values(cells: Cells) -> list[Any]:
+    """The values of a column, as :func:`_form` shows them."""
     if cells.decimals is None or isinstance(cells.values, list):
         return [_text(value) for value in plain(cells.values)]
-    form = f"%.{cells.decimals}f"
-    return [form % value for value in cells.values.tolist()]
+    return list(cells.values.tolist())
 
 
 def _text(value: Any) -> str:

@@ -101,8 +101,10 @@ def confirmed(
     status, near: of :func:`sought`. Returns the life cycle with new streaks, and (M,) bool.
     """
     target, xyz = positions.target, positions.xyz
-    elsewhere = (status == MISSING) != close(life.place, left.last, evidence.back)
-    streak = np.where(roaming(life, near) & elsewhere, life.streak, 0)
+    kept = roaming(life, near)
+    if kept.any():
+        kept &= (status == MISSING) != close(life.place, left.last, evidence.back)
+    streak = life.streak * kept
     status = status.take(target)
     known = (status == TRACKED) | (status == PREDICTED)
     if known.all():

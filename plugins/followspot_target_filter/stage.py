@@ -189,16 +189,20 @@ class TargetFilter(Stage, ABC):
         What one view predicts is no measurement. measured: (T,) bool.
         """
         self.before[target] = self.last.take(target, axis=0)
-        self.last[target] = self.motion.estimate.xyz.take(target, axis=0)
+        here, status = self.motion.estimate.xyz, self.life.status
+        self.last[target] = here.take(target, axis=0)
         self.before[new] = self.last[new]
-        self.measured[measured] = self.motion.estimate.xyz[measured]
-        status = self.life.status
+        self.measured[measured] = here[measured]
+        missing = status == MISSING
         if self.params.fade_time > 0:
-            unmeasured = ((status == MISSING) | (status == PREDICTED)).nonzero()[0]
-            self.motion.slow(unmeasured, np.exp(-self.period / self.params.fade_time))
+            missing |= status == PREDICTED
+        coasting = missing.nonzero()[0]
+        if not len(coasting):
+            return
+        if self.params.fade_time > 0:
+            self.motion.slow(coasting, np.exp(-self.period / self.params.fade_time))
         else:
-            missing = (status == MISSING).nonzero()[0]
-            self.motion.stop(missing, self.last[missing])
+            self.motion.stop(coasting, self.last[coasting])
 
     def tracks(self) -> Tracks:
         """Rows of the targets that are tracked or predicted."""

@@ -1,4 +1,4 @@
-"""`followspot compare`: variants, runs, figures, pictures; and the commands in docs/experiments.md."""
+"""`followspot compare`: variants, runs, figures, pictures; and the commands in docs/experiments."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ ROOT = Path(__file__).parents[2]
 RECORDED = str(ROOT / "graphs/experiments/recorded.yaml")
 SIMULATED = str(ROOT / "graphs/rooms/simulated.yaml")
 PANORAMA = str(ROOT / "graphs/rooms/simulated_panorama.yaml")
-DOCUMENT = ROOT / "docs/experiments.md"
+PAGES = (ROOT / "docs/experiments.md", *sorted((ROOT / "docs/experiments").glob("*.md")))
 
 
 def figures(rmse: float = 5.0, **score: object) -> TargetFigures:
@@ -307,16 +307,17 @@ def test_fused_positions_count_only_where_the_target_is_tracked(tmp_path: Path) 
 
 
 def commands() -> list[str]:
-    shown = "\n".join(re.findall(r"```sh\n(.*?)```", DOCUMENT.read_text(), re.DOTALL)).replace("\\\n", " ")
+    text = "\n".join(page.read_text() for page in PAGES)
+    shown = "\n".join(re.findall(r"```sh\n(.*?)```", text, re.DOTALL)).replace("\\\n", " ")
     return [line for line in shown.splitlines() if line.startswith("followspot ")]
 
 
-def test_the_document_shows_commands() -> None:
+def test_the_pages_show_commands() -> None:
     assert len(commands()) > 5
 
 
 @pytest.mark.parametrize("line", commands())
-def test_every_command_of_the_document_is_understood_and_its_variants_can_be_planned(
+def test_every_command_of_the_pages_is_understood_and_its_variants_can_be_planned(
     line: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(ROOT)
@@ -330,8 +331,8 @@ def test_every_command_of_the_document_is_understood_and_its_variants_can_be_pla
         assert plan_scenes(read_variants(args.graphs, args.variants), args)
 
 
-def test_every_picture_of_the_document_is_there() -> None:
-    pictures = re.findall(r"!\[.*?\]\((.*?)\)", DOCUMENT.read_text())
-    assert pictures
-    for path in pictures:
-        assert (DOCUMENT.parent / path).stat().st_size > 5_000
+def test_every_picture_of_the_pages_is_there() -> None:
+    shown = [(page, path) for page in PAGES for path in re.findall(r"!\[.*?\]\((.*?)\)", page.read_text())]
+    assert shown
+    for page, path in shown:
+        assert (page.parent / path).stat().st_size > 5_000

@@ -52,8 +52,8 @@ class Search:
 class Hog(Stage):
     """Find upper bodies of any orientation where people may stand, with the headings of torso and head.
 
-    A linear detector proposes windows, a small network judges them, and so do boosted trees, if the
-    weights have them. It is slow: run it every few frames.
+    A linear detector proposes windows; a small network and boosted trees, if the weights have them, judge
+    them. It is slow: run it every few frames.
     """
 
     per_camera = True

@@ -32,7 +32,7 @@ def ready(kind: type[Stage], **params: float | str) -> Stage:
 
 
 def kernel_of(unlabelled: float) -> np.ndarray:
-    return kernel(OFFSETS[None], scales(H[None]), np.full(len(OFFSETS), unlabelled))[0]
+    return kernel(OFFSETS.T[None], scales(H[None]), np.full(len(OFFSETS), unlabelled))[0]
 
 
 def test_flat_kernel_is_one_inside_the_ellipsoid_only() -> None:
@@ -47,7 +47,7 @@ def test_gaussian_kernel_falls_with_the_widest_bandwidth_and_is_cut_at_the_ellip
 
 def test_labelled_candidates_get_the_flat_kernel_and_others_the_gaussian() -> None:
     labelled = np.array([True, True, True, False, False])
-    both = kernel(OFFSETS[None], scales(H[None]), 1.0 - labelled)[0]
+    both = kernel(OFFSETS.T[None], scales(H[None]), 1.0 - labelled)[0]
     assert both == pytest.approx([1.0, 0.0, 1.0, np.exp(-0.01 / 0.16), 0.0])
 
 
@@ -72,7 +72,7 @@ def test_the_densest_candidate_has_the_largest_sum_of_weights_in_its_kernel(apar
     bandwidth = np.tile(H / 2, (4, 1)) * (1 + apart * np.arange(4) % 2)[:, None]
     expected = []
     for mine, trusted, width in zip(weights, credit, bandwidth, strict=True):
-        held = kernel(xyz - xyz[:, None], np.repeat(scales(width[None]), 30, axis=0), 1.0 - labelled)
+        held = kernel(xyz.T - xyz[..., None], np.repeat(scales(width[None]), 30, axis=0), 1.0 - labelled)
         expected.append(xyz[np.where(mine > 0, trusted * (held @ mine), -1).argmax()])
     found = densest(Sample(xyz, labelled, weights, bandwidth), credit)
     assert found.tolist() == np.array(expected).tolist()

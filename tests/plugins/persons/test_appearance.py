@@ -31,9 +31,13 @@ GREEN = (60, 150, 50)
 
 
 class Show:
-    """A slow instance that is shown pictures, two a second, and boxes of a perfect detector."""
+    """A slow instance that is shown pictures, two a second, and boxes of a perfect detector.
 
-    def __init__(self, **params: object) -> None:
+    People sway by some pixels, as everybody does who stands.
+    """
+
+    def __init__(self, *, sway: int = 2, **params: object) -> None:
+        self.sway = sway
         self.camera = perspective()
         self.stage = ready(Appearance, self.camera, **{"particles": 60, **params})
         self.number = 0
@@ -41,6 +45,7 @@ class Show:
     def see(self, *poses, boxed=None, score=2.0, front=SHIRT, back=BACK):
         """What the stage says of a picture with bodies of these poses."""
         pixels = drawn(self.camera, *poses, front=front, back=back)
+        pixels = np.roll(pixels, self.sway * (self.number % 2), axis=1)
         return self.see_pixels(pixels, boxed=poses if boxed is None else boxed, score=score)
 
     def see_pixels(self, pixels, *, boxed, score):

@@ -130,9 +130,9 @@ def test_who_leaves_the_picture_is_not_prolonged():
 
 
 def test_a_part_of_the_background_is_not_prolonged():
-    show = Show()
-    for _ in range(10):
-        show.see(standing(2.6))
+    show = Show(sway=0)
+    for step in range(10):
+        show.see(standing(2.6, 0.0 if step else 0.1))
     for step in range(5):
         show.see(standing(2.6, 0.05 * step), boxed=[])
     assert show.stage.people[0].absent

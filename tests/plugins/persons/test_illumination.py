@@ -62,7 +62,8 @@ def test_pixels_in_the_usual_light_are_those_of_the_first_picture():
 def test_the_slow_instance_learns_the_same_colours_in_the_dark():
     show, pose = Show(), standing(2.5)
     pixels = drawn(show.camera, pose)
-    usual = [show.see_pixels(pixels, boxed=[pose], score=6.0) for _ in range(8)][-1]
+    swaying = [np.roll(pixels, 2 * (number % 2), axis=1) for number in range(8)]
+    usual = [show.see_pixels(picture, boxed=[pose], score=6.0) for picture in swaying][-1]
     (person,) = show.stage.people  # as if it had stirred: what never does is furniture
     show.stage.people = [replace(person, stirring=Stirring(most=1.0))]
     dark = [show.see_pixels(dimmed(pixels, 0.3), boxed=[pose], score=6.0) for _ in range(12)][-1]

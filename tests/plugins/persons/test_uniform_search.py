@@ -68,7 +68,8 @@ def test_the_slow_instance_confirms_whom_the_search_has_found():
     search = ready(UniformSearch, CAMERA, particles=800, minimum_likelihood=0.65)
     slow = ready(Appearance, CAMERA, particles=60)
     for number in range(8):
-        frame = frame_of(CAMERA, drawn(CAMERA, NEAR), number / 10, number)
+        swaying = np.roll(drawn(CAMERA, NEAR), 2 * (number % 2), axis=1)
+        frame = frame_of(CAMERA, swaying, number / 10, number)
         boxes = stamped(search.process(frame), frame.header)
         told = slow.process(frame, gradients_of(CAMERA, frame), boxes)
     assert told.person.tolist() == [1]
