@@ -45,6 +45,13 @@ class BlobParams(StageParams):
         unit="sigma",
         description="mean of this shift; 0 suits balls that do not glow; raising it corrects more",
     )
+    plane_sigma: float = Field(
+        0.004,
+        gt=0,
+        unit="m",
+        description="sigma of the planes' places, into which balls do not sink; raising it suits inexact "
+        "planes",
+    )
     prior_errors: float = Field(
         4.0,
         gt=0,

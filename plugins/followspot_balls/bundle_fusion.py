@@ -121,7 +121,6 @@ class Bundle(Fusion):
         self.color = np.array([c.kind == "color" for c in cameras], bool)
         self.voice = 1 + self.params.color_vote_bonus * self.color
         self.planes = np.array(list(self.room.planes.values())).reshape(-1, 4)
-        self.radii = np.array([t.radius for t in self.room.targets.values()])
         self.outlines = Outlines(self.room)
 
     def process(self, candidates: Candidates, forecast: Latest[Forecast] = None) -> Positions:

@@ -10,6 +10,7 @@ import numpy as np
 from followspot import Stage
 from followspot.tracking import Candidates, Forecast, Positions
 from followspot_balls.blob_params import BlobParams
+from followspot_balls.bounding_planes import facing_planes, raised
 from followspot_balls.colorless import Colorless, ColorlessParams
 from followspot_balls.recovery import Recovery, RecoveryParams
 
@@ -23,11 +24,15 @@ class Fusion(Stage, ABC):
     params: Params
 
     def setup(self) -> None:
+        cameras, targets = self.room.cameras.values(), self.room.targets.values()
+        self.bounds = facing_planes(self.room, np.array([c.center for c in cameras]).reshape(-1, 3))
+        self.radii = np.array([t.radius for t in targets])
         self.recovery = Recovery(self.room, self.params)
         self.colorless = Colorless(self.room, self.params)
 
     def validated(self, positions: Positions, candidates: Candidates, forecast: Forecast | None) -> Positions:
-        """The positions that the views do not contradict."""
+        """The positions that the views do not contradict, none of them in a plane."""
+        positions = raised(positions, self.bounds, self.radii, self.params.plane_sigma)
         likely = self.recovery.judged(positions, candidates, forecast)
         return self.colorless.bounded(likely, candidates, forecast)
 

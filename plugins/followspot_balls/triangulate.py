@@ -9,6 +9,7 @@ import numpy as np
 from followspot import Array, Field, Latest, Room, Stage, StageParams
 from followspot.geometry import back_projection, triangulate_pairs
 from followspot.tracking import Candidates, Forecast, Pairs
+from followspot_balls.bounding_planes import facing_planes
 from followspot_balls.disagreement import UNCOVERED, Disagreement
 from followspot_balls.hue import BINS
 from followspot_balls.outline import unit_outline
@@ -206,14 +207,3 @@ def alike(room: Room) -> Array:
         same |= np.sqrt(histograms) @ np.sqrt(histograms).T > SAME_COLOR
     np.fill_diagonal(same, False)
     return same
-
-
-def facing_planes(room: Room, centers: Array) -> Array:
-    """Planes that all cameras see from the same side, with the normal towards them: (K, 4).
-
-    Others do not bound the space that the targets are in. centers: (C, 3) m, of the cameras.
-    """
-    planes = np.array(list(room.planes.values())).reshape(-1, 4)
-    side = np.sign(centers @ planes[:, :3].T + planes[:, 3])
-    bounding = (side == side[:1]).all(axis=0)
-    return np.asarray((planes * side[0][:, None])[bounding])

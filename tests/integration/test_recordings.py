@@ -23,7 +23,7 @@ ROOT = Path(__file__).parent.parent.parent
 DATA = dataset("glowballs-dev")
 GRAPH = ROOT / "graphs" / "glowballs.yaml"
 SEQUENCES = ("dev1", "dev2", "dev3", "dev4")
-BARS = {"balls.mean_shift": (12.0, 22.0), "balls.bundle": (7.0, 15.0)}
+BARS = {"balls.mean_shift": (9.0, 18.0), "balls.bundle": (6.5, 12.0)}
 """Largest RMSE and p95 of a target, mm."""
 THOROUGH = ("dev1", "dev4", "simulated")
 MANY = [

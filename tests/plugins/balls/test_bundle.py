@@ -201,11 +201,23 @@ def test_light_on_the_floor_misleads_all_color_cameras_but_not_the_result() -> N
     xy[COLOR] = undistorted(ball - [0.0, 0.0, 0.02])[COLOR]
     expected = forecast_at([tuple(ball), (1.5, 1.5, 1.0)], 0.02)
     fits = {
-        touching: bundle(glow_sigma=touching).process(one_ball(xy, ball), expected)
+        touching: bundle(glow_sigma=touching, plane_sigma=1.0).process(one_ball(xy, ball), expected)
         for touching in (0.0, 0.02)
     }
     errors = {touching: np.linalg.norm(p.xyz[0] - ball) for touching, p in fits.items()}
     assert errors[0.02] < 0.003 < 0.005 < errors[0.0]
+
+
+def test_a_ball_that_all_cameras_see_below_the_floor_lies_on_it() -> None:
+    sunken = np.array([0.2, 0.1, RADIUS - 0.03])
+    expected = forecast_at([(0.2, 0.1, RADIUS), (1.5, 1.5, 1.0)], 0.02)
+    seen = one_ball(undistorted(sunken), sunken)
+    height = {
+        sigma: bundle(glow_sigma=0.0, plane_sigma=sigma).process(seen, expected).xyz[0, 2]
+        for sigma in (0.0001, 1.0)
+    }
+    assert height[1.0] == pytest.approx(RADIUS - 0.03, abs=0.002)
+    assert height[0.0001] == pytest.approx(RADIUS, abs=0.001)
 
 
 def test_infrared_decides_the_height_of_a_ball_on_the_floor_so_color_alone_is_vague_there() -> None:

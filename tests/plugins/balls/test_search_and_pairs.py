@@ -11,10 +11,11 @@ from followspot.messages import Array, seal
 from followspot.room import Room
 from followspot.stage import Context
 from followspot.tracking import LOST, TRACKED, Blobs, Forecast, Pairs
+from followspot_balls.bounding_planes import facing_planes
 from followspot_balls.search import search_circles, search_radius, search_spheres
 from followspot_balls.search_gate import SearchGate
 from followspot_balls.three_views import threefold
-from followspot_balls.triangulate import Triangulate, facing_planes
+from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs, fundamental_stack, homography_test
 
 ROOM = make_room()

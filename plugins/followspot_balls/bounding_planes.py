@@ -1,0 +1,48 @@
+"""Planes that bound the space of the targets: a ball on the floor may touch it, but not sink into it.
+
+A position below is corrected as by a measurement of zero clearance, which is a state estimate with an
+inequality constraint (Simon 2010, section 2.4): errors along the normal share their cause with those across
+it, so the covariance says how far both go back. A position above keeps its place, for it may be right.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from followspot.messages import Array
+from followspot.room import Room
+from followspot.tracking import Positions
+
+
+def facing_planes(room: Room, centers: Array) -> Array:
+    """Planes that all cameras see from the same side, with the normal towards them: (K, 4).
+
+    Others do not bound the space that the targets are in. centers: (C, 3) m, of the cameras.
+    """
+    planes = np.array(list(room.planes.values())).reshape(-1, 4)
+    side = np.sign(centers @ planes[:, :3].T + planes[:, 3])
+    bounding = (side == side[:1]).all(axis=0)
+    return np.asarray((planes * side[0][:, None])[bounding])
+
+
+def raised(positions: Positions, planes: Array, radii: Array, sigma: float) -> Positions:
+    """The positions, of which those that sink into a plane are corrected by the one they sink into most.
+
+    planes: (K, 4) with normals into the space; radii: (T,) m; sigma: of the planes' places, m. Positions
+    without covariance stay.
+    """
+    clearance = positions.xyz @ planes[:, :3].T + planes[:, 3] - radii.take(positions.target)[:, None]
+    low = (clearance.min(axis=1, initial=0.0) < 0).nonzero()[0]
+    low = low[np.isfinite(positions.covariance[low]).all(axis=(1, 2))] if len(low) else low
+    if not len(low):
+        return positions
+    plane = clearance[low].argmin(axis=1)
+    normal, depth = planes[plane, :3], clearance[low, plane]
+    across = (positions.covariance[low] @ normal[..., None])[..., 0]
+    gain = across / (np.vecdot(normal, across) + sigma * sigma)[:, None]
+    xyz, covariance = positions.xyz.copy(), positions.covariance.copy()
+    xyz[low] -= gain * depth[:, None]
+    covariance[low] -= gain[..., None] * across[:, None]
+    return replace(positions, xyz=xyz, covariance=covariance)
