@@ -16,15 +16,22 @@ from followspot.room import Room
 from followspot.tracking import Positions
 
 
-def facing_planes(room: Room, centers: Array) -> Array:
-    """Planes that all cameras see from the same side, with the normal towards them: (K, 4).
+PARALLEL = 0.94
+"""Cosine of the angle of normals from which one plane lies behind another, like the floor behind a table."""
 
-    Others do not bound the space that the targets are in. centers: (C, 3) m, of the cameras.
+
+def facing_planes(room: Room, centers: Array) -> Array:
+    """Planes that bound the space of the targets, with the normal into it: (K, 4).
+
+    All cameras see them from the same side, and none lies behind: targets are below a table, not below the
+    floor. centers: (C, 3) m, of the cameras.
     """
     planes = np.array(list(room.planes.values())).reshape(-1, 4)
     side = np.sign(centers @ planes[:, :3].T + planes[:, 3])
-    bounding = (side == side[:1]).all(axis=0)
-    return np.asarray((planes * side[0][:, None])[bounding])
+    planes = (planes * side[0][:, None])[(side == side[:1]).all(axis=0)]
+    away = centers.mean(axis=0) @ planes[:, :3].T + planes[:, 3]
+    behind = (planes[:, :3] @ planes[:, :3].T > PARALLEL) & (away[:, None] < away)
+    return np.asarray(planes[~behind.any(axis=1)])
 
 
 def raised(positions: Positions, planes: Array, radii: Array, sigma: float) -> Positions:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from followspot import Array
+from followspot import Array, Room
 from followspot.tracking import Positions
-from followspot_balls.bounding_planes import raised
+from followspot_balls.bounding_planes import facing_planes, raised
 
 FLOOR, WALL = [0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 2.0]
 RADIUS, SIGMA = 0.07, 0.004
@@ -33,6 +33,25 @@ def bounded(xyz: Array, covariance: Array, *planes: list[float]) -> tuple[Array,
     found = raised(given, np.array(planes).reshape(-1, 4), np.array([0.5, RADIUS]), SIGMA)
     assert np.array_equal(given.xyz[0], xyz)
     return found.xyz[0], found.covariance[0]
+
+
+@pytest.mark.parametrize(
+    ("planes", "bounding"),
+    [
+        ({"floor": FLOOR, "wall": WALL}, [FLOOR, WALL]),
+        ({"floor": [0.0, 0.0, -1.0, 0.0]}, [FLOOR]),
+        ({"table": [0.0, 0.0, 1.0, -0.75], "floor": FLOOR}, [FLOOR]),
+        ({"raked stage": [0.17, 0.0, 0.985, -0.5], "floor": FLOOR}, [FLOOR]),
+        ({"between the cameras": [1.0, 0.0, 0.0, 0.0], "floor": FLOOR}, [FLOOR]),
+        ({}, []),
+    ],
+)
+def test_what_all_cameras_are_on_one_side_of_bounds_the_room_unless_a_plane_lies_behind(
+    planes: dict[str, list[float]], bounding: list[list[float]]
+) -> None:
+    centers = np.array([[1.5, 0.0, 2.5], [-1.5, 0.0, 2.5], [0.0, 1.5, 3.0]])
+    room = Room("r", {}, planes={name: np.array(plane) for name, plane in planes.items()})
+    assert facing_planes(room, centers).tolist() == bounding
 
 
 def test_a_sunken_position_is_the_most_probable_one_given_that_it_touches_the_plane() -> None:
