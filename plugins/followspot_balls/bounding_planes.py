@@ -15,7 +15,6 @@ from followspot.messages import Array
 from followspot.room import Room
 from followspot.tracking import Positions
 
-
 PARALLEL = 0.94
 """Cosine of the angle of normals from which one plane lies behind another, like the floor behind a table."""
 
