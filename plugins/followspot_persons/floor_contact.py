@@ -13,6 +13,7 @@ import numpy as np
 from followspot import Array, Camera
 from followspot.geometry import project
 from followspot_persons.body_view import HEIGHT
+from followspot_persons.ghost import is_ghost
 from followspot_persons.scene import Scene
 from followspot_persons.standing import WAIST, knows_floor, rise
 
@@ -39,6 +40,8 @@ BODY = 0.6
 """Share of the upper half of the strip's middle that is foreground where a person is."""
 BESIDE = 0.45
 """Half the width of another person's columns, in heights of its upper body."""
+LEGS = 0.7
+"""Height above the lowest row in which no ghost may be, in heights of the upper body."""
 FREE = 0.5
 """Share of the strip that nearer people must leave."""
 ROUNDS = 4
@@ -112,7 +115,7 @@ def presence(scene: Scene | None, pose: Array, others: Array) -> Presence | None
         return None
     share, about, eye = strip.body, strip.about, scene.camera.center
     for _ in range(ROUNDS if knows_floor(scene.camera) else 0):
-        low = None if axis is None or strip is None else strip.lowest(axis.tall)
+        low = None if axis is None or strip is None else strip.lowest(scene, axis.tall)
         distance = None if axis is None or low is None else distance_on_floor(scene.camera, axis, low)
         by_size = float(np.hypot(*(pose[:2] - eye[:2])))
         if axis is None or distance is None or distance > (1 + LARGEST_CHANGE) * by_size:
@@ -149,11 +152,12 @@ def distance_on_floor(camera: Camera, axis: _Axis, low: int) -> float | None:
 class _Strip:
     """Foreground along the axis of a body from head to below the feet.
 
-    rows: (R,); changed, free: (R, C) bool, foreground, and what no nearer person hides; body, about: share of
-    foreground in the middle of the upper body, and in all columns of its rows.
+    rows: (R,); columns: (R, C); changed, free: (R, C) bool, foreground, and what no nearer person hides;
+    body, about: share of foreground in the middle of the upper body, and in all columns of its rows.
     """
 
     rows: Array
+    columns: Array
     changed: Array
     free: Array
     body: float
@@ -173,17 +177,22 @@ class _Strip:
         free = scene.beside(columns, others, BESIDE)
         if not upper.size:
             return None
-        return cls(rows, changed, free, float(upper[:, middle].mean()), float(upper.mean()))
+        return cls(rows, columns, changed, free, float(upper[:, middle].mean()), float(upper.mean()))
 
-    def lowest(self, tall: float) -> int | None:
-        """The lowest row of the person; None if nobody is there, or a nearer person hides too much.
+    def lowest(self, scene: Scene, tall: float) -> int | None:
+        """The lowest row of the person; None if nobody is there, a nearer person hides too much, or somebody
+        left there.
 
         tall: of the upper body, px.
         """
         if self.body < BODY or self.free.mean() < FREE:
             return None
         filled = (self.changed & self.free).sum(axis=1) >= SHARE * self.free.shape[1]
-        return int(self.rows[lowest(filled, max(1, round(GAP * tall)))])
+        last = lowest(filled, max(1, round(GAP * tall)))
+        legs = slice(max(0, last + 1 - round(LEGS * tall)), last + 1)
+        there = self.rows[legs, None], self.columns[legs] % scene.camera.size[0]
+        ghost = is_ghost(self.changed[legs], scene.pixels[there], scene.background[there], scene.light)
+        return None if ghost else int(self.rows[last])
 
 
 def lowest(filled: Array, gap: int) -> int:

@@ -1,9 +1,8 @@
 """People whom the detector misses, by what differs from the background and stands on the floor.
 
 Feet tell the distance, and with it the height of the head's top; below the picture, they leave the height of
-people at large to tell the distance. What is as high and as broad as a person may be one. A person
-who was a part of the background leaves a ghost: the background has the outline and the picture has none
-(Cucchiara et al. 2003). A door that was opened stays as it is; people who stand still sway.
+people at large to tell the distance. What is as high and as broad as a person may be one, unless it is a
+ghost. A door that was opened stays as it is; people who stand still sway.
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ from followspot_persons.background import foreground
 from followspot_persons.existence import RIGID
 from followspot_persons.floor_contact import BEFORE_AXIS
 from followspot_persons.foreground_box import LEVEL, STEP
+from followspot_persons.ghost import is_ghost
 from followspot_persons.panorama import turn_of
 from followspot_persons.part_box import upper_body
 from followspot_persons.scene import Scene
@@ -71,7 +71,8 @@ def foreground_people(scene: Scene, mask: Array, before: Array) -> Array:
 def _standing(scene: Scene, part: Array, first: int, height: int) -> Array | None:
     """The upper body, (4,) px, if a part of a mask is a person; first: its first row."""
     camera, top, low = scene.camera, first * STEP, (first + height) * STEP
-    if top < BORDER or _left(scene, part):
+    now, then = scene.pixels[::STEP, ::STEP], scene.background[::STEP, ::STEP]
+    if top < BORDER or is_ghost(part, now, then, scene.light):
         return None
     column = (
         float(np.flatnonzero(part[first : first + max(1, round(HEAD * height))].any(axis=0)).mean()) * STEP
@@ -98,19 +99,3 @@ def _moves(scene: Scene, part: Array, before: Array) -> bool:
     about = cv2.dilate(part.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
     now, then = (pixels[::STEP, ::STEP][about] for pixels in (scene.pixels, before))
     return bool(foreground(now, then, 1.0).mean() >= RIGID)
-
-
-def _left(scene: Scene, part: Array) -> bool:
-    """Whether a part is a place that somebody left: along its outline the background has stronger edges."""
-    outline = cv2.morphologyEx(part.astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8)) > 0
-    now, then = (
-        _edges(pixels[::STEP, ::STEP])[outline].mean() for pixels in (scene.pixels, scene.background)
-    )
-    return bool(now < scene.light * then)
-
-
-def _edges(pixels: Array) -> Array:
-    """Strength of edges, (H, W, 3) u1 -> (H, W) f4."""
-    smooth = cv2.GaussianBlur(pixels, (3, 3), 0)
-    across, down = (cv2.Scharr(smooth, cv2.CV_32F, *axis) for axis in ((1, 0), (0, 1)))
-    return np.asarray(np.hypot(across, down).max(axis=2))

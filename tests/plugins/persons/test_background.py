@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.plugins.persons.drawn import (
+    BACK,
     SECOND,
     SHIRT,
     WALL,
@@ -39,6 +40,7 @@ from followspot_persons.scene import Scene
 from followspot_persons.shape import read_shape
 
 NOBODY, NONE = np.empty((0, 4)), np.empty(0)
+PIXELS = ("pixels", "background")
 PLAIN = np.full((24, 32, 3), (90, 120, 150), np.uint8)
 
 
@@ -166,6 +168,22 @@ def test_whom_a_nearer_person_hides_has_no_feet():
         told = of_body(true, true, other)
         assert (told.contact is not None) == seen
         assert told.foreground > 0.6
+
+
+@pytest.mark.parametrize("ghost", [False, True])
+def test_legs_that_the_background_has_and_the_picture_not_are_nobodys_feet(ghost):
+    """Below a body are other legs: in the picture its own, in the background those of who stood there."""
+    scene, near = room_with(standing(4.5)), room_with(standing(3.6))
+    legs = near.changed(np.arange(240)[:, None], np.arange(320)[None])
+    legs &= ~scene.changed(np.arange(240)[:, None], np.arange(320)[None])
+    legs[:150] = False
+    changed = replace(
+        scene, **{name: pixels.copy() for name, pixels in vars(scene).items() if name in PIXELS}
+    )
+    (changed.background if ghost else changed.pixels)[legs] = BACK
+    told = presence(changed, standing(3.9), NOBODY)
+    assert told.foreground > 0.6
+    assert told.contact is None if ghost else told.contact.distance == pytest.approx(3.6, abs=0.1)
 
 
 def test_a_box_of_a_head_becomes_that_of_the_upper_body_and_another_one_stays():
