@@ -27,7 +27,7 @@ from followspot_persons.panorama import turn_of
 from followspot_persons.pose_tracker_params import PoseTrackerParams
 from followspot_persons.reprocessing import PastPicture, PastPictures, reprocessed
 from followspot_persons.shape import read_shape, with_girth
-from followspot_persons.slow_pose import SlowPose, scattered_about
+from followspot_persons.slow_pose import SlowPose, between, scattered_about
 from followspot_persons.track import HIDDEN, Track, coasted, followed
 from followspot_persons.trail import carried_contact, carried_detection, carried_pose
 from followspot_persons.walkable import Walkable
@@ -156,6 +156,8 @@ class PoseTracker(Stage):
             told = pose if then is None else carried_pose(pose, then, track.pose)
             joining = max(1, int(JOINING * len(track.particles)))
             track = track.joined_by(scattered_about(told, joining, self.rng))
+            if people.contact[row, 1] == 0:
+                track = replace(track, pose=between(track.pose, told, self.camera.center))
             self.people[number] = replace(known, track=track, boxed=max(known.boxed, seen))
 
     def astray(self, then: Array, pose: Array) -> bool:

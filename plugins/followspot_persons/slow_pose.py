@@ -38,6 +38,18 @@ class SlowPose:
         return np.concatenate([self.pose[:2] + self.velocity(before) * seconds, self.pose[2:]])
 
 
+def between(pose: Array, told: Array, eye: Array) -> Array:
+    """A pose (6,) of the fast instance half way to the distance that the slow one tells (6,).
+
+    Each knows a distance by sizes alone, with an error of its own. The fast one holds its last distance, so
+    that particles at the told one would not live. eye: (3,) m, the camera's centre.
+    """
+    own, other = (float(np.hypot(*(p[:2] - eye[:2]))) for p in (pose, told))
+    out = pose.copy()
+    out[:2] += (other - own) / (2 * max(own, 1e-6)) * (pose[:2] - eye[:2])
+    return out
+
+
 def scattered_about(pose: Array, count: int, rng: np.random.Generator, age: float = 0.0) -> Array:
     """Particles about a pose `age` seconds old, (count, 6); some are turned, for headings are often wrong."""
     sigma = np.hypot(SPAWN_SIGMA, age * STRAYING)

@@ -211,6 +211,22 @@ def test_a_late_pose_of_the_slow_instance_joins_the_particles_where_the_person_i
     assert np.median(joined[:, 1]) == pytest.approx(0.1 + now[1] - then[1], abs=0.05)
 
 
+@pytest.mark.parametrize(("stands", "moved"), [((0.0, 0.0), True), ((2.5, 44.0), False)])
+def test_a_track_goes_half_way_to_the_distance_that_the_slow_instance_tells_unless_feet_are_seen(
+    stands, moved
+):
+    room = Room(particles=200)
+    room.tell(standing(2.5))
+    followed_for(room, 3, standing(2.5))
+    own = room.stage.people[1].track.pose
+    room.number -= 1
+    room.tell(standing(3.1), stands=stands)
+    room.stage.take_slow_poses(room.told, round(0.2 * SECOND))
+    pose = room.stage.people[1].track.pose
+    assert pose[0] == pytest.approx((own[0] + 3.1) / 2 if moved else own[0], abs=0.05)
+    np.testing.assert_array_equal(pose[2:], own[2:])
+
+
 def test_who_was_followed_elsewhere_than_the_slow_instance_says_is_followed_there_at_once():
     room = Room(particles=200)
     room.tell(standing(2.5, -0.6))
