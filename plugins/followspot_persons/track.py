@@ -155,10 +155,11 @@ def _by_feet(pose: Array, eye: Array, contact: Contact | None) -> float:
 
 def _vague(spread: Array, pose: Array, sigma: float, eye: Array, contact: Contact | None) -> Array:
     """Sigma of a pose (6,): what the particles' spread (6,) leaves out, because it is one error in all
-    pictures: the height is known to `sigma` m, and the distance no better than height and proportions are.
+    pictures: the height is known to `sigma` m, and the distance no better than it, or proportions, tell it.
+    The size told the height, too, so that the two are one piece of evidence.
     """
     away = pose[[X, Y]] - eye[:2]
-    precision = PROPORTION_SIGMA**-2 + (_above(pose, eye) / sigma) ** 2 + _by_feet(pose, eye, contact)
+    precision = max(PROPORTION_SIGMA**-2, (_above(pose, eye) / sigma) ** 2) + _by_feet(pose, eye, contact)
     out = spread.copy()
     out[[X, Y]] = np.hypot(spread[[X, Y]], away * precision**-0.5)
     out[HEIGHT] = np.hypot(spread[HEIGHT], sigma)

@@ -215,10 +215,13 @@ def test_a_known_height_moves_the_pose_along_the_line_of_sight(scene, known):
 
 
 def test_the_sigma_of_a_pose_holds_what_the_height_leaves_open(scene):
-    """sigma_r = r / sqrt(1 / p^2 + ((h - z) / sigma_h)^2), with p of proportions, along the line of sight."""
+    """sigma_r = r min(p, sigma_h / (h - z)) along the line of sight, with p of proportions: the size has told
+    the height, and counts once.
+    """
     track = Track.initiated(crowd(standing(2.5, 0.2, 1.75), 150))
     vague, sure = (step(replace(track, stature=(1.75, s)), scene).sigma for s in (0.06, 0.015))
-    assert vague[0] > 2.5 / np.hypot(1 / PROPORTION_SIGMA, 0.55 / 0.06) > sure[0]
+    assert 0.3 > vague[0] > 2.5 * PROPORTION_SIGMA > sure[0]
+    assert sure[0] > 2.5 * 0.015 / 0.55
     assert vague[1] < 0.3 * vague[0]
     assert vague[HEIGHT] > 0.06 > sure[HEIGHT]
 
