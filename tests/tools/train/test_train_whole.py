@@ -12,7 +12,7 @@ from followspot_persons.hog.channels import channels
 from followspot_persons.hog.model import SHIPPED
 from followspot_persons.hog.model import load as load_hog
 from followspot_persons.hog.model import save as save_hog
-from followspot_persons.hog.trees import log_odds
+from followspot_persons.hog.trees import Trees, log_odds
 from followspot_persons.hog.whole import LAYOUT, load, within
 from followspot_persons.hog.window import BODY, FEATURES, cut
 from followspot_train import boosting, linear, whole
@@ -102,3 +102,22 @@ def test_the_command_writes_trees_and_refuses_pictures_without_legs(quick, tmp_p
     assert "name a file .npz" in capsys.readouterr().err
     with pytest.raises(InputError, match="whole people"):
         whole.learn([], [], EVERYWHERE, rng, lambda _: None)
+
+
+def test_arms_and_legs_are_learnt_as_nobody(quick, monkeypatch):
+    """Of crops without room for legs as well."""
+    rng, learnt = np.random.default_rng(0), []
+
+    def kept(features, person, rng, tell):
+        learnt.append(len(person) - int(person.sum()))
+        return Trees(np.zeros((1, 3), np.intp), np.zeros((1, 3)), np.zeros((1, 4)))
+
+    monkeypatch.setattr(boosting, "train", kept)
+    upper = Person(np.zeros((112, 96, 3), np.uint8), np.array([24.0, 22, 72, 94]), 1, "room")
+    places = [Background(standing(rng, False), "street0")]
+    for parts in (0, 40):
+        monkeypatch.setattr(whole, "PARTS", parts)
+        whole.learn(
+            [upper, *people(rng, True, 1)], places, EVERYWHERE, np.random.default_rng(0), lambda _: None
+        )
+    assert 40 < learnt[1] - learnt[0] <= 80
