@@ -72,11 +72,11 @@ def _coloured_cells(window: Array) -> list[Array]:
 def colours(window: Array) -> tuple[Array, Array, Array, Array]:
     """Logarithms of brightness over the body's, of red over green, of green over blue; likeness to skin.
 
-    window: (HEIGHT, WIDTH, 3) u8 BGR. Returns (HEIGHT, WIDTH) f4 each.
+    window: (H, W, 3) u8 BGR. Returns (H, W) f4 each.
     """
     blue, green, red = cv2.split(LOGARITHM[window])
     brightness = (blue + green + red) / 3
-    brightness -= brightness[4:76, 12:52].mean()
+    brightness -= brightness[4:-4, 12:-12].mean()
     red_green, green_blue = red - green, green - blue
     return brightness, red_green, green_blue, _skin(red_green, green_blue)
 

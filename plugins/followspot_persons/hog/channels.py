@@ -6,6 +6,7 @@ Brightness, two ratios of colours, likeness to skin, strength of the gradient, a
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 
 import cv2
 import numpy as np
@@ -14,11 +15,15 @@ from followspot import Array
 from followspot_persons.hog.cells import colours
 from followspot_persons.hog.window import HEIGHT, WIDTH
 
-CELLS = (WIDTH // 4, HEIGHT // 4)
+CELL = 4
+"""Side of a cell, px."""
+CELLS = (WIDTH // CELL, HEIGHT // CELL)
 """Cells across and down."""
 ORIENTATIONS = 6
-CHANNELS = (5 + ORIENTATIONS) * CELLS[0] * CELLS[1]
-"""Number of features of a window."""
+MAPS = 5 + ORIENTATIONS
+"""Number of channels."""
+CHANNELS = MAPS * CELLS[0] * CELLS[1]
+"""Number of features of a window of an upper body."""
 ROOT = np.sqrt(np.arange(256, dtype=np.float32))
 """Square root of grey levels, of which gradients are taken: as strong in shadow as in light."""
 NEIGHBOURHOOD, NOISE = 21, 0.2
@@ -26,19 +31,24 @@ NEIGHBOURHOOD, NOISE = 21, 0.2
 DIFFERENCE = np.array([[-1, 0, 1]], np.float32)
 
 
-CELL = (np.arange(HEIGHT)[:, None] // 4 * CELLS[0] + np.arange(WIDTH) // 4).ravel()
-"""Number of the cell of each pixel."""
-
-
 def channels(windows: Array | Sequence[Array]) -> Array:
-    """Features of windows: (N, HEIGHT, WIDTH, 3) u8 -> (N, CHANNELS) f4."""
-    described = np.empty((len(windows), CHANNELS), np.float32)
+    """Features of windows of one size: (N, H, W, 3) u8, sides in whole cells -> (N, D) f4.
+
+    D is CHANNELS for windows of HEIGHT x WIDTH.
+    """
+    height, width = windows[0].shape[:2] if len(windows) else (HEIGHT, WIDTH)
+    described = np.empty((len(windows), MAPS * (height // CELL) * (width // CELL)), np.float32)
     for row, window in zip(described, windows, strict=True):
-        strength, angle = _gradient(window)
-        maps = [*colours(window), strength]
-        cells = [cv2.resize(m, CELLS, interpolation=cv2.INTER_AREA).ravel() for m in maps]
-        row[:] = np.concatenate([*cells, _histograms(strength.ravel(), angle.ravel())])
+        row[:] = _of(window)
     return described
+
+
+def _of(window: Array) -> Array:
+    cells = window.shape[1] // CELL, window.shape[0] // CELL
+    strength, angle = _gradient(window)
+    maps = [*colours(window), strength]
+    means = [cv2.resize(m, cells, interpolation=cv2.INTER_AREA).ravel() for m in maps]
+    return np.concatenate([*means, _histograms(strength, angle, cells)])
 
 
 def _gradient(window: Array) -> tuple[Array, Array]:
@@ -56,13 +66,20 @@ def _gradient(window: Array) -> tuple[Array, Array]:
     return np.asarray(strength / (cv2.blur(strength, (NEIGHBOURHOOD, NEIGHBOURHOOD)) + NOISE)), angle
 
 
-def _histograms(strength: Array, angle: Array) -> Array:
+def _histograms(strength: Array, angle: Array, cells: tuple[int, int]) -> Array:
     """Mean strength in each cell along each orientation; what lies between two counts for both in part."""
-    place = angle * np.float32(ORIENTATIONS / np.pi)
+    strength, place = strength.ravel(), angle.ravel() * np.float32(ORIENTATIONS / np.pi)
     below = place.astype(np.intp)
     share = (place - below) * strength
-    cells = CELLS[0] * CELLS[1]
-    bins = [below % ORIENTATIONS * cells + CELL, (below + 1) % ORIENTATIONS * cells + CELL]
+    number, count = _numbers(cells), cells[0] * cells[1]
+    bins = [below % ORIENTATIONS * count + number, (below + 1) % ORIENTATIONS * count + number]
     parts = [strength - share, share]
-    sums = np.bincount(np.concatenate(bins), np.concatenate(parts), ORIENTATIONS * cells)
-    return sums * (cells / len(CELL))
+    sums = np.bincount(np.concatenate(bins), np.concatenate(parts), ORIENTATIONS * count)
+    return sums / CELL**2
+
+
+@cache
+def _numbers(cells: tuple[int, int]) -> Array:
+    """Number of the cell of each pixel, row by row."""
+    across, down = cells
+    return (np.arange(CELL * down)[:, None] // CELL * across + np.arange(CELL * across) // CELL).ravel()

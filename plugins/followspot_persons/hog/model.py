@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
-import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
@@ -13,10 +11,10 @@ import numpy as np
 
 from followspot import Array
 from followspot.errors import InputError, Mistake
-from followspot.files import DATA, open_regular
+from followspot_persons.hog.archive import BROKEN, arrays
 from followspot_persons.hog.cells import LOOKS, looks
 from followspot_persons.hog.channels import CHANNELS, channels
-from followspot_persons.hog.trees import Trees, log_odds
+from followspot_persons.hog.trees import Trees, check, log_odds
 from followspot_persons.hog.window import FEATURES
 
 SHIPPED = Path(__file__).with_name("hog_weights.npz")
@@ -127,24 +125,20 @@ def trusted(logits: Array, factor: float, mistaken: float) -> Array:
 def load(path: Path = SHIPPED) -> HogModel:
     """Read a weights file. Raises InputError if it is invalid."""
     try:
-        model = HogModel(**_arrays(path))
+        model = HogModel(**_fields(path))
         _check(model)
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+    except BROKEN as error:
         remedy = "make one with `followspot train hog`, or leave the parameter out"
         raise InputError([Mistake(None, f"{path} holds no weights of a detector: {error}", remedy)]) from None
     return model
 
 
-def _arrays(path: Path) -> dict[str, Array]:
-    """The arrays in a file, which may be compressed and has a limit unpacked, too."""
-    with open_regular(path, DATA) as file:
-        if sum(member.file_size for member in zipfile.ZipFile(file).infolist()) > DATA:
-            raise ValueError(f"more than {DATA} bytes unpacked")
-        file.seek(0)
-        stored = np.load(file, allow_pickle=False)
-        given = {name: stored[name].astype(other.dtype) for name, other in OPTIONAL.items() if name in stored}
-        rest = {name: stored[name].astype(np.float32) for name in NAMES}
-        return {**OPTIONAL, **given, **rest}
+def _fields(path: Path) -> dict[str, Array]:
+    """The arrays of a model in a file."""
+    stored = arrays(path)
+    given = {name: stored[name].astype(other.dtype) for name, other in OPTIONAL.items() if name in stored}
+    rest = {name: stored[name].astype(np.float32) for name in NAMES}
+    return {**OPTIONAL, **given, **rest}
 
 
 def save(model: HogModel, path: Path) -> None:
@@ -156,7 +150,7 @@ def save(model: HogModel, path: Path) -> None:
 
 def _check(model: HogModel) -> None:
     """Raises ValueError if a shape is wrong or a number is not finite."""
-    units, trees = model.hidden_bias.size, model.tree_leaf.shape[:1]
+    units = model.hidden_bias.size
     shapes = {
         "linear": (FEATURES + 1,),
         "hidden": (LOOKS, units),
@@ -164,9 +158,6 @@ def _check(model: HogModel) -> None:
         "output": (units, OUTPUTS),
         "output_bias": (OUTPUTS,),
         "trust": (2, 2),
-        "tree_feature": (*trees, 3),
-        "tree_threshold": (*trees, 3),
-        "tree_leaf": (*trees, 4),
         "calibration": (2,),
     }
     for name, shape in shapes.items():
@@ -177,5 +168,4 @@ def _check(model: HogModel) -> None:
             raise ValueError(f"{name} holds numbers that are not finite")
     if model.calibration[0] <= 0:
         raise ValueError("calibration has a factor that is not above 0")
-    if np.any((model.tree_feature < 0) | (model.tree_feature >= LOOKS + CHANNELS)):
-        raise ValueError(f"tree_feature holds numbers of features beyond 0 to {LOOKS + CHANNELS - 1}")
+    check(model.trees, LOOKS + CHANNELS)

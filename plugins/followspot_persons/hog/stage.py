@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import cv2
@@ -23,6 +23,8 @@ from followspot_persons.hog.model import (
     load,
 )
 from followspot_persons.hog.search import Level, groups, levels, outermost, plausible, proposals
+from followspot_persons.hog.whole import SHIPPED_WHOLE, raised
+from followspot_persons.hog.whole import load as load_whole
 from followspot_persons.hog.window import HEIGHT, WIDTH, cut, detector
 from followspot_persons.panorama import turn_of
 
@@ -53,7 +55,7 @@ class Hog(Stage):
     """Find upper bodies of any orientation where people may stand, with the headings of torso and head.
 
     A linear detector proposes windows; a small network and boosted trees, if the weights have them, judge
-    them. It is slow: run it every few frames.
+    them. Where they are in doubt, legs below an upper body speak for it. It is slow: run it every few frames.
     """
 
     per_camera = True
@@ -108,6 +110,17 @@ class Hog(Stage):
             description="weights for windows that reach above the picture, as `followspot train hog --above` "
             "makes them",
         )
+        weights_whole: InputPath = Field(
+            SHIPPED_WHOLE, description="trees that judge whole bodies, as `followspot train whole` makes them"
+        )
+        whole_share: float = Field(
+            0.5,
+            ge=0,
+            le=1,
+            unit="1",
+            description="share of the whole body in a score that it raises; raising it finds more people "
+            "whose legs are seen, and more false ones; 0 looks at upper bodies alone",
+        )
 
     params: Params
 
@@ -120,6 +133,7 @@ class Hog(Stage):
             Search(load(path), levels(self.camera, sizes, p.scale_step, self.heights, above=above))
             for path, above in ((p.weights, False), (p.weights_above, True))
         ]
+        self.whole = load_whole(p.weights_whole)
         self.turn = float(turn_of(self.camera))
 
     def process(self, frame: Frame) -> Boxes | None:
@@ -130,7 +144,7 @@ class Hog(Stage):
             pixels = np.asarray(cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGR))
         proposed = [self.proposed(pixels, search) for search in self.searches]
         judged = [
-            judge(search.model, self.windows(pixels, box))
+            self.judged(pixels, box, search.model)
             for search, box in zip(self.searches, proposed, strict=True)
         ]
         return self.boxes(np.concatenate(proposed), joined(judged))
@@ -142,14 +156,18 @@ class Hog(Stage):
         best = best[plausible(self.camera, box[best], self.heights)]
         return np.asarray(box[best[: self.params.maximum_proposals]])
 
-    def windows(self, pixels: Array, box: Array) -> Array:
-        """The contents of the boxes, (N, HEIGHT, WIDTH, 3) u8."""
+    def judged(self, pixels: Array, box: Array, model: HogModel) -> Judgement:
+        """What the model says of the contents of boxes (N, 4) px, and the whole bodies below them."""
         if self.turn and len(box):
             beyond = max(0.0, box[:, 2].max() - self.turn) + (box[:, 3] - box[:, 1]).max()
             margin = int(np.ceil(beyond))
             pixels = np.asarray(cv2.copyMakeBorder(pixels, 0, 0, margin, margin, cv2.BORDER_WRAP))
             box = box + np.array([margin, 0, margin, 0])
-        return np.array([cut(pixels, b) for b in box], np.uint8).reshape(-1, HEIGHT, WIDTH, 3)
+        windows = np.array([cut(pixels, b) for b in box], np.uint8).reshape(-1, HEIGHT, WIDTH, 3)
+        said = judge(model, windows)
+        if not self.params.whole_share:
+            return said
+        return replace(said, score=raised(self.whole, self.params.whole_share, pixels, box, said.score))
 
     def boxes(self, box: Array, judgement: Judgement) -> Boxes:
         """One box for each body: the mean of the windows that show it, weighted by their odds.

@@ -35,3 +35,16 @@ def log_odds(trees: Trees, features: Array) -> Array:
         place = 2 * right + (asked > trees.threshold[tree, 1 + right])
         total[start : start + ROWS] = trees.leaf[tree, place].sum(axis=1)
     return total
+
+
+def check(trees: Trees, features: int) -> None:
+    """Raises ValueError if a shape is wrong, a number is not finite, or a feature is not one of so many."""
+    count = trees.leaf.shape[:1]
+    for name, columns in (("feature", 3), ("threshold", 3), ("leaf", 4)):
+        array = getattr(trees, name)
+        if array.shape != (*count, columns):
+            raise ValueError(f"tree_{name} has shape {array.shape}, not {(*count, columns)}")
+        if not np.isfinite(array).all():
+            raise ValueError(f"tree_{name} holds numbers that are not finite")
+    if np.any((trees.feature < 0) | (trees.feature >= features)):
+        raise ValueError(f"tree_feature holds numbers of features beyond 0 to {features - 1}")

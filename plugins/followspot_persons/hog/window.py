@@ -6,6 +6,7 @@ Histograms as Dalal & Triggs 2005: cells of 8 x 8 px, blocks of 2 x 2 cells, 9 u
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cache
 
 import cv2
@@ -19,6 +20,22 @@ BODY = np.array([8.0, 6.0, 56.0, 78.0])
 """Position of the upper body in the window, head top to waist: x0, y0, x1, y1, px."""
 TALL = BODY[3] - BODY[1]
 """Height of the upper body in the window, px."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A window, and where it has the upper body: in the middle of its columns, px."""
+
+    width: int
+    height: int
+    top: float
+    """Row of the head's top."""
+    tall: float
+    """From there to the waist."""
+
+
+UPPER = Layout(WIDTH, HEIGHT, float(BODY[1]), float(TALL))
+"""Head and torso alone."""
 STRIDE = 8
 """Step of the windows of a search, px: one cell."""
 ABOVE = 32
@@ -53,17 +70,17 @@ def describe(windows: Array | Sequence[Array]) -> Array:
     return features
 
 
-def cut(pixels: Array, box: Array, margin: float = 0.0) -> Array:
-    """The part of a picture that shows a box where the window has its body, in the size of the window.
+def cut(pixels: Array, box: Array, margin: float = 0.0, layout: Layout = UPPER) -> Array:
+    """The part of a picture that shows a box where the window has its upper body, in the size of the window.
 
     Beyond the picture's edge its border is repeated. pixels: (H, W, 3) u8; box: x0, y0, x1, y1, px, of which
-    the height and the middle column count; margin: of the window on each side, px.
-    Returns (HEIGHT + 2 margin, WIDTH + 2 margin, 3) u8.
+    the height and the middle column count; margin: of the window on each side, px; layout: of the window.
+    Returns (height + 2 margin, width + 2 margin, 3) u8.
     """
-    scale = (box[3] - box[1]) / TALL
-    left = (box[0] + box[2]) / 2 - scale * (WIDTH / 2 + margin)
-    top = box[1] - scale * (BODY[1] + margin)
-    size = (round(WIDTH + 2 * margin), round(HEIGHT + 2 * margin))
+    scale = (box[3] - box[1]) / layout.tall
+    left = (box[0] + box[2]) / 2 - scale * (layout.width / 2 + margin)
+    top = box[1] - scale * (layout.top + margin)
+    size = (round(layout.width + 2 * margin), round(layout.height + 2 * margin))
     # Edges of pixels map to edges of pixels: the centre of the first stands half a pixel within.
     half = (scale - 1) / 2
     place = np.array([[scale, 0, left + half], [0, scale, top + half]])

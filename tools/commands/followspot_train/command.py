@@ -25,7 +25,7 @@ from followspot_train.recipe import Tell, Trial
 
 def train_hog(args: argparse.Namespace) -> int:
     """Read, try, learn, write, print. Returns the exit code."""
-    tell = _told if progress_is_shown() else _untold
+    tell = teller()
     pictures = reduce(add, [read_folder(folder) for folder in args.folders])
     _check(pictures, args.out)
     rng = np.random.default_rng(args.seed)
@@ -101,6 +101,11 @@ def _check(pictures: Pictures, out: Path) -> None:
 
 def _prefixed(tell: Tell, prefix: str) -> Tell:
     return lambda text: tell(prefix + text)
+
+
+def teller() -> Tell:
+    """Shows progress, if that is wanted."""
+    return _told if progress_is_shown() else _untold
 
 
 def _told(text: str) -> None:

@@ -11,23 +11,41 @@ from followspot.plugins.hooks import Command, hookimpl
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
-    """The command `train hog`."""
-    return [Command("hog", configure, run, parent="train")]
+    """The commands `train hog` and `train whole`."""
+    return [
+        Command("hog", configure, run, parent="train"),
+        Command("whole", configure_whole, run_whole, parent="train"),
+    ]
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the command."""
-    parser.add_argument("folders", nargs="+", type=Path, metavar="PICTURES", help="folder to learn from")
-    parser.add_argument(
-        "-o", "--out", type=Path, required=True, metavar="FILE.npz", help="weights file to write"
-    )
-    parser.add_argument("--seed", type=int, default=0, help="seed of all random numbers (default: 0)")
+    """Add the arguments of `train hog`."""
+    _configure_both(parser)
     parser.add_argument(
         "--above",
         action="store_true",
         help="learn windows that reach above the picture",
     )
     parser.add_argument("--json", action="store_true", help="print the figures as one JSON object")
+
+
+def configure_whole(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `train whole`."""
+    _configure_both(parser)
+    parser.add_argument(
+        "--weights",
+        type=Path,
+        metavar="FILE.npz",
+        help="weights of persons.hog whose proposals are learnt from (default: those that it ships with)",
+    )
+
+
+def _configure_both(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folders", nargs="+", type=Path, metavar="PICTURES", help="folder to learn from")
+    parser.add_argument(
+        "-o", "--out", type=Path, required=True, metavar="FILE.npz", help="weights file to write"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="seed of all random numbers (default: 0)")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -45,3 +63,17 @@ def run(args: argparse.Namespace) -> int:
     from followspot_train.command import train_hog
 
     return train_hog(args)
+
+
+def run_whole(args: argparse.Namespace) -> int:
+    """Train the trees by which persons.hog knows whole people.
+
+    Folders are as for `train hog`; pictures of people count if they have room for legs. Takes a few minutes.
+
+    Examples:
+      followspot train whole data/persons-dev/hog data/person-crops-inria -o whole.npz
+      followspot run graphs/person_room.yaml --set hog.weights_whole=whole.npz
+    """
+    from followspot_train.whole import train_whole
+
+    return train_whole(args)

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from followspot import Array
-from followspot_persons.hog.window import HEIGHT, STRIDE, WIDTH, describe, descriptor
+from followspot_persons.hog.window import BODY, HEIGHT, STRIDE, WIDTH, describe, descriptor
 from followspot_train import svm
 from followspot_train.pictures import Background
 from followspot_train.windows import anywhere
@@ -84,13 +84,32 @@ def hardest(pixels: Array, weights: Array, least: float, above: int) -> list[See
 
 def passing(pixels: Array, weights: Array, above: int) -> tuple[Array, int]:
     """All windows that the detector proposes, (N, HEIGHT, WIDTH, 3) u8, and the number that it searched."""
-    windows, searched = [], 0
+    windows, count = [], 0
     for picture in sizes(pixels, above=above):
-        height, width = picture.shape[:2]
-        searched += ((width - WIDTH) // STRIDE + 1) * ((height - HEIGHT) // STRIDE + 1)
+        count += _count(picture)
         corners, _ = _detected(picture, weights, 0.0)
         windows += [picture[y : y + HEIGHT, x : x + WIDTH] for x, y in corners]
-    return np.reshape(windows, (-1, HEIGHT, WIDTH, 3)).astype(np.uint8), searched
+    return np.reshape(windows, (-1, HEIGHT, WIDTH, 3)).astype(np.uint8), count
+
+
+def places(pixels: Array, weights: Array) -> Array:
+    """Boxes (N, 4) of upper bodies that the detector proposes, px of the picture."""
+    found = [np.empty((0, 4))]
+    for picture in sizes(pixels):
+        scale = np.array(picture.shape[1::-1]) / pixels.shape[1::-1]
+        corners, _ = _detected(picture, weights, 0.0)
+        found.append((np.tile(corners, 2) + BODY) / np.tile(scale, 2))
+    return np.concatenate(found)
+
+
+def searched(pixels: Array) -> int:
+    """The number of windows of a picture."""
+    return sum(_count(picture) for picture in sizes(pixels))
+
+
+def _count(picture: Array) -> int:
+    height, width = picture.shape[:2]
+    return int(((width - WIDTH) // STRIDE + 1) * ((height - HEIGHT) // STRIDE + 1))
 
 
 def sizes(pixels: Array, window: tuple[int, int] = (WIDTH, HEIGHT), above: int = 0) -> Iterator[Array]:

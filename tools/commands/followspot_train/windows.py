@@ -66,10 +66,8 @@ def found(persons: Sequence[Person], count: int, above: int, rng: np.random.Gene
     windows, owner, headings = [], [], []
     for number, person in enumerate(persons):
         for _ in range(count):
-            moved = rng.normal(0, PLACE_SIGMA, 2)
-            window = cut(person.pixels, _moved(person.box, moved, np.exp(rng.normal(0, SIZE_SIGMA))))
-            sign = 1 if rng.random() < 0.5 else -1
-            window = _relit(np.ascontiguousarray(window[:, ::sign]), rng)
+            window, sign = mirrored(cut(person.pixels, as_found(person.box, rng)), rng)
+            window = relit(window, rng)
             if above and rng.random() < CUT:
                 window = reaching_over(window, int(rng.integers(1, above + 1)))
             windows.append(window)
@@ -83,14 +81,30 @@ def missed(persons: Sequence[Person], count: int, rng: np.random.Generator) -> W
     windows, owner = [], []
     for number, person in enumerate(persons):
         for _ in range(count):
-            angle, far = rng.uniform(0, 2 * np.pi), rng.uniform(*MISS)
-            by = far * np.array([np.cos(angle), np.sin(angle)])
-            size = 1.0
-            if rng.random() < 0.4:
-                by, size = by / 4, np.exp(rng.choice([-1, 1]) * rng.uniform(0.3, 0.5))
-            windows.append(cut(person.pixels, _moved(person.box, by, size)))
+            windows.append(cut(person.pixels, as_missed(person.box, rng)))
             owner.append(number)
     return described(windows, owner, np.full((len(windows), 2), np.nan))
+
+
+def as_found(box: Array, rng: np.random.Generator) -> Array:
+    """A box as a search finds it."""
+    moved = rng.normal(0, PLACE_SIGMA, 2)
+    return _moved(box, moved, np.exp(rng.normal(0, SIZE_SIGMA)))
+
+
+def as_missed(box: Array, rng: np.random.Generator) -> Array:
+    """A box beside the true one, or of another size."""
+    angle, far = rng.uniform(0, 2 * np.pi), rng.uniform(*MISS)
+    by, size = far * np.array([np.cos(angle), np.sin(angle)]), 1.0
+    if rng.random() < 0.4:
+        by, size = by / 4, np.exp(rng.choice([-1, 1]) * rng.uniform(0.3, 0.5))
+    return _moved(box, by, size)
+
+
+def mirrored(window: Array, rng: np.random.Generator) -> tuple[Array, int]:
+    """A window, one in two of them mirrored; 1, or -1 for a mirrored one."""
+    sign = 1 if rng.random() < 0.5 else -1
+    return np.ascontiguousarray(window[:, ::sign]), sign
 
 
 def anywhere(backgrounds: Sequence[Background], count: int, rng: np.random.Generator) -> list[Array]:
@@ -120,7 +134,7 @@ def _moved(box: Array, by: Array, size: float) -> Array:
     return np.concatenate([center - half, center + half])
 
 
-def _relit(window: Array, rng: np.random.Generator) -> Array:
+def relit(window: Array, rng: np.random.Generator) -> Array:
     """Another exposure, white balance, contrast and noise; sometimes out of focus."""
     gain = np.exp(rng.normal(0, 0.12, 3) + rng.normal(0, 0.2))
     light = 255 * gain * (window / 255) ** np.exp(rng.normal(0, 0.15))

@@ -1,0 +1,130 @@
+"""Whole bodies that speak for the upper ones."""
+
+import csv
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+from tests.datasets import dataset, needs_data
+
+from followspot import Camera, InputError
+from followspot.stage import Context
+from followspot.tracking import Frame
+from followspot_persons.hog import whole
+from followspot_persons.hog.stage import Hog
+from followspot_persons.hog.trees import Trees
+from followspot_persons.hog.whole import DOUBT, INPUTS, LAYOUT, SHIPPED_WHOLE, load, raised, save, within
+
+PIXELS = np.random.default_rng(0).integers(0, 256, (300, 400, 3), np.uint8)
+BOX = np.array([100.0, 20, 140, 80])
+
+
+def saying(odds):
+    """Trees that say the same of all."""
+    one = np.zeros((1, 3), np.float32)
+    return Trees(np.zeros((1, 3), np.intp), one, np.full((1, 4), odds, np.float32))
+
+
+def test_a_surer_whole_body_raises_a_score_to_the_mean_and_an_unsure_one_changes_nothing():
+    box, score = np.tile(BOX, (3, 1)), np.array([-1.0, 2.0, 5.0])
+    assert raised(saying(4.0), 0.5, PIXELS, box, score) == pytest.approx([1.5, 3.0, 5.0])
+    assert raised(saying(4.0), 0.25, PIXELS, box, score) == pytest.approx([0.25, 2.5, 5.0])
+    assert raised(saying(-9.0), 0.5, PIXELS, box, score) == pytest.approx(score)
+    assert score.tolist() == [-1.0, 2.0, 5.0]  # what was given stays
+
+
+def test_what_is_hardly_an_upper_body_is_not_looked_at():
+    score = np.array([DOUBT - 0.1, DOUBT + 0.1])
+    found = raised(saying(4.0), 0.5, PIXELS, np.tile(BOX, (2, 1)), score)
+    assert found[0] == score[0]
+    assert found[1] == pytest.approx((4.0 + score[1]) / 2)
+
+
+def test_no_boxes_have_no_scores():
+    assert raised(saying(4.0), 0.5, PIXELS, np.empty((0, 4)), np.empty(0)).shape == (0,)
+
+
+def test_legs_count_where_the_picture_has_them():
+    """The upper body is 60 px high, so the feet are 145 px below the head's top."""
+    down, across = np.array([0, 1, 0, 1]), np.array([1, 0, 1, 0])
+    low, outside = BOX + 137 * down, BOX - 101 * across
+    assert within(np.array([BOX, BOX + 135 * down, low, outside]), PIXELS.shape).tolist() == [
+        True,
+        True,
+        False,
+        False,
+    ]
+    score = np.array([-1.0, -1.0])
+    assert raised(saying(4.0), 0.5, PIXELS, np.array([low, BOX]), score) == pytest.approx([-1.0, 1.5])
+
+
+def test_a_window_has_head_and_waist_in_their_rows():
+    """A picture whose rows tell where they are, at twice the window's size."""
+    rows = np.repeat(np.arange(300, dtype=np.uint8)[:, None], 400, axis=1)
+    [window] = whole.windows(np.repeat(rows[:, :, None], 3, axis=2), np.array([[100.0, 40, 188, 128]]))
+    assert window.shape == (LAYOUT.height, LAYOUT.width, 3)
+    assert int(window[14, 30, 0]) == pytest.approx(40, abs=1.5)
+    assert int(window[58, 30, 0]) == pytest.approx(128, abs=1.5)
+
+
+def test_trees_come_back_as_they_were_written(tmp_path):
+    trees = load(SHIPPED_WHOLE)
+    save(trees, tmp_path / "again.npz")
+    again = load(tmp_path / "again.npz")
+    for name in ("feature", "threshold", "leaf"):
+        assert np.array_equal(getattr(trees, name), getattr(again, name))
+    assert SHIPPED_WHOLE.stat().st_size < 100_000
+
+
+def test_files_that_hold_no_trees_are_refused(tmp_path):
+    trees = load(SHIPPED_WHOLE)
+    save(replace(trees, feature=np.full_like(trees.feature, INPUTS)), tmp_path / "beyond.npz")
+    save(replace(trees, leaf=np.full_like(trees.leaf, np.nan)), tmp_path / "nan.npz")
+    np.savez(tmp_path / "other.npz", linear=np.zeros(3))
+    for name, cause in (
+        ("beyond", "beyond 0 to"),
+        ("nan", "not finite"),
+        ("other", "tree_feature"),
+        ("no", "No such"),
+    ):
+        with pytest.raises(InputError, match=cause):
+            load(tmp_path / f"{name}.npz")
+
+
+def view():
+    facing = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0.0]])
+    matrix = np.array([[457.0, 0, 319.5], [0, 457.0, 239.5], [0, 0, 1]])
+    return Camera("c", "color", (640, 480), matrix, np.zeros(5), facing, -facing @ [0, 0, 1.2])
+
+
+def boxes(pixels, share, weights=SHIPPED_WHOLE):
+    stage = Hog(Context.serving(view()), whole_share=share, weights_whole=str(weights))
+    stage.setup()
+    return stage.process(Frame(camera="c", pixels=pixels))
+
+
+def person():
+    """A picture of `d_p` that shows a person down to the feet."""
+    with (dataset("persons-dev") / "d_p_gt.csv").open(newline="") as stream:
+        truth = {int(row["frame"]): row for row in csv.DictReader(stream)}
+    rows = {n: np.array([float(r[c]) for c in ("ux0", "uy0", "ux1", "uy1")]) for n, r in truth.items()}
+    number = next(n for n in range(0, 200, 10) if within(rows[n][None], (480, 640))[0])
+    video = cv2.VideoCapture(str(dataset("persons-dev") / "d_p.mp4"))
+    for _ in range(number):
+        assert video.grab()
+    return np.asarray(video.read()[1])
+
+
+@needs_data("persons-dev")
+def test_a_person_seen_to_the_feet_is_surer_by_the_trees_and_no_box_is_lost(tmp_path):
+    pixels, sure = person(), tmp_path / "sure.npz"
+    save(saying(9.0), sure)
+    alone, both, told = (
+        boxes(pixels, 0.0),
+        boxes(pixels, 0.5),
+        boxes(pixels, 0.5, sure),
+    )
+    assert len(both.score) >= len(alone.score) >= 1
+    assert both.score.max() >= alone.score.max()
+    assert told.score.max() > alone.score.max() + 1
