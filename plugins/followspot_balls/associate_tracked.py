@@ -45,7 +45,7 @@ class AssociateTracked(ViewAssociation):
         off = candidates.xyz[:, None] - forecast.xyz
         variance = forecast.covariance.diagonal(axis1=1, axis2=2).max(axis=1)
         there = candidates.targets & (np.vecdot(off, off) <= np.maximum(GATE**2 * variance, NEAR**2))
-        own = there[candidates.labelled].any(axis=0) if self.color.any() else True
+        own = candidates.labelled @ there if self.colored else True
         return np.asarray((there.sum(axis=0) >= SETTLED) & own)
 
     def unweighed_gain(self) -> float:

@@ -40,15 +40,18 @@ def raised(positions: Positions, planes: Array, radii: Array, sigma: float) -> P
     without covariance stay.
     """
     clearance = positions.xyz @ planes[:, :3].T + planes[:, 3] - radii.take(positions.target)[:, None]
-    low = (clearance.min(axis=1, initial=0.0) < 0).nonzero()[0]
-    low = low[np.isfinite(positions.covariance[low]).all(axis=(1, 2))] if len(low) else low
-    if not len(low):
+    depth = clearance.min(axis=1, initial=0.0)
+    low = depth < 0
+    if low.any():
+        low &= np.isfinite(positions.covariance).all(axis=(1, 2))
+    if not low.any():
         return positions
-    plane = clearance[low].argmin(axis=1)
-    normal, depth = planes[plane, :3], clearance[low, plane]
-    across = (positions.covariance[low] @ normal[..., None])[..., 0]
+    normal = planes.take(clearance.argmin(axis=1), axis=0)[:, :3]
+    across = (positions.covariance @ normal[..., None])[..., 0]
     gain = across / (np.vecdot(normal, across) + sigma * sigma)[:, None]
-    xyz, covariance = positions.xyz.copy(), positions.covariance.copy()
-    xyz[low] -= gain * depth[:, None]
-    covariance[low] -= gain[..., None] * across[:, None]
-    return replace(positions, xyz=xyz, covariance=covariance)
+    gain = np.where(low[:, None], gain, 0.0)
+    return replace(
+        positions,
+        xyz=positions.xyz - gain * depth[:, None],
+        covariance=positions.covariance - gain[..., None] * across[:, None],
+    )

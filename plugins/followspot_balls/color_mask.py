@@ -120,6 +120,6 @@ def shown(place: Array, colors: Array, limits: Limits) -> Lit:
         return Lit(place, place, *np.empty((2, 0), np.uint8))
     hue, saturation, value = np.asarray(cv2.cvtColor(colors[None], cv2.COLOR_BGR2HSV_FULL))[0].T
     pale = saturation < limits.saturation
-    entry = (value >= np.where(pale, limits.white, limits.value)).nonzero()[0]
+    entry = np.where(pale, value >= limits.white, value >= limits.value).nonzero()[0]
     hue = np.where(pale, np.uint8(BINS), hue_bin(hue))
     return Lit(entry, place.take(entry), value.take(entry), hue.take(entry))

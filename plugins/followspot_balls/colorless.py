@@ -53,6 +53,8 @@ class Colorless:
             return positions
         shown = self.shown(positions, candidates)
         late = self.late(target, shown, positions.xyz, forecast.period)
+        if shown.all():
+            return positions
         if len(forecast.state):  # the first forecast knows no targets
             late |= ~shown & (positions.support < 2) & (forecast.state[target] == MISSING)
         return positions.where(~late) if late.any() else positions
@@ -73,9 +75,10 @@ class Colorless:
     def shown(self, positions: Positions, candidates: Candidates) -> Array:
         """Whether a candidate with the colour of its target lies in its ball: (M,) bool."""
         labelled = candidates.labelled.nonzero()[0]
-        off = candidates.xyz[labelled][:, None] - positions.xyz
-        inside = np.vecdot(off, off) < self.radius2[positions.target]
-        return np.asarray((inside & candidates.targets[labelled][:, positions.target]).any(axis=0))
+        off = candidates.xyz.take(labelled, axis=0)[:, None] - positions.xyz
+        inside = np.vecdot(off, off) < self.radius2.take(positions.target)
+        inside &= candidates.targets.take(labelled, axis=0).take(positions.target, axis=1)
+        return np.asarray(inside.any(axis=0))
 
     def in_picture(self, xyz: Array) -> Array:
         """Whether places lie in the picture of a colour camera: (M, 3) m -> (M,) bool."""

@@ -43,12 +43,15 @@ class Disagreement:
         self.samples: deque[Sample] = deque(maxlen=MOST)
         self.frames = 0
 
-    def add(self, candidates: Candidates, shown: Array) -> None:
-        """The candidates of a frame. shown: (N, T) bool, tracked targets that each shows uncovered."""
+    def due(self) -> bool:
+        """Count a frame; whether its candidates are to be added."""
         self.frames += 1
-        if self.frames % EACH == 0:
-            rows = (candidates.targets & shown).any(axis=1)
-            self.samples.append(Sample(candidates.epipolar[rows], candidates.area[rows]))
+        return self.frames % EACH == 0
+
+    def add(self, candidates: Candidates, shown: Array) -> None:
+        """Sample a frame. shown: (N, T) bool, tracked targets that each candidate shows uncovered."""
+        rows = (candidates.targets & shown).any(axis=1)
+        self.samples.append(Sample(candidates.epipolar[rows], candidates.area[rows]))
 
     def warning(self) -> str:
         """The warning for the user; empty if the cameras agree."""

@@ -54,10 +54,9 @@ class Places(NamedTuple):
     odds: Array
     """(H,) log-odds."""
 
-    @classmethod
-    def none(cls) -> Places:
-        """No place."""
-        return cls(np.zeros((0, 3)), np.zeros(0))
+
+NOWHERE = Places(np.zeros((0, 3)), np.zeros(0))
+"""No place."""
 
 
 class Seen(NamedTuple):
@@ -84,7 +83,7 @@ class Existence(NamedTuple):
     @classmethod
     def unknown(cls) -> Existence:
         """Nothing is known."""
-        return cls(0.0, False, Places.none())
+        return cls(0.0, False, NOWHERE)
 
 
 def restored(state: Mapping[str, Any]) -> Existence:
@@ -102,7 +101,7 @@ def followed(before: Existence, gain: float, place: Array, rules: Rules, steps: 
     """
     odds = rules.memory**steps * before.odds + steps * (gain - rules.drift)
     odds = float(max(-rules.bound, min(odds, rules.bound)))
-    given_up = Places(place[None].copy(), np.array([odds])) if odds < rules.silent else Places.none()
+    given_up = Places(place[None].copy(), np.array([odds])) if odds < rules.silent else NOWHERE
     return Existence(odds, False, given_up)
 
 
@@ -186,6 +185,6 @@ def _apart(ordered: list[tuple[Array, float, int]], bound: float, reach: float) 
         if len(chosen) < MOST and not any(within(place[0], other, reach) for other, _, _ in chosen):
             chosen.append(place)
     if not chosen:
-        return Places.none(), np.zeros(0, int)
+        return NOWHERE, np.zeros(0, int)
     xyz, odds, candidate = zip(*chosen, strict=True)
     return Places(np.array(xyz), np.clip(odds, -bound, 2 * bound)), np.array(candidate)

@@ -22,11 +22,10 @@ def finite_forecast(forecast: Forecast | None) -> Forecast | None:
     """The forecast, in which a target without a known place is lost; the same message if all are known."""
     if forecast is None:
         return None
-    known = np.asarray(
-        np.isfinite(forecast.xyz).all(axis=1) & np.isfinite(forecast.covariance).all(axis=(1, 2))
-    )
-    if known.all():
+    numbers = np.isfinite(forecast.xyz), np.isfinite(forecast.covariance)
+    if all(column.all() for column in numbers):
         return forecast
+    known = np.asarray(numbers[0].all(axis=1) & numbers[1].all(axis=(1, 2)))
     return replace(
         forecast,
         state=np.where(known, forecast.state, LOST).astype(np.uint8),

@@ -240,10 +240,10 @@ def nearest_ball(circles: Circles, pixel: Array) -> tuple[Array, Array]:
         return np.full(pixel.shape, np.nan), np.full(len(pixel), np.nan)
     distance = distances(pixel, circles.center)
     distance = np.where(distance <= circles.radius + circles.ball, distance, np.inf)
-    nearest = np.arange(len(pixel)), distance.argmin(axis=1)
-    near = distance[nearest] < np.inf
-    center = np.where(near[:, None], circles.center[nearest], np.nan)
-    return center, np.where(near, circles.ball[nearest], np.nan)
+    nearest = distance.argmin(axis=1) + np.arange(0, distance.size, distance.shape[1])
+    near = distance.take(nearest) < np.inf
+    center = np.where(near[:, None], circles.center.reshape(-1, 2).take(nearest, axis=0), np.nan)
+    return center, np.where(near, circles.ball.take(nearest), np.nan)
 
 
 def distinct(center: Array, view: Array) -> Array:

@@ -119,7 +119,7 @@ class MeanShift(Fusion):
         bandwidth = np.maximum(self.params.bandwidth_scale * sigma, self.params.minimum_bandwidth)
         bandwidth[lost] = self.params.lost_bandwidth
         sample = Sample(candidates.xyz, candidates.labelled, weights, bandwidth)
-        modes = self.modes(sample, center, recovery_credit(candidates), lost)
+        modes = self.modes(sample, center, candidates, lost)
         used = modes.held > self.params.minimum_support_weight
         shown = np.where(used.any(axis=1, keepdims=True), used, modes.held > 0)
         positions = Positions(
@@ -147,29 +147,29 @@ class MeanShift(Fusion):
             return p.epipolar_sigma
         return np.where(appearing(candidates, lost).T, p.recovery_epipolar_sigma, p.epipolar_sigma)
 
-    def credit(self, xyz: Array, center: Array, recovery: Array, lost: Array) -> Array:
+    def credit(self, candidates: Candidates, center: Array, lost: Array) -> Array:
         """Factor of the candidates' densities: from their distance to the forecast, or from their evidence.
 
-        xyz: (N, 3) m; center: (M, 3) m; recovery: (N,); lost: (M,). Returns (M, N).
+        center: (M, 3) m; lost: (M,). Returns (M, N).
         """
-        offsets = xyz - center[:, None]
+        offsets = candidates.xyz - center[:, None]
         near = np.exp(-np.square(offsets).sum(axis=2) / (2 * self.params.prior_sigma**2))
-        return np.where(lost[:, None], recovery, np.maximum(near, FAINT))
+        return np.where(lost[:, None], recovery_credit(candidates), np.maximum(near, FAINT))
 
-    def modes(self, sample: Sample, center: Array, recovery: Array, lost: Array) -> Modes:
+    def modes(self, sample: Sample, center: Array, candidates: Candidates, lost: Array) -> Modes:
         """Modes from the initial centres; the densest candidate replaces modes with too little weight."""
         p = self.params
         start = weighted_mean(sample.xyz, sample.weights) if p.initial_center == "mean" else center.copy()
         dense = lost | (p.initial_center == "densest")
         if dense.any():
-            credit = self.credit(sample.xyz, center[dense], recovery, lost[dense])
+            credit = self.credit(candidates, center[dense], lost[dense])
             start[dense] = densest(sample.rows(dense), credit)
         first = seek_modes(start, sample, p.convergence_distance, p.maximum_iterations)
         poor = ~dense & (first.held.sum(axis=1) <= p.minimum_mode_share * sample.weights.sum(axis=1))
         if not poor.any():
             return first
         rest = sample.rows(poor)
-        credit = self.credit(sample.xyz, center[poor], recovery, lost[poor])
+        credit = self.credit(candidates, center[poor], lost[poor])
         second = seek_modes(densest(rest, credit), rest, p.convergence_distance, p.maximum_iterations)
         for old, new in zip(first, second, strict=True):
             old[poor] = new

@@ -21,6 +21,7 @@ from followspot_balls.bundle.points import point_images
 from followspot_balls.bundle.trust import variance
 from followspot_balls.outline import unit_outline
 from followspot_balls.pair_propagation import propagation
+from followspot_balls.strip import row_and_column
 
 UNLIKELY = 1e-8
 """Odds of rivals below which they are left out: 10 cm away they add 10 micrometres to a deviation."""
@@ -84,8 +85,9 @@ class ModeCovariance:
     def views(self, candidates: Candidates, center: Array, held: Array) -> Views:
         """What each camera contributes; several of its blobs in one mode count as their mean."""
         modes, cameras = len(center), len(self.focal2)
-        mode, row = held.nonzero()
-        weight, view = held[mode, row], candidates.view.take(row, axis=0)
+        entry = held.reshape(-1).nonzero()[0]
+        mode, row = row_and_column(entry, held.shape[1])
+        weight, view = held.take(entry), candidates.view.take(row, axis=0)
         at = (mode * cameras)[:, None] + view
         table = np.bincount(at[:, 0] * cameras + view[:, 1], weight, modes * cameras**2)
         table = table.reshape(modes, cameras, cameras)

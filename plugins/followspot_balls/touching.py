@@ -65,9 +65,9 @@ def placed(blobs: Components, chosen: Array, strip: Strip) -> tuple[Array, Array
     rank[chosen] = np.arange(len(chosen))
     row = rank.take(blobs.label)
     pixel = (row >= 0).nonzero()[0]
-    row = row[pixel]
+    row = row.take(pixel)
     shift = strip.shift.take(blobs.part.take(chosen.take(row)), axis=0)
-    return row, pixel, blobs.column[pixel] + shift[:, 0], blobs.row[pixel] + shift[:, 1]
+    return row, pixel, blobs.column.take(pixel) + shift[:, 0], blobs.row.take(pixel) + shift[:, 1]
 
 
 def within_reach(center: Array, row: Array, x: Array, y: Array, circles: Circles) -> Array:
@@ -77,7 +77,8 @@ def within_reach(center: Array, row: Array, x: Array, y: Array, circles: Circles
     (L, T) of each one's view.
     """
     reach = np.zeros(len(center))
-    np.maximum.at(reach, row, np.square(x - center[:, 0].take(row)) + np.square(y - center[:, 1].take(row)))
+    right, down = x - center[:, 0].take(row), y - center[:, 1].take(row)
+    np.maximum.at(reach, row, right * right + down * down)
     apart = circles.center - center[:, None]
     distance = np.hypot(apart[..., 0], apart[..., 1])
     return np.asarray(distance <= np.sqrt(reach)[:, None] + circles.ball)

@@ -126,7 +126,9 @@ class Triangulate(Stage):
             evident=evident.take(rows),
             targets=targets.take(rows, axis=0),
         )
-        self.disagreement.add(candidates, tracked & (smaller >= UNCOVERED * self.outlines).take(rows, axis=0))
+        if self.disagreement.due():
+            uncovered = smaller >= UNCOVERED * self.outlines
+            self.disagreement.add(candidates, tracked & uncovered.take(rows, axis=0))
         return candidates
 
     def close(self) -> None:

@@ -121,8 +121,9 @@ class VerifyPairs(Stage):
             mine = targets.take(pair[doubt, 0], axis=0) & targets.take(pair[doubt, 1], axis=0)
             keep[doubt] = self.lying.shown(ends[doubt], cameras[doubt], mine, forecast)
         light = np.zeros(len(view), bool)
-        sure = off_plane.min(axis=0, initial=np.inf) < sure_distance
-        light[pair[~keep & sure]] = True
+        if not keep.all():
+            sure = off_plane.min(axis=0, initial=np.inf) < sure_distance
+            light[pair[~keep & sure]] = True
         if not self.params.color_color:
             keep &= ~color.all(axis=1)
         if not self.params.infrared_infrared:

@@ -48,6 +48,14 @@ class Weighed(NamedTuple):
         none = np.zeros(0)
         return cls(np.zeros((0, 3)), np.zeros(0, int), none, none, none, np.zeros(0, bool))
 
+    def likeliest(self, count: int) -> list[int]:
+        """The likeliest hypothesis of each of `count` targets, -1 for none."""
+        best = [-1] * count
+        for number in np.unique(self.target).tolist() if len(self.target) else ():
+            mine = (self.target == number).nonzero()[0]
+            best[number] = int(mine[self.rank[mine].argmax()])
+        return best
+
 
 @dataclass(frozen=True)
 class Associated:
@@ -75,6 +83,7 @@ class ViewAssociation(Stage, ABC):
         p = self.params
         cameras = list(self.room.cameras.values())
         self.color = np.array([c.kind == "color" for c in cameras], bool)
+        self.colored = bool(self.color.any())
         self.depth = any(c.kind == "depth" for c in cameras)
         model = Model(p.detection, p.clutter, p.neighbourhood, p.blob_sigma, p.relative_sigma, p.hidden_sigma)
         self.evidence = ViewEvidence(self.room, model)
@@ -121,14 +130,14 @@ class ViewAssociation(Stage, ABC):
         candidates, forecast = finite_candidates(candidates), finite_forecast(forecast)
         lost, tracked = lost_targets(forecast, count), tracked_targets(forecast, count)
         clear = self.unweighed(candidates, forecast, tracked)
+        if clear.all():
+            return self.without_hypotheses(candidates, forecast, tracked, clear)
         sure = candidates.targets & candidates.confirmed[:, None]
         rows = np.where(lost | sure.any(axis=0), sure, candidates.targets)
         row, target = np.nonzero(rows & ~clear)
         if not len(row):
-            self.decide(Weighed.none(), forecast, tracked, clear)
-            self.shown = self.usually_shown()
             left = self.kept(candidates, candidates.targets & clear)
-            return Associated(left, self.existence_odds(tracked, clear))
+            return self.without_hypotheses(left, forecast, tracked, clear)
         blobs = self.evidence.blobs(candidates, forecast, tracked)
         begun = hypotheses(candidates.xyz, row, target, forecast, tracked, self.prior)
         found, views = self.evidence.likeliest(begun, blobs, self.shown)
@@ -142,6 +151,14 @@ class ViewAssociation(Stage, ABC):
         first = ~tracked[mine]
         keep[begin[first], mine[first]] = True
         left = self.kept(candidates, candidates.targets & keep)
+        return Associated(left, self.existence_odds(tracked, clear))
+
+    def without_hypotheses(
+        self, left: Candidates, forecast: Forecast | None, tracked: Array, clear: Array
+    ) -> Associated:
+        """The outputs of a frame in which nothing is weighed. left: what remains of the candidates."""
+        self.decide(Weighed.none(), forecast, tracked, clear)
+        self.shown = self.usually_shown()
         return Associated(left, self.existence_odds(tracked, clear))
 
     def existence_odds(self, tracked: Array, clear: Array) -> ExistenceOdds:
@@ -167,11 +184,10 @@ class ViewAssociation(Stage, ABC):
         """Probabilities that the views show the targets in the next frame: (T, C)."""
         shown = self.usually_shown()
         persistence = self.params.persistence ** self.steps(forecast)
-        for number in np.unique(found.target[tracked[found.target]]):
-            mine = (found.target == number).nonzero()[0]
-            best = mine[found.rank[mine].argmax()]
-            known = updated(self.shown[number], views.likely.ratio[best], views.inside[best])
-            shown[number] = predicted(known, self.params.detection, persistence)
+        for number, best in enumerate(found.likeliest(len(shown))):
+            if best >= 0 and tracked[number]:
+                known = updated(self.shown[number], views.likely.ratio[best], views.inside[best])
+                shown[number] = predicted(known, self.params.detection, persistence)
         return shown
 
     def steps(self, forecast: Forecast | None) -> float:
@@ -181,14 +197,12 @@ class ViewAssociation(Stage, ABC):
     def decide(self, found: Weighed, forecast: Forecast | None, tracked: Array, clear: Array) -> Array:
         """The hypotheses that hold, at most one for each target: (D,) numbers of some of the M."""
         chosen: list[int] = []
-        for number, before in enumerate(self.existence):
+        steps, likeliest = self.steps(forecast), found.likeliest(len(self.existence))
+        for number, (before, best) in enumerate(zip(self.existence, likeliest, strict=True)):
             if tracked[number] and forecast is not None:
-                mine = (found.target == number).nonzero()[0]
-                best = int(mine[found.rank[mine].argmax()]) if len(mine) else -1
                 gain = found.evidence[best] if best >= 0 else 0.0
                 gain = self.unweighed_gain() if clear[number] else gain
-                place, steps = forecast.xyz[number], self.steps(forecast)
-                self.existence[number] = followed(before, gain, place, self.rules, steps)
+                self.existence[number] = followed(before, gain, forecast.xyz[number], self.rules, steps)
                 if best >= 0 and self.left_out(found, best):
                     best = -1
             else:

@@ -70,12 +70,11 @@ def disc_centers(
     chosen = voter.nonzero()[0]
     label, slope, height = label.take(chosen), slope.take(chosen), height.take(chosen)
     reach = (radius.take(known).take(label) - height / slope) / slope
-    votes = planes.take(chosen, axis=1) * reach
+    votes = planes[:2].take(chosen, axis=1) * reach
     y, x = row_and_column(index.take(chosen), level.shape[1])
     shift = strip.shift.take(blobs.part.take(known), axis=0)
     votes[0] += x + shift[:, 0].take(label)
     votes[1] += y + shift[:, 1].take(label)
-    votes[2] = 1.0
     start, area = blobs.center.take(known, axis=0), blobs.area.take(known)
     merged = (area > MERGED * np.pi * np.square(radius.take(known))).nonzero()[0]
     if expected is None or not len(merged):
@@ -126,23 +125,26 @@ def derivatives(level: Array, index: Array) -> Array:
 def agreement(votes: Array, weight: Array, label: Array, start: Array) -> tuple[Array, Array]:
     """The point where most votes of each component agree: an iterated weighted mean with a narrowing kernel.
 
-    votes: (3, P) x and y, px, and 1; weight, label: (P,); start: (K, 2) px, kept without votes.
+    votes: (2, P) px, x and y; weight, label: (P,); start: (K, 2) px, kept without votes.
     Returns (K, 2) px, and the votes that agree on each, (K,).
     """
     count = len(start)
-    bins = np.concatenate([label, label + count, label + 2 * count])
+    bins = (label + count * np.arange(3)[:, None]).reshape(-1)
+    terms = np.empty((3, len(label)))
     sums = np.ones((3, count))
     sums[:2] = start.T
     faint = UNHEARD * sums
     for spread in SPREADS:
         offset = (sums[:2] / sums[2]).take(label, axis=1)
-        offset -= votes[:2]
+        offset -= votes
         offset *= offset
         kernel = offset[0]
         kernel += offset[1]
         kernel += spread * spread
         kernel *= kernel
-        heard = np.bincount(bins, (votes * (weight / kernel)).reshape(-1), 3 * count)
+        np.divide(weight, kernel, out=terms[2])
+        np.multiply(votes, terms[2], out=terms[:2])
+        heard = np.bincount(bins, terms.reshape(-1), 3 * count)
         sums = heard.reshape(3, count) + faint
     return np.asarray(sums[:2] / sums[2]).T, sums[2]
 

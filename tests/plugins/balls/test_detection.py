@@ -254,7 +254,7 @@ def test_without_a_radius_the_centre_is_the_centroid() -> None:
 def test_without_a_vote_the_centre_is_the_centroid() -> None:
     start = np.array([[6.5, 7.0], [30.0, 2.0]])
     nobody = np.empty(0, int)
-    point, heard = agreement(np.empty((3, 0)), np.empty(0), nobody, start)
+    point, heard = agreement(np.empty((2, 0)), np.empty(0), nobody, start)
     assert point == pytest.approx(start)
     assert (heard < 1e-6).all()
 

@@ -39,7 +39,8 @@ def candidates(epipolar: list[float]) -> Candidates:
 def told(epipolar: list[float], tracked: np.ndarray = YES, frames: int = 50 * EACH) -> str:
     judge = Disagreement()
     for _ in range(frames):
-        judge.add(candidates(epipolar), tracked)
+        if judge.due():
+            judge.add(candidates(epipolar), tracked)
     return judge.warning()
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from followspot_balls.existence import (
+    NOWHERE,
     Confirmation,
     Existence,
     Places,
@@ -62,7 +63,7 @@ def test_weak_evidence_in_every_frame_keeps_a_target() -> None:
 
 def test_half_a_step_twice_is_nearly_a_step() -> None:
     """Odds and evidence go by time, so that a faster camera neither prolongs nor ends a track."""
-    before = Existence(4.0, False, Places.none())
+    before = Existence(4.0, False, NOWHERE)
     whole = followed(before, 1.3, np.array(HERE), RULES)
     half = followed(followed(before, 1.3, np.array(HERE), RULES, 0.5), 1.3, np.array(HERE), RULES, 0.5)
     assert whole.odds == pytest.approx(0.9 * 4 + 1.3 - 0.5)

@@ -154,7 +154,7 @@ class Join:
         """Whether a member gives its first message to the firing at this time, ns; ask before `take`."""
         return queue is self.only or self._has(queue, time)
 
-    def relieve(self) -> None:
+    def relieve(self, earliest: int) -> None:
         """Let the senders of full edges go on where the stage waits for another input.
 
         Before that input goes on, no firing takes anything. So messages up to the next possible firing take
@@ -162,10 +162,10 @@ class Join:
         largest sum, along any path, of the times that joins look ahead. So no rates and no depths stop a
         replay: of the sources that full edges hold back, the one furthest behind would have to wait for
         another that is further behind.
+        earliest: :meth:`watermark`, ns.
         """
         if self.only is not None or self.lag is None:
             return
-        earliest = self.watermark()
         for sampled in self.sampled:
             sampled.relieve(earliest, self.lag)
         for queue in self.members:

@@ -140,7 +140,7 @@ class DeferredRunner(StageRunner):
     def _idle(self) -> None:
         """Without a firing, pass the watermark on or end, unless answers are under way."""
         if self._answers:
-            self.join.relieve()
+            self.join.relieve(self.join.watermark())
         else:
             super()._idle()
 

@@ -302,7 +302,7 @@ class StageRunner:
         if watermark > self._passed:
             self._pass(watermark)
             self._announce(watermark)
-        self.join.relieve()
+        self.join.relieve(watermark)
 
     def _following(self) -> int:
         """The watermark, ns, that the outputs can announce with what they send now; `UNKNOWN` if they cannot.
