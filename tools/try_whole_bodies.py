@@ -116,7 +116,7 @@ def text(row: dict[str, Any]) -> str:
 
 
 def quiet(_: str) -> None:
-    """Tell nobody."""
+    """Show no progress."""
 
 
 if __name__ == "__main__":

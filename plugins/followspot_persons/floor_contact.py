@@ -180,8 +180,8 @@ class _Strip:
         return cls(rows, columns, changed, free, float(upper[:, middle].mean()), float(upper.mean()))
 
     def lowest(self, scene: Scene, tall: float) -> int | None:
-        """The lowest row of the person; None if nobody is there, a nearer person hides too much, or somebody
-        left there.
+        """The lowest row of the person; None if nobody is there, a nearer person hides too much, or the legs
+        are a ghost's.
 
         tall: of the upper body, px.
         """

@@ -1,4 +1,4 @@
-"""Ghosts: places that somebody left who was a part of the background (Cucchiara et al. 2003).
+"""Ghosts: foreground where the background shows people who have left (Cucchiara et al. 2003).
 
 Both a person and a ghost differ from the background; but the outline of a person is in the picture, and that
 of a ghost in the background.

@@ -20,7 +20,7 @@ from followspot_persons.hog.window import Layout, cut
 
 SHIPPED_WHOLE = Path(__file__).with_name("hog_weights_whole.npz")
 LAYOUT = Layout(64, 128, 14.0, 44.0)
-"""Window of a whole person who stands upright."""
+"""Window of a whole person, standing upright."""
 FEET = 120.0
 """Row of it that must be in the picture."""
 INPUTS = MAPS * (LAYOUT.width // CELL) * (LAYOUT.height // CELL)

@@ -33,7 +33,7 @@ GREEN = (60, 150, 50)
 class Show:
     """A slow instance that is shown pictures, two a second, and boxes of a perfect detector.
 
-    People sway by some pixels, as everybody does who stands.
+    Standing people sway by some pixels.
     """
 
     def __init__(self, *, sway: int = 2, **params: object) -> None:

@@ -172,7 +172,7 @@ def test_whom_a_nearer_person_hides_has_no_feet():
 
 @pytest.mark.parametrize("ghost", [False, True])
 def test_legs_that_the_background_has_and_the_picture_not_are_nobodys_feet(ghost):
-    """Below a body are other legs: in the picture its own, in the background those of who stood there."""
+    """Below a body are other legs: in the picture its own, in the background those of somebody else."""
     scene, near = room_with(standing(4.5)), room_with(standing(3.6))
     legs = near.changed(np.arange(240)[:, None], np.arange(320)[None])
     legs &= ~scene.changed(np.arange(240)[:, None], np.arange(320)[None])
