@@ -10,9 +10,8 @@ import numpy as np
 
 from followspot import Array
 from followspot_sim.eye import REACH, Eye
-from followspot_sim.outline import SUBPIXEL, fill
 from followspot_sim.sensor import DISPLAYED
-from followspot_sim.sight import approach, depth_in, dot, unit
+from followspot_sim.sight import dot
 
 DEFOCUS = 1.7
 """Width of the soft edge of a ball, px."""
@@ -77,37 +76,6 @@ def _square(eye: Eye, corner: Array, side: int, away: Array) -> Array:
     x, y, z = away.astype(np.float32).T[:, :, None, None]
     along = rays[0] * x + rays[1] * y + rays[2] * z
     return np.asarray(np.maximum(x * x + y * y + z * z - along * along, 0))
-
-
-def in_front(eye: Array, balls: Array, radii: Array, ends: Array, thick: Array) -> Array:
-    """Which limbs hide a part of which balls, (B, K) bool.
-
-    eye: (3,) m; balls: (B, 3) m; radii: (B,) m; ends: (K, 2, 3) m; thick: (K,) m. Both surfaces are
-    compared on the line of sight through the middle of the overlap.
-    """
-    rays, distance = unit(balls - eye)
-    gap, along = approach(eye, rays[:, None], ends)
-    radius = radii[:, None]
-    middle = (np.maximum(gap - thick, -radius) + np.minimum(gap + thick, radius)) / 2
-    entry = along - depth_in(thick, gap - middle)
-    overlap = gap < thick + 1.3 * radius  # the soft edge of the ball included
-    return np.asarray(overlap & (entry < distance[:, None] - depth_in(radius, middle)))
-
-
-def hide(seen: Stamps, before: Array, polygon: Array) -> None:
-    """Remove hidden parts from the cover of the balls, and compute the visible shares.
-
-    before: (B, K) bool, limb k is in front of ball b; polygon: (K, P, 2), the outlines of the limbs as
-    OpenCV draws them.
-    """
-    hidden, limbs = np.nonzero(before)
-    if len(hidden) == 0:
-        return
-    whole = seen.cover.sum(axis=(1, 2))
-    shifted = polygon[limbs] - (seen.corner[hidden, None] << SUBPIXEL).astype(np.int32)
-    for ball, outline in zip(hidden.tolist(), shifted, strict=True):
-        fill(seen.cover[ball], outline, 0)
-    np.divide(seen.cover.sum(axis=(1, 2)), np.maximum(whole, 1), out=seen.shown)
 
 
 def color_light(seen: Stamps, color: Array) -> Array:

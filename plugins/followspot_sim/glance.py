@@ -13,8 +13,9 @@ import numpy as np
 
 from followspot import Array
 from followspot.geometry import project
-from followspot_sim.ball_image import Stamps, hide, in_front, stamps
+from followspot_sim.ball_image import Stamps, stamps
 from followspot_sim.eye import Eye
+from followspot_sim.occlusion import hide
 from followspot_sim.people_image import Outlines, outlines
 from followspot_sim.world import Scene
 
@@ -35,8 +36,6 @@ def glance(eye: Eye, scene: Scene, radii: Array) -> Glance:
     people = outlines(eye.camera, pixel[balls:].reshape(-1, 2, 2), scene.limbs, scene.radius)
     seen = stamps(eye, pixel[:balls], scene.balls, radii)
     limbs = np.flatnonzero(people.shown)
-    before = in_front(
-        eye.camera.center, scene.balls[seen.ball], radii[seen.ball], scene.limbs[limbs], scene.radius[limbs]
-    )
-    hide(seen, before, people.polygon[limbs])
+    places = np.column_stack([scene.balls, radii])[seen.ball]
+    hide(seen, eye, places, scene.limbs[limbs], scene.radius[limbs])
     return Glance(people, seen)

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 from followspot import room_file
 from followspot.geometry import project
-from followspot_sim.ball_image import in_front
 from followspot_sim.screen import lookup, rays_of, screens_of
 from followspot_sim.sight import approach
 from followspot_sim.visibility import judge, visible_fraction
@@ -35,21 +34,6 @@ def test_approach_is_the_smallest_distance_between_ray_and_segment(seed):
     gaps = np.linalg.norm(np.cross(points - origin, ray), axis=1)
     assert distance[0] == pytest.approx(gaps.min(), abs=1e-3)
     assert along[0] == pytest.approx((points[gaps.argmin()] - origin) @ ray, abs=0.05 + 1e-2 * gaps.min())
-
-
-def test_a_limb_hides_what_is_behind_it_and_not_what_is_before_or_beside_it():
-    balls = np.array([[3.0, 0.0, 0.0], [1.5, 0.0, 0.0], [3.0, 0.4, 0.0], [3.0, 0.2, 0.0]])
-    pole, thick = np.array([[[2.0, 0, -1], [2.0, 0, 1]]]), np.array([0.1])
-    hidden = in_front(np.zeros(3), balls, np.repeat(RADIUS, 4), pole, thick)
-    assert hidden[:, 0].tolist() == [True, False, False, True]
-
-
-def test_a_bag_is_in_front_of_the_ball_in_it_and_a_ball_in_front_of_the_hand_that_holds_it():
-    ball = np.array([[3.0, 0.0, 0.0]])
-    bag = np.array([[[3.0, 0, -0.06], [3.0, 0, 0.04]]])
-    arm = np.array([[[3.3, 0, 0.1], [3.1, 0, 0.0]]])
-    ends, thick = np.concatenate([bag, arm]), np.array([0.13, 0.045])
-    assert in_front(np.zeros(3), ball, RADIUS, ends, thick).tolist() == [[True, False]]
 
 
 @pytest.mark.parametrize("camera", ROOM.cameras.values(), ids=ROOM.cameras)
