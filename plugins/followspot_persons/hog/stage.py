@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import cv2
@@ -23,7 +23,7 @@ from followspot_persons.hog.model import (
     load,
 )
 from followspot_persons.hog.search import Level, groups, levels, outermost, plausible, proposals
-from followspot_persons.hog.whole import SHIPPED_WHOLE, raised
+from followspot_persons.hog.whole import SHIPPED_WHOLE, parts, raised
 from followspot_persons.hog.whole import load as load_whole
 from followspot_persons.hog.window import HEIGHT, WIDTH, cut, detector
 from followspot_persons.panorama import turn_of
@@ -147,7 +147,8 @@ class Hog(Stage):
             self.judged(pixels, box, search.model)
             for search, box in zip(self.searches, proposed, strict=True)
         ]
-        return self.boxes(np.concatenate(proposed), joined(judged))
+        box, said = np.concatenate(proposed), joined(judged)
+        return self.boxes(box, said, self.decided(pixels, box, said.score))
 
     def proposed(self, pixels: Array, search: Search) -> Array:
         """Proposed boxes, (N, 4) px."""
@@ -157,35 +158,46 @@ class Hog(Stage):
         return np.asarray(box[best[: self.params.maximum_proposals]])
 
     def judged(self, pixels: Array, box: Array, model: HogModel) -> Judgement:
-        """What the model says of the contents of boxes (N, 4) px, and the whole bodies below them."""
-        if self.turn and len(box):
-            beyond = max(0.0, box[:, 2].max() - self.turn) + (box[:, 3] - box[:, 1]).max()
-            margin = int(np.ceil(beyond))
-            pixels = np.asarray(cv2.copyMakeBorder(pixels, 0, 0, margin, margin, cv2.BORDER_WRAP))
-            box = box + np.array([margin, 0, margin, 0])
-        windows = np.array([cut(pixels, b) for b in box], np.uint8).reshape(-1, HEIGHT, WIDTH, 3)
-        said = judge(model, windows)
-        if not self.params.whole_share:
-            return said
-        return replace(said, score=raised(self.whole, self.params.whole_share, pixels, box, said.score))
+        """What the model says of the contents of boxes (N, 4) px."""
+        pixels, box = self.around(pixels, box)
+        return judge(model, np.array([cut(pixels, b) for b in box], np.uint8).reshape(-1, HEIGHT, WIDTH, 3))
 
-    def boxes(self, box: Array, judgement: Judgement) -> Boxes:
+    def decided(self, pixels: Array, box: Array, score: Array) -> Array:
+        """The scores (N,) of boxes (N, 4) px, raised where the whole bodies below them are surer."""
+        if not self.params.whole_share:
+            return score
+        return raised(self.whole, self.params.whole_share, *self.around(pixels, box), score)
+
+    def around(self, pixels: Array, box: Array) -> tuple[Array, Array]:
+        """The picture with what lies beyond the border of a panorama, and the boxes (N, 4) px in it."""
+        if not self.turn or not len(box):
+            return pixels, box
+        beyond = max(0.0, box[:, 2].max() - self.turn) + (box[:, 3] - box[:, 1]).max()
+        margin = int(np.ceil(beyond))
+        wider = cv2.copyMakeBorder(pixels, 0, 0, margin, margin, cv2.BORDER_WRAP)
+        return np.asarray(wider), box + np.array([margin, 0, margin, 0])
+
+    def boxes(self, box: Array, judgement: Judgement, score: Array) -> Boxes:
         """One box for each body: the mean of the windows that show it, weighted by their odds.
 
-        Its odds are the sum of theirs over the usual number of windows.
+        Its odds are the sum over the windows, whole bodies included, over the usual number of windows. Legs
+        say that somebody is there; where the upper body is and how it faces, it says alone.
+        score: (N,) log-odds of somebody, with the whole bodies.
         """
-        shown = judgement.score > FAINT
-        box, odds = box[shown], np.exp(judgement.score[shown])
+        shown = score > FAINT
+        box, odds, upper = box[shown], np.exp(score[shown]), np.exp(judgement.score[shown])
         torso, head = judgement.torso[shown], judgement.head[shown]
         found = groups(box, odds, SAME, self.turn)
         means, angles = np.empty((len(found), 4)), np.empty((2, len(found), DIRECTIONS))
         for number, rows in enumerate(found):
-            weight = odds[rows] / odds[rows].sum()
+            weight = upper[rows] / upper[rows].sum()
             means[number] = weight @ self.beside(box[rows])
             angles[:, number] = weight @ torso[rows], weight @ head[rows]
-        total = np.array([odds[rows].sum() for rows in found])
+        total, own = (np.array([each[rows].sum() for rows in found]) for each in (odds, upper))
         best = outermost(means, total, NESTED, self.turn)
-        best = best[total[best] > CROWD * np.exp(self.params.minimum_score)]
+        least = CROWD * np.exp(self.params.minimum_score)
+        best = best[total[best] > least]
+        best = best[~parts(means[best], own[best] <= least, NESTED, self.turn)]
         return Boxes(
             camera=self.camera.name,
             box=means[best],

@@ -15,6 +15,7 @@ from followspot import Array
 from followspot.errors import InputError, Mistake
 from followspot_persons.hog.archive import BROKEN, arrays
 from followspot_persons.hog.channels import CELL, MAPS, channels
+from followspot_persons.hog.search import nesting
 from followspot_persons.hog.trees import Trees, check, log_odds
 from followspot_persons.hog.window import Layout, cut
 
@@ -46,6 +47,28 @@ def within(box: Array, shape: tuple[int, ...]) -> Array:
     tall, middle = box[:, 3] - box[:, 1], (box[:, 0] + box[:, 2]) / 2
     feet = box[:, 1] + tall * ((FEET - LAYOUT.top) / LAYOUT.tall)
     return np.asarray((feet <= shape[0]) & (middle >= tall / 3) & (middle + tall / 3 <= shape[1]))
+
+
+def extents(box: Array) -> Array:
+    """Where the whole bodies of upper ones may be, boxes (N, 4) px."""
+    tall, middle = box[:, 3] - box[:, 1], (box[:, 0] + box[:, 2]) / 2
+    aside = tall * (LAYOUT.width / LAYOUT.tall / 2)
+    feet = tall * ((LAYOUT.height - LAYOUT.top) / LAYOUT.tall)
+    return np.column_stack([middle - aside, box[:, 1], middle + aside, box[:, 1] + feet])
+
+
+def parts(box: Array, doubtful: Array, most: float, turn: float) -> Array:
+    """Which boxes are an arm and a leg of a surer person: doubtful ones inside that person, (N,) bool.
+
+    box: (N, 4) px, the surest first; doubtful: (N,) bool, whether legs alone make the box a person; most:
+    share of such a box inside another person from which it is a part; turn: width of a panorama, px, else 0.
+    """
+    found = np.zeros(len(box), bool)
+    whole = extents(box)
+    for row in doubtful.nonzero()[0].tolist():
+        surer = whole[:row][~found[:row]]
+        found[row] = len(surer) > 0 and nesting(box[row], surer, turn).max() > most
+    return found
 
 
 def windows(pixels: Array, box: Array) -> list[Array]:

@@ -12,9 +12,20 @@ from followspot import Camera, InputError
 from followspot.stage import Context
 from followspot.tracking import Frame
 from followspot_persons.hog import whole
+from followspot_persons.hog.model import DIRECTIONS, Judgement
 from followspot_persons.hog.stage import Hog
 from followspot_persons.hog.trees import Trees
-from followspot_persons.hog.whole import DOUBT, INPUTS, LAYOUT, SHIPPED_WHOLE, load, raised, save, within
+from followspot_persons.hog.whole import (
+    DOUBT,
+    INPUTS,
+    LAYOUT,
+    SHIPPED_WHOLE,
+    load,
+    parts,
+    raised,
+    save,
+    within,
+)
 
 PIXELS = np.random.default_rng(0).integers(0, 256, (300, 400, 3), np.uint8)
 BOX = np.array([100.0, 20, 140, 80])
@@ -102,6 +113,43 @@ def boxes(pixels, share, weights=SHIPPED_WHOLE):
     stage = Hog(Context.serving(view()), whole_share=share, weights_whole=str(weights))
     stage.setup()
     return stage.process(Frame(camera="c", pixels=pixels))
+
+
+def test_legs_decide_whether_somebody_is_there_and_the_upper_body_where_and_how_turned():
+    """Of two windows of one body the legs below speak for the lower one, whose upper body hardly counts."""
+    stage = Hog(Context.serving(view()))
+    stage.setup()
+    box = np.array([[100.0, 100, 160, 160], [104.0, 112, 164, 172]])
+    ahead, aside = np.eye(DIRECTIONS)[[0, 4]] - 1
+    said = Judgement(np.array([1.0, -2.0]), np.array([ahead, aside]), np.array([ahead, aside]))
+    alone, legs = stage.boxes(box, said, said.score), stage.boxes(box, said, np.array([1.0, 4.0]))
+    assert len(alone.score) == 0
+    assert legs.score.tolist() == [pytest.approx(np.log((np.e + np.exp(4.0)) / 4))]
+    share = 1 / (1 + np.exp(-3))
+    assert legs.box[0] == pytest.approx(share * box[0] + (1 - share) * box[1])
+    assert legs.torso[0] == pytest.approx(share * ahead + (1 - share) * aside)
+    assert legs.head[0] == pytest.approx(legs.torso[0])
+
+
+def test_an_arm_and_a_leg_of_a_surer_person_are_nobody_and_who_stands_apart_or_is_sure_alone_stays():
+    body, part, apart = [200.0, 100, 300, 200], [180.0, 210, 215, 260], [500.0, 210, 535, 260]
+    beside = [1000 - 20.0, 210, 1000 + 15, 260]
+    box = np.array([body, part, apart, beside])
+    assert parts(box, np.array([False, True, True, True]), 0.75, 0.0).tolist() == [False, True, False, False]
+    assert not parts(box, np.array([False, False, True, True]), 0.75, 0.0).any()
+    assert not parts(box[[1, 0]], np.array([True, False]), 0.75, 0.0).any()
+    around = np.array([[0.0, 100, 100, 200], beside])
+    assert parts(around, np.array([False, True]), 0.75, 1000.0).tolist() == [False, True]
+
+
+def test_legs_speak_for_nobody_within_a_surer_person():
+    stage = Hog(Context.serving(view()))
+    stage.setup()
+    box = np.array([[200.0, 100, 300, 200], [180.0, 210, 215, 260]])
+    flat = np.zeros((2, DIRECTIONS))
+    said = Judgement(np.array([4.0, -1.0]), flat, flat)
+    assert stage.boxes(box, said, np.array([4.0, 3.0])).box == pytest.approx(box[:1])
+    assert len(stage.boxes(box + [[0, 0, 0, 0], [300, 0, 300, 0]], said, np.array([4.0, 3.0])).box) == 2
 
 
 def person():
