@@ -16,7 +16,8 @@ from followspot_sim.picture import Picture
 from followspot_sim.world import setting, world_of
 
 ROOT = Path(__file__).parents[2]
-FIRST, FRAMES = 60, 8
+FIRST, FRAMES = 300, 8
+"""All balls are in view of cameras of both kinds."""
 
 
 @pytest.fixture(scope="module")
