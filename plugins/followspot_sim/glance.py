@@ -1,8 +1,7 @@
 """The view of one camera of people and balls at one time.
 
 A glance is a function of the camera and the scene alone. Several cameras must not be computed together: the
-windows of all balls would be as large as the largest ball of any camera needs, and OpenCV draws a soft edge
-differently if the window cuts it.
+windows of all balls would be as large as the largest ball of any camera needs.
 """
 
 from __future__ import annotations

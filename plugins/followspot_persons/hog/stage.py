@@ -143,12 +143,14 @@ class Hog(Stage):
         if pixels.shape[2] == 1:
             pixels = np.asarray(cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGR))
         proposed = [self.proposed(pixels, search) for search in self.searches]
-        judged = [
-            self.judged(pixels, box, search.model)
-            for search, box in zip(self.searches, proposed, strict=True)
-        ]
-        box, said = np.concatenate(proposed), joined(judged)
-        return self.boxes(box, said, self.decided(pixels, box, said.score))
+        box, share = np.concatenate(proposed), self.params.whole_share
+        pixels, placed = self.around(pixels, box)
+        of_search = np.split(placed, np.cumsum([len(part) for part in proposed])[:-1])
+        said = joined(
+            [judged(pixels, part, s.model) for s, part in zip(self.searches, of_search, strict=True)]
+        )
+        score = raised(self.whole, share, pixels, placed, said.score) if share else said.score
+        return self.boxes(box, said, score)
 
     def proposed(self, pixels: Array, search: Search) -> Array:
         """Proposed boxes, (N, 4) px."""
@@ -156,17 +158,6 @@ class Hog(Stage):
         best = np.argsort(-score, kind="stable")
         best = best[plausible(self.camera, box[best], self.heights)]
         return np.asarray(box[best[: self.params.maximum_proposals]])
-
-    def judged(self, pixels: Array, box: Array, model: HogModel) -> Judgement:
-        """What the model says of the contents of boxes (N, 4) px."""
-        pixels, box = self.around(pixels, box)
-        return judge(model, np.array([cut(pixels, b) for b in box], np.uint8).reshape(-1, HEIGHT, WIDTH, 3))
-
-    def decided(self, pixels: Array, box: Array, score: Array) -> Array:
-        """The scores (N,) of boxes (N, 4) px, raised where the whole bodies below them are surer."""
-        if not self.params.whole_share:
-            return score
-        return raised(self.whole, self.params.whole_share, *self.around(pixels, box), score)
 
     def around(self, pixels: Array, box: Array) -> tuple[Array, Array]:
         """The picture with what lies beyond the border of a panorama, and the boxes (N, 4) px in it."""
@@ -212,3 +203,8 @@ class Hog(Stage):
             return box
         turns = np.rint((box[:, :1] - box[0, 0]) / self.turn)
         return np.asarray(box - turns * self.turn * [1, 0, 1, 0])
+
+
+def judged(pixels: Array, box: Array, model: HogModel) -> Judgement:
+    """What the model says of the contents of boxes (N, 4) px."""
+    return judge(model, np.array([cut(pixels, one) for one in box], np.uint8).reshape(-1, HEIGHT, WIDTH, 3))

@@ -25,9 +25,8 @@ RADIUS = np.array([0.0762])
 
 def shares(eye: Eye, scene: Scene) -> tuple[float, float]:
     """Visible share of the one ball of a scene, in the picture and by the truth."""
-    return float(glance(eye, scene, RADIUS).balls.shown[0]), visible_fraction([eye.camera], scene, RADIUS)[
-        0, 0
-    ]
+    shown = glance(eye, scene, RADIUS).balls.shown
+    return float(shown[0]), float(visible_fraction([eye.camera], scene, RADIUS)[0, 0])
 
 
 def with_limb(eye: Eye, ends: np.ndarray, thick: float) -> tuple[float, float]:
