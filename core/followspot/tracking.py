@@ -97,6 +97,9 @@ class Pairs(Message):
     evident: Array = column("N", dtype="?")
     """True if the pair alone may start a track: confirmed, and no other colour camera contradicts it."""
     targets: Array = column("N", "T", dtype="?")
+    clutter: Array = column("N", 2)
+    """Share of the usual clutter around each blob: below 1 where its view lately showed nothing of the kind
+    while a target was lost that the blob may be."""
 
 
 class Candidates(Message):
@@ -115,6 +118,8 @@ class Candidates(Message):
     evident: Array = column("N", dtype="?")
     """True if the pair is evident and both blobs are large enough for a ball at that distance."""
     targets: Array = column("N", "T", dtype="?")
+    clutter: Array = column("N", 2)
+    """As of `Pairs`."""
 
 
 class ExistenceOdds(Message):

@@ -160,6 +160,7 @@ class DepthBlobs(Stage):
             confirmed=evident,
             evident=evident,
             targets=targets[rows],
+            clutter=np.ones((len(rows), 2)),
         )
 
     def evident(self, found: Spheres) -> Array:

@@ -13,6 +13,9 @@ import numpy as np
 from followspot.messages import Array
 from followspot_balls.bundle.trust import WHOLE
 
+RARE = 0.02
+"""Least share of the usual clutter: what a view never showed may still appear."""
+
 
 class Model(NamedTuple):
     """How balls and clutter show."""
@@ -20,7 +23,7 @@ class Model(NamedTuple):
     detection: float
     """Probability that a view shows a ball that is there; people cover it often."""
     clutter: float
-    """Least density of clutter, blobs in a square whose side is the ball's radius."""
+    """Usual density of clutter, blobs in a square whose side is the ball's radius."""
     neighbourhood: float
     """Radius around a ball's image in which other blobs count as clutter, over the ball's."""
     sigma: float
@@ -44,6 +47,8 @@ class Sight(NamedTuple):
     """(M, C, K) bool, whether the blob may show the target."""
     inside: Array
     """(M, C) bool, whether the place has an image in the picture."""
+    clutter: Array
+    """(C, K) share of the usual clutter around each blob."""
 
 
 class Likely(NamedTuple):
@@ -73,17 +78,22 @@ def densities(model: Model, sight: Sight, spread: Array | float = 0.0) -> tuple[
 
 
 def clutter_density(model: Model, sight: Sight) -> Array:
-    """Density of clutter around each image: (M, C) 1/px^2, from the blobs there but one, the ball's."""
+    """Density of clutter at each blob: (M, C, K) 1/px^2.
+
+    From the blobs around each image but one, the ball's, and at least the share of the usual density.
+    """
     reach2 = np.square(model.neighbourhood * sight.radius)
     near = (sight.possible & (sight.squares < reach2[..., None])).sum(axis=2)
     counted = np.maximum(near - 1, 0) / (np.pi * reach2)
-    return np.asarray(np.maximum(counted, model.clutter / np.square(sight.radius)))
+    usual = (model.clutter / np.square(sight.radius))[..., None]
+    share = np.fmax(np.fmin(sight.clutter, 1.0), RARE)
+    return np.asarray(np.maximum(counted[..., None], usual * share))
 
 
 def likeliest(model: Model, sight: Sight, rivals: Array) -> Likely:
     """The likeliest blob of each view. rivals: (M, C, K) 1/px^2, densities of the blobs as other targets."""
     density, variance = densities(model, sight)
-    ratio = density / (clutter_density(model, sight)[..., None] + rivals)
+    ratio = density / (clutter_density(model, sight) + rivals)
     slot = ratio.argmax(axis=2)
     at = (np.arange(len(slot))[:, None], np.arange(slot.shape[1]), slot)
     return Likely(slot, ratio[at], variance[at])

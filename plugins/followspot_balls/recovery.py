@@ -2,8 +2,9 @@
 
 Candidates that agree are no independent evidence: one blob of a colour camera that lies by chance on the
 ray to a reflector makes a candidate with each infrared camera. So the views are weighed, not their pairs,
-also those that see the place and show nothing there (Bar-Shalom, Daum & Huang 2009). An evident place that
-one frame hardly confirms is found when several in a row do (a sequential probability ratio test).
+also those that see the place and show nothing there (Bar-Shalom, Daum & Huang 2009); a blob counts for more
+where its view lately showed nothing of the kind. An evident place that one frame hardly confirms is found
+when several in a row do (a sequential probability ratio test).
 """
 
 from __future__ import annotations
@@ -29,6 +30,10 @@ from followspot_balls.view_params import ViewParams
 
 ELSEWHERE = 1.0
 """Sigma of the place of a target that is not where it seems to be, m: some place in the room."""
+AGREEING = 3
+"""Candidates that confirm a target in one frame."""
+RATHER = 1.0
+"""Ratio of a frame from which an evident place is rather a ball than light or paint, nats."""
 OUTSTANDING = 3.0
 """Lead over `sure_recovery_evidence` from which a place stands out, nats: a twentieth of the odds remains."""
 
@@ -45,9 +50,10 @@ class RecoveryParams(StageParams):
     sure_recovery_evidence: float = Field(
         2.0,
         unit="nats",
-        description="log-likelihood ratio of all views below which several candidates do not confirm a lost "
-        "target in one frame; that of an evident position is against reflectors only, and adds up over "
-        "frames in a row while its place stays; raising it avoids false recoveries",
+        description="log-likelihood ratio of all views from which one evident candidate finds a lost target, "
+        "and below which several candidates do not find it in one frame; that of an evident position that is "
+        "rather a ball is against reflectors only, and adds up over frames in a row while its place stays; "
+        "raising it avoids false recoveries",
     )
 
 
@@ -69,14 +75,16 @@ class Recovery:
         self.evidence = ViewEvidence(
             room,
             Model(p.detection, p.clutter, p.neighbourhood, p.blob_sigma, p.relative_sigma, p.hidden_sigma),
+            remembering=True,
         )
 
     def judged(self, positions: Positions, candidates: Candidates, forecast: Forecast | None) -> Positions:
         """The positions without those of lost targets that the views contradict.
 
-        If they hardly confirm candidates that agree, one counts, and the position is as vague as the place is
-        unlikely: it needs several frames. If the room has depth cameras, all positions remain, for the
-        weighing of views does not know their measurements.
+        An evident one that they make sure counts as three candidates that agree. If they hardly confirm
+        candidates that agree, one counts, and the position is as vague as the place is unlikely: it needs
+        several frames. If the room has depth cameras, all positions remain, for the weighing of views does
+        not know their measurements.
         """
         count = len(self.shown)
         lost = lost_targets(forecast, count)[positions.target]
@@ -88,11 +96,12 @@ class Recovery:
         ratio, reflector = np.full((2, len(weighed)), np.inf)
         found = positions.xyz[row], positions.target[row]
         ratio[row], reflector[row] = self.ratios(*found, candidates, forecast)
-        sure = np.where(positions.evident, self.added_up(positions, reflector, forecast), ratio)
-        doubted = (sure < self.params.sure_recovery_evidence) & (positions.support > 1)
-        if doubted.any():
-            positions = self.vague(positions, doubted, sure)
+        total = self.added_up(positions, reflector, forecast)
+        rather = positions.evident & (ratio > RATHER)
         likely = ratio >= self.params.least_recovery_evidence
+        positions = self.believed(
+            positions, weighed, ratio, np.where(rather, np.maximum(ratio, total), ratio)
+        )
         return positions if likely.all() else positions.where(likely)
 
     def added_up(self, positions: Positions, ratio: Array, forecast: Forecast | None) -> Array:
@@ -116,14 +125,21 @@ class Recovery:
         else:
             self.odds = np.where(forecast.state == MISSING, self.odds, 0.0)
 
-    def vague(self, positions: Positions, doubted: Array, sure: Array) -> Positions:
-        """The positions, of which the doubted ones need several frames. sure: (M,), log-likelihood ratios."""
-        vague = doubted * ELSEWHERE**2 / (1 + np.exp(sure))
-        return replace(
-            positions,
-            support=np.where(doubted, 1, positions.support).astype(np.int32),
-            covariance=positions.covariance + vague[:, None, None] * np.eye(3),
-        )
+    def believed(self, positions: Positions, weighed: Array, ratio: Array, total: Array) -> Positions:
+        """The positions, of which the weighed ones are found in one frame if they are sure, else in several.
+
+        weighed: (M,) bool; ratio, total: (M,) log-likelihood ratios of this frame, and with those before;
+        infinite if not weighed.
+        """
+        sure = weighed & positions.evident & (ratio >= self.params.sure_recovery_evidence)
+        support = np.where(sure, np.maximum(positions.support, AGREEING), positions.support)
+        doubted = (total < self.params.sure_recovery_evidence) & (positions.support > 1)
+        support = np.where(doubted, 1, support).astype(np.int32)
+        if not doubted.any():
+            return replace(positions, support=support)
+        vague = doubted * ELSEWHERE**2 / (1 + np.exp(total))
+        covariance = positions.covariance + vague[:, None, None] * np.eye(3)
+        return replace(positions, support=support, covariance=covariance)
 
     def ratios(self, xyz: Array, target: Array, candidates: Candidates, forecast: Forecast | None) -> Array:
         """Log-likelihood ratios of balls at M places against whatever else, and against reflectors: (2, M).

@@ -125,6 +125,7 @@ class Triangulate(Stage):
             confirmed=pairs.confirmed.take(rows),
             evident=evident.take(rows),
             targets=targets.take(rows, axis=0),
+            clutter=pairs.clutter.take(rows, axis=0),
         )
         if self.disagreement.due():
             uncovered = smaller >= UNCOVERED * self.outlines

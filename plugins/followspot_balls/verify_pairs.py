@@ -12,7 +12,9 @@ from followspot import Array, Camera, Field, Joined, Latest, Mistake, Room, Stag
 from followspot.geometry import epipolar_distance, fundamental_matrix, plane_homography, transfer
 from followspot.tracking import Blobs, Forecast, Pairs
 from followspot_balls.alignment import aligned, delays
+from followspot_balls.clutter_map import ClutterMap
 from followspot_balls.lying import LyingTargets
+from followspot_balls.search import lost_targets
 from followspot_balls.strip import row_and_column
 
 SURE = 0.4
@@ -62,6 +64,13 @@ class VerifyPairs(Stage):
             description="clearance up to which a target that is not lost lies on a plane, where a pair in "
             "its images is no projection; 0: never; raising it keeps more pairs",
         )
+        clutter_memory: float = Field(
+            120.0,
+            gt=0,
+            unit="frames",
+            description="time after which what a view showed while a target was lost counts for 1/e as "
+            "clutter; raising it suits lamps and reflectors that stay",
+        )
         color_color: bool = Field(True, description="whether to give pairs of two colour cameras")
         infrared_infrared: bool = Field(
             True, description="whether to give pairs of two infrared cameras, which bear no label"
@@ -89,6 +98,7 @@ class VerifyPairs(Stage):
         self.homography = homography_stack(self.room).reshape(len(self.room.planes), -1, 3, 3)
         self.lying = LyingTargets(self.room, self.params.resting_clearance)
         self.heard = np.zeros(len(self.cameras), bool)
+        self.clutter = ClutterMap(self.room, self.params.clutter_memory)
         no_targets = np.zeros((0, len(self.room.targets)), bool)
         self.nothing = replace(Pairs.empty(), cameras=self.cameras, targets=no_targets)
 
@@ -103,6 +113,7 @@ class VerifyPairs(Stage):
         xy = np.concatenate([b.xy for b in blobs])
         area = np.concatenate([b.area for b in blobs])
         targets = np.concatenate([b.targets for b in blobs])
+        clutter = self.clutter_around(number, view, xy, targets, forecast)
         if forecast is not None and self.seen_apart(blobs):
             xy = self.at_one_moment(xy, view, targets, blobs, forecast)
         pair = candidate_pairs(view, targets)
@@ -143,7 +154,17 @@ class VerifyPairs(Stage):
             confirmed=confirmed,
             evident=confirmed & dark,
             targets=targets.take(pair[:, 0], axis=0) & targets.take(pair[:, 1], axis=0),
+            clutter=clutter.take(pair),
         )
+
+    def clutter_around(
+        self, sending: Array, view: Array, xy: Array, targets: Array, forecast: Forecast | None
+    ) -> Array:
+        """Share of the usual clutter around N blobs: (N,), 1 if no target is lost."""
+        lost = lost_targets(forecast, targets.shape[1])
+        share = self.clutter.share(view, xy, targets, lost) if lost.any() else np.ones(len(view))
+        self.clutter.learn(sending, view, xy, targets, lost)
+        return share
 
     def both_kinds(self) -> bool:
         """Whether cameras of both kinds have sent blobs, so that pairs of one kind prove nothing."""
@@ -151,10 +172,11 @@ class VerifyPairs(Stage):
         return bool(color.any() and not color.all())
 
     def state(self) -> Any:
-        return {"heard": self.heard}
+        return {"heard": self.heard, "clutter": self.clutter.state()}
 
     def restore(self, state: Any) -> None:
         self.heard = np.array(state["heard"], bool)
+        self.clutter.restore(state["clutter"])
 
     def seen_apart(self, blobs: Sequence[Blobs]) -> bool:
         """Whether the cameras took their pictures at different times."""

@@ -55,9 +55,10 @@ class FrameBlobs(NamedTuple):
 class ViewEvidence:
     """The cameras of a room, which tell how balls show to them."""
 
-    def __init__(self, room: Room, model: Model) -> None:
+    def __init__(self, room: Room, model: Model, remembering: bool = False) -> None:
+        """remembering: whether there is less clutter where a view showed nothing while a target was lost."""
         cameras = list(room.cameras.values())
-        self.model = model
+        self.model, self.remembering = model, remembering
         self.P = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
         self.focal = np.array([c.matrix[0, 0] for c in cameras])
         self.size = np.array([c.size for c in cameras], float).reshape(-1, 2)
@@ -67,6 +68,8 @@ class ViewEvidence:
     def blobs(self, candidates: Candidates, forecast: Forecast | None, tracked: Array) -> FrameBlobs:
         """The blobs of N > 0 candidates. tracked: (T,) bool."""
         table = sightings(candidates, len(self.P))
+        if not self.remembering:
+            table = table._replace(clutter=np.ones(table.area.shape))
         sizes = self.outlines.at_unit_depth(table.xy, table.area)
         blobs = FrameBlobs(table, sizes, np.zeros((len(self.radii), *table.area.shape)))
         if forecast is None or not tracked.any() or len(self.radii) < 2:
@@ -89,7 +92,8 @@ class ViewEvidence:
         depth, radius = np.maximum(seen.depth, NEAREST), self.radii[target][:, None]
         inside = ((seen.xy >= 0) & (seen.xy < self.size)).all(axis=2) & (depth > NEAREST)
         share = blobs.sizes * np.square(depth / radius)[..., None]
-        sight = Sight(np.vecdot(off, off), share, self.focal * radius / depth, table.targets[target], inside)
+        size, possible = self.focal * radius / depth, table.targets[target]
+        sight = Sight(np.vecdot(off, off), share, size, possible, inside, table.clutter)
         return sight, Images(seen.xy, depth)
 
     def views(self, found: Hypotheses, blobs: FrameBlobs, shown: Array) -> Views:

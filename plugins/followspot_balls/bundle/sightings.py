@@ -19,6 +19,8 @@ class Sightings(NamedTuple):
     """(C, K) px, number of pixels."""
     targets: Array
     """(T, C, K) bool: targets that a candidate made of the blob may belong to."""
+    clutter: Array
+    """(C, K) share of the usual clutter around each blob."""
     slot: Array
     """(N, 2) slots of both blobs of each candidate within their cameras."""
 
@@ -37,11 +39,12 @@ def sightings(candidates: Candidates, cameras: int) -> Sightings:
     camera = ascending[first] >> 32
     place = np.arange(len(first)) - camera.searchsorted(camera)
     shape = (cameras, int(place.max()) + 1)
-    xy, area = np.zeros((*shape, 2)), np.zeros(shape)
+    xy, area, clutter = np.zeros((*shape, 2)), np.zeros(shape), np.ones(shape)
     targets = np.zeros((candidates.targets.shape[1], *shape), bool)
     xy[camera, place] = candidates.xy.reshape(-1, 2)[order[first]]
     area[camera, place] = candidates.area.reshape(-1)[order[first]]
+    clutter[camera, place] = candidates.clutter.reshape(-1)[order[first]]
     targets[:, camera, place] = np.logical_or.reduceat(candidates.targets[order >> 1], first).T
     slot = np.empty(len(key), int)
     slot[order] = place[new.cumsum() - 1]
-    return Sightings(xy, area, targets, slot.reshape(-1, 2))
+    return Sightings(xy, area, targets, clutter, slot.reshape(-1, 2))

@@ -56,6 +56,7 @@ class PlainTriangulate(Stage):
             confirmed=pairs.confirmed[rows],
             evident=pairs.evident[rows],
             targets=targets[rows],
+            clutter=pairs.clutter[rows],
         )
 
     def within(self, xyz: Array, confirmed: Array, forecast: Forecast | None) -> Array:

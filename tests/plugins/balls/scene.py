@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeVar
 
 import numpy as np
 
@@ -10,8 +11,10 @@ from followspot.geometry import project, undistort
 from followspot.messages import Array, Header, seal, stamped
 from followspot.room import Camera, Room, Target
 from followspot.tracking import TRACKED, Blobs, Candidates, Forecast, Frame, Positions
+from followspot_balls.fusion import Fusion
 from followspot_balls.template import color_spots, color_template
 
+AnyFusion = TypeVar("AnyFusion", bound=Fusion)
 RADIUS = 0.0762
 SIZE = (160, 120)
 HUES = {"red": 0, "green": 5, "another red": 0}
@@ -129,6 +132,7 @@ def candidates_at(
             confirmed=np.array([True] * count if confirmed is None else confirmed, bool),
             evident=np.array([True] * count if confirmed is None else confirmed, bool),
             targets=np.array([[True]] * count if targets is None else targets, bool).reshape(count, -1),
+            clutter=np.ones((count, 2)),
         )
     )
 
@@ -161,3 +165,9 @@ def learn_color(frames: Sequence[Array]) -> tuple[Array, tuple[float, float]]:
     """Hue histogram (16,) of a glowing target, and its smallest and largest area, px."""
     spots = color_spots(frames)
     return color_template(spots), spots.extremes
+
+
+def unweighed(fusion: AnyFusion) -> AnyFusion:
+    """The fusion, which finds lost targets without weighing all views, as in a room with depth cameras."""
+    fusion.recovery.depth = True
+    return fusion

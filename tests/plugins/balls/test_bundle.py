@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.datasets import needs_data
-from tests.plugins.balls.scene import RADIUS, forecast_at, make_room
+from tests.plugins.balls.scene import RADIUS, forecast_at, make_room, unweighed
 from tests.plugins.balls.test_tracker import RECORDINGS, recorded_frames, recorded_room, track
 
 from followspot.geometry import back_projection, triangulate_pairs
@@ -73,6 +73,7 @@ def candidates(xy: list[Array], area: list[Array], targets: Labels, room: Room =
             confirmed=(color[:, 0] ^ color[:, 1])[real],
             evident=(color[:, 0] ^ color[:, 1])[real],
             targets=of[real],
+            clutter=np.ones((int(real.sum()), 2)),
         )
     )
 
@@ -190,9 +191,10 @@ def test_three_views_may_agree_less_well_about_a_target_that_appears() -> None:
     xy = undistorted(np.array(HIGH))
     xy[1] += (1.6, 0.0)
     three = one_ball(xy, np.array(HIGH), (0, 1, 3))
-    assert bundle().process(three, None).support.tolist() == [3]
-    assert bundle().process(three, near()).support.tolist() == [1]
-    assert bundle(recovery_cutoff_scale=1.0).process(three, None).support.tolist() == [1]
+    fuse, narrow = unweighed(bundle()), unweighed(bundle(recovery_cutoff_scale=1.0))
+    assert fuse.process(three, None).support.tolist() == [3]
+    assert fuse.process(three, near()).support.tolist() == [1]
+    assert narrow.process(three, None).support.tolist() == [1]
 
 
 def test_light_on_the_floor_misleads_all_color_cameras_but_not_the_result() -> None:
@@ -263,6 +265,7 @@ def test_each_blob_is_collected_once_with_all_its_targets() -> None:
         confirmed=np.ones(2, bool),
         evident=np.ones(2, bool),
         targets=np.array([[True, False], [False, True]]),
+        clutter=np.ones((2, 2)),
     )
     table = sightings(message, 4)
     assert table.slot.tolist() == [[1, 0], [0, 0]]

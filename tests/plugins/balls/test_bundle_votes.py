@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from tests.plugins.balls.scene import unweighed
 from tests.plugins.balls.test_bundle import HIGH, bundle, candidates, undistorted, whole
 
 from followspot.messages import Array
@@ -26,7 +27,7 @@ def fragments_and_rival(share: float) -> Candidates:
 
 
 def test_four_fragments_outvote_two_larger_blobs_elsewhere() -> None:
-    found = bundle().process(fragments_and_rival(0.5), None)
+    found = unweighed(bundle()).process(fragments_and_rival(0.5), None)
     assert np.linalg.norm(found.xyz[0] - HIGH) < 0.02
     assert found.support[0] == 6
 

@@ -33,6 +33,7 @@ def candidates(epipolar: list[float]) -> Candidates:
         confirmed=np.ones(count, bool),
         evident=np.ones(count, bool),
         targets=np.tile(YES, (count, 1)),
+        clutter=np.ones((count, 2)),
     )
 
 

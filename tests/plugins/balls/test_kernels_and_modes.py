@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from tests.plugins.balls.scene import candidates_at, forecast_at, make_room
+from tests.plugins.balls.scene import candidates_at, forecast_at, make_room, unweighed
 
 from followspot.messages import seal
 from followspot.stage import Context, Stage
@@ -21,14 +21,11 @@ H = np.array([0.1, 0.2, 0.4])
 OFFSETS = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.05, 0.1, 0.2], [0.0, 0.1, 0.0], [0.11, 0.0, 0.0]])
 
 
-# These candidates have no blobs, so that the views, which weigh lost targets, would contradict them all.
-UNWEIGHED = {"least_recovery_evidence": -1e9, "sure_recovery_evidence": -1e9}
-
-
 def ready(kind: type[Stage], **params: float | str) -> Stage:
-    stage = kind(Context(room=make_room()), **({**UNWEIGHED, **params} if kind is MeanShift else params))
+    """The stage; candidates in these tests have no blobs, so views that weigh them would contradict all."""
+    stage = kind(Context(room=make_room()), **params)
     stage.setup()
-    return stage
+    return unweighed(stage) if isinstance(stage, MeanShift) else stage
 
 
 def kernel_of(unlabelled: float) -> np.ndarray:
@@ -164,9 +161,10 @@ def test_pairs_of_three_views_may_agree_less_well_for_a_target_that_appears(
     places = [(0.0, 0.0, 1.0), (0.01, 0.0, 1.0), (0.0, 0.01, 1.0)]
     exact = candidates_at(places, epipolar=[0.1, 2.5, 2.9], view=view)
     found = seal(Candidates(**{**vars(exact), "evident": np.array([evident, False, False])}))
-    assert ready(MeanShift).process(found, None).support.tolist() == [support]
-    assert ready(MeanShift).process(found, forecast_at([(0.0, 0.0, 1.0)])).support.tolist() == [1]
-    assert ready(MeanShift, recovery_epipolar_sigma=1.0).process(found, None).support.tolist() == [1]
+    fuse, narrow = ready(MeanShift), ready(MeanShift, recovery_epipolar_sigma=1.0)
+    assert fuse.process(found, None).support.tolist() == [support]
+    assert fuse.process(found, forecast_at([(0.0, 0.0, 1.0)])).support.tolist() == [1]
+    assert narrow.process(found, None).support.tolist() == [1]
 
 
 @pytest.mark.parametrize("start", ["forecast", "densest", "mean"])

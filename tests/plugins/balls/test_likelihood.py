@@ -7,6 +7,7 @@ import pytest
 
 from followspot.messages import Array
 from followspot_balls.likelihood import (
+    RARE,
     Likely,
     Model,
     Sight,
@@ -26,8 +27,8 @@ COLOR = np.array([True, True, False, False])
 NO_CHANCE = np.zeros((3, 1))
 
 
-def seen(distances: list[float], shares: list[float], radius: float = 4.0) -> Sight:
-    """Blobs of one view at distances (px) from the image of one place."""
+def seen(distances: list[float], shares: list[float], radius: float = 4.0, clutter: float = 1.0) -> Sight:
+    """Blobs of one view at distances (px) from the image of one place. clutter: share of the usual."""
     count = len(distances)
     return Sight(
         np.square(distances).reshape(1, 1, count),
@@ -35,6 +36,7 @@ def seen(distances: list[float], shares: list[float], radius: float = 4.0) -> Si
         np.full((1, 1), radius),
         np.ones((1, 1, count), bool),
         np.ones((1, 1), bool),
+        np.full((1, count), clutter),
     )
 
 
@@ -73,7 +75,25 @@ def test_other_blobs_nearby_count_as_clutter_and_far_ones_do_not() -> None:
     assert clutter_density(MODEL, seen([0], [1.0])) == pytest.approx(least)
     assert clutter_density(MODEL, seen([0, 12.1], [1.0, 1.0])) == pytest.approx(least)
     three = clutter_density(MODEL, seen([0, 5, 6, 7], [1.0, 0.2, 0.2, 0.2]))
-    assert three == pytest.approx(3 / (np.pi * 12**2))
+    assert three == pytest.approx(np.full((1, 1, 4), 3 / (np.pi * 12**2)))
+
+
+def test_a_blob_where_there_is_less_clutter_than_usual_is_stronger_evidence() -> None:
+    usual = seen([0], [1.0])
+    little = seen([0], [1.0], clutter=0.1)
+    assert clutter_density(MODEL, little) == pytest.approx(0.1 * clutter_density(MODEL, usual))
+    ratios = [likeliest(MODEL, sight, np.zeros((1, 1, 1))).ratio for sight in (usual, little)]
+    assert ratios[1] == pytest.approx(10 * ratios[0])
+
+
+@pytest.mark.parametrize(
+    ("clutter", "share"), [(0.0, RARE), (-1.0, RARE), (np.nan, 1.0), (np.inf, 1.0), (5.0, 1.0)]
+)
+def test_clutter_that_another_stage_tells_is_no_less_than_rare_and_no_more_than_usual(
+    clutter: float, share: float
+) -> None:
+    usual = clutter_density(MODEL, seen([0], [1.0]))
+    assert clutter_density(MODEL, seen([0], [1.0], clutter=clutter)) == pytest.approx(share * usual)
 
 
 def test_a_blob_that_is_another_target_is_no_evidence() -> None:

@@ -14,7 +14,7 @@ from followspot.stage import Context
 from followspot.tracking import LOST, MISSING, Blobs, Candidates, Forecast, Positions
 from followspot_balls.bundle_fusion import Bundle
 from followspot_balls.mean_shift import MeanShift
-from followspot_balls.recovery import Recovery, RecoveryParams
+from followspot_balls.recovery import AGREEING, Recovery, RecoveryParams
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs
 from followspot_balls.view_params import ViewParams
@@ -88,16 +88,16 @@ def test_an_unsure_place_that_is_not_evident_counts_as_one_candidate() -> None:
 
 
 def doubted() -> tuple[MeanShift, Candidates]:
-    """A fusion, and candidates at an evident place that three frames in a row make sure."""
+    """A fusion, and candidates at an evident place that two frames in a row make sure."""
     room = room_of("cicicici")
     fuse = MeanShift(Context(room=room))
     fuse.setup()
-    return fuse, candidates_of(room, "0135", None, OFF)
+    return fuse, candidates_of(room, "0135", None, 1.5)
 
 
 def test_frames_in_a_row_that_show_an_evident_place_add_up() -> None:
     fuse, candidates = doubted()
-    assert [fuse.process(candidates, None).support.tolist() for _ in range(4)] == [[1], [1], [6], [6]]
+    assert [fuse.process(candidates, None).support.tolist() for _ in range(3)] == [[1], [6], [6]]
 
 
 def test_a_frame_that_does_not_show_the_place_ends_the_row_unless_it_looked_elsewhere() -> None:
@@ -106,21 +106,41 @@ def test_a_frame_that_does_not_show_the_place_ends_the_row_unless_it_looked_else
     missing = seal(replace(there, state=np.full(2, MISSING, np.uint8)))
     for forecast, support in ((None, 1), (there, 1), (missing, 6)):
         fuse, candidates = doubted()
-        for _ in range(2):
-            fuse.process(candidates, None)
+        fuse.process(candidates, None)
         fuse.process(nothing, forecast)
         assert fuse.process(candidates, None).support.tolist() == [support]
 
 
 def test_another_place_begins_a_row_of_its_own_and_a_checkpoint_goes_on_with_it() -> None:
     fuse, candidates = doubted()
-    for _ in range(2):
-        fuse.process(candidates, None)
+    fuse.process(candidates, None)
     state = fuse.state()
     for off, support in ((0.0, 6), (0.1, 6), (0.2, 1)):
         again, _ = doubted()
         again.restore({**state, "place": state["place"] + [off, 0.0, 0.0]})
         assert again.process(candidates, None).support.tolist() == [support]
+
+
+def test_a_place_that_is_hardly_rather_a_ball_than_light_does_not_add_up() -> None:
+    """It is rather a ball than a reflector: a blob by chance lies near the ray to it."""
+    room = room_of("cicicici")
+    fuse = MeanShift(Context(room=room))
+    fuse.setup()
+    candidates = candidates_of(room, "0135", None, OFF)
+    assert [fuse.process(candidates, None).support.tolist() for _ in range(4)] == [[1]] * 4
+
+
+def test_one_evident_pair_finds_a_target_where_nothing_was_lately() -> None:
+    room = room_of("cici")
+    usual = candidates_of(room, "01", None, 0.0)
+    new = seal(replace(usual, clutter=np.full(usual.clutter.shape, 0.05)))
+    found = seal(replace(fused(MeanShift, room, "01"), support=np.ones(1, np.int32)))
+    doubtful = seal(replace(found, evident=np.zeros(1, bool), support=np.full(1, 2, np.int32)))
+    support = [
+        Recovery(room, RecoveryParams()).judged(position, candidates, None).support.tolist()
+        for position, candidates in ((found, usual), (found, new), (doubtful, new))
+    ]
+    assert support == [[1], [AGREEING], [2]]
 
 
 @FUSIONS
@@ -159,13 +179,13 @@ def test_a_doubted_place_is_as_vague_as_it_is_unlikely_and_the_others_stay() -> 
     """An even chance leaves half of a square metre along each axis."""
     room = room_of("cici")
     one = fused(MeanShift, room, "0123")
-    found = seal(Positions(**{name: np.repeat(getattr(one, name), 3, axis=0) for name in one.array_names}))
-    found = seal(replace(found, evident=np.array([True, False, False])))
-    doubted, sure = np.array([True, True, False]), np.array([0.0, np.log(3.0), 0.0])
-    left = Recovery(room, RecoveryParams()).vague(found, doubted, sure)
+    found = seal(Positions(**{name: np.repeat(getattr(one, name), 4, axis=0) for name in one.array_names}))
+    found = seal(replace(found, evident=np.array([True, False, False, False])))
+    weighed, ratio = np.array([True, True, True, False]), np.array([0.0, np.log(3.0), 9.0, np.inf])
+    left = Recovery(room, RecoveryParams()).believed(found, weighed, ratio, ratio)
     added = (left.covariance - found.covariance) @ np.ones(3)
-    assert added == pytest.approx(np.array([[0.5] * 3, [0.25] * 3, [0.0] * 3]))
-    assert left.support.tolist() == [1, 1, 6]
+    assert added == pytest.approx(np.array([[0.5] * 3, [0.25] * 3, [0.0] * 3, [0.0] * 3]))
+    assert left.support.tolist() == [1, 1, 6, 6]
 
 
 def ratios(shown: str, place: Array, room: Room) -> Array:

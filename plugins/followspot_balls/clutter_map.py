@@ -1,0 +1,118 @@
+"""Where each view lately showed blobs that could be a lost target's: clutter, learnt while it was lost.
+
+Lamps, paint and reflectors stay where they are, and a ball turns up where nothing was. So a blob far from all
+that a view showed while the target was away says more than one at a place where blobs come and go.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from followspot.messages import Array
+from followspot.room import Room
+
+ACROSS = 40
+"""Cells over the width of a picture. A blob counts in its cell and the eight around it."""
+EVERY = 3
+"""One frame in so many is learnt from: odd, because a missing target is sought everywhere in every second."""
+USUAL = 0.42
+"""Blobs around a cell in a frame where clutter is usual: 0.015 in a square whose side is the radius of a ball
+(`ViewParams`) that is 0.019 of the picture's width."""
+KNOWN = 4.0
+"""Learnt frames as which the usual clutter counts: the prior of a rate (a gamma distribution)."""
+HEAVIEST = 1e6
+"""Weight of a frame from which on the older ones are made lighter instead."""
+LONGEST = 50.0
+"""Longest time without a learnt frame, over the memory; beyond it all is forgotten anyway."""
+BORDER = 2
+"""Cells outside a picture on each side: one for blobs there, one around it."""
+AROUND = np.array([(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1)])
+"""Offsets of a cell and its neighbours."""
+
+
+class ClutterMap:
+    """Decaying counts of blobs around each cell of C views, for each of T targets."""
+
+    def __init__(self, room: Room, memory: float) -> None:
+        """memory: frames after which a blob counts for 1/e."""
+        size = np.array([camera.size for camera in room.cameras.values()], float).reshape(-1, 2)
+        self.cell = size[:, 0] / ACROSS
+        self.down = np.ceil(size[:, 1] / self.cell).astype(int)
+        """(C,) rows of cells in a picture."""
+        count = len(room.targets)
+        shape = len(size), int(self.down.max(initial=0)) + 2 * BORDER, ACROSS + 2 * BORDER, count
+        self.counts = np.zeros(shape, np.float32)
+        """(C, rows, columns, T), blobs around each cell in the learnt frames, times the frames' weights."""
+        self.learnt = np.zeros((len(size), count))
+        """(C, T), sums of the weights of the learnt frames."""
+        self.memory, self.weight = memory, 1.0
+        self.frame = self.last = 0
+
+    def learn(self, sending: Array, view: Array, xy: Array, targets: Array, lost: Array) -> None:
+        """Learn one frame in three in which some target is lost.
+
+        sending: numbers of the views that sent; view: (N,) of each blob; xy: (N, 2) px; targets: (N, T) bool;
+        lost: (T,) bool.
+        """
+        self.frame += 1
+        steps = (self.frame - self.last) // EVERY
+        if not steps or not lost.any():
+            return
+        self.last = self.frame
+        self.weight *= float(np.exp(min(steps * EVERY / self.memory, LONGEST)))
+        if self.weight > HEAVIEST:
+            self.normalise()
+        self.learnt[np.ix_(sending, lost)] += self.weight
+        mine = targets & lost
+        row = np.flatnonzero(mine.any(axis=1))
+        place = self.place(view[row], xy[row])[:, None] + AROUND
+        blobs = self.weight * mine[row, None]
+        np.add.at(self.counts, (view[row, None], place[..., 0], place[..., 1]), blobs.astype(np.float32))
+
+    def share(self, view: Array, xy: Array, targets: Array, lost: Array) -> Array:
+        """Share of the usual clutter around each blob: (N,) up to 1, the least for a target that it may be.
+
+        1 for blobs of no lost target, while nothing was learnt, and where there was as much as usual or more,
+        for what one view shows of a ball that no other sees yet is no clutter. Arguments as for
+        :meth:`learn`.
+        """
+        place = self.place(view, xy)
+        usual = KNOWN * self.weight
+        counts = self.counts[view, place[:, 0], place[:, 1]].astype(float) / USUAL
+        share = (usual + counts) / (usual + self.learnt[view])
+        return np.asarray(np.where(targets & lost, share, 1.0).min(axis=1, initial=1.0))
+
+    def normalise(self) -> None:
+        """Make the weight of a frame 1 again, which changes no share."""
+        self.counts /= np.float32(self.weight)
+        self.counts[self.counts < 1 / HEAVIEST] = 0.0
+        self.learnt /= self.weight
+        self.weight = 1.0
+
+    def place(self, view: Array, xy: Array) -> Array:
+        """Row and column of the cell of each blob: (N, 2). Those outside a picture are in its border."""
+        column, row = np.floor(xy / self.cell[view, None]).T
+        inside = [np.fmin(np.fmax(row, -1), self.down[view]), np.fmin(np.fmax(column, -1), ACROSS)]
+        return np.stack(inside, axis=1).astype(int) + BORDER
+
+    def state(self) -> dict[str, Any]:
+        """What was learnt, as plain values; most cells are empty."""
+        (filled,) = self.counts.reshape(-1).nonzero()
+        counts = self.counts.reshape(-1)[filled]
+        return {
+            "cells": filled.astype(np.int32),
+            "counts": counts,
+            "learnt": self.learnt,
+            "weight": self.weight,
+            "frames": np.array([self.frame, self.last]),
+        }
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Continue from a state of a map of the same room."""
+        self.counts[...], self.weight = 0.0, float(state["weight"])
+        self.counts.reshape(-1)[state["cells"]] = state["counts"]
+        self.learnt = np.array(state["learnt"], float)
+        self.frame, self.last = (int(number) for number in state["frames"])
