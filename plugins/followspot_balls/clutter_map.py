@@ -23,8 +23,15 @@ USUAL = 0.42
 (`ViewParams`) that is 0.019 of the picture's width."""
 KNOWN = 4.0
 """Learnt frames as which the usual clutter counts: the prior of a rate (a gamma distribution)."""
+NEW = 0.5
+"""Share of the usual clutter below which a blob is where its view lately showed hardly any."""
+FEW = 3
+"""Such blobs of a target in one view that may be the target, a part of it, and something that moves. More at
+once are lights that come on, or a lens that is uncovered: clutter is as usual."""
 HEAVIEST = 1e6
 """Weight of a frame from which on the older ones are made lighter instead."""
+TALLEST = 4 * ACROSS
+"""Most rows of cells; what is below counts in the last one."""
 LONGEST = 50.0
 """Longest time without a learnt frame, over the memory; beyond it all is forgotten anyway."""
 BORDER = 2
@@ -40,11 +47,11 @@ class ClutterMap:
         """memory: frames after which a blob counts for 1/e."""
         size = np.array([camera.size for camera in room.cameras.values()], float).reshape(-1, 2)
         self.cell = size[:, 0] / ACROSS
-        self.down = np.ceil(size[:, 1] / self.cell).astype(int)
+        self.down = np.minimum(np.ceil(size[:, 1] / self.cell), TALLEST).astype(int)
         """(C,) rows of cells in a picture."""
         count = len(room.targets)
         shape = len(size), int(self.down.max(initial=0)) + 2 * BORDER, ACROSS + 2 * BORDER, count
-        self.counts = np.zeros(shape, np.float32)
+        self.counts = np.zeros(shape)
         """(C, rows, columns, T), blobs around each cell in the learnt frames, times the frames' weights."""
         self.learnt = np.zeros((len(size), count))
         """(C, T), sums of the weights of the learnt frames."""
@@ -58,19 +65,16 @@ class ClutterMap:
         lost: (T,) bool.
         """
         self.frame += 1
-        steps = (self.frame - self.last) // EVERY
-        if not steps or not lost.any():
+        if self.frame - self.last < EVERY or not lost.any():
             return
-        self.last = self.frame
-        self.weight *= float(np.exp(min(steps * EVERY / self.memory, LONGEST)))
+        self.weight, self.last = self.weight_now(), self.frame
         if self.weight > HEAVIEST:
             self.normalise()
         self.learnt[np.ix_(sending, lost)] += self.weight
         mine = targets & lost
         row = np.flatnonzero(mine.any(axis=1))
         place = self.place(view[row], xy[row])[:, None] + AROUND
-        blobs = self.weight * mine[row, None]
-        np.add.at(self.counts, (view[row, None], place[..., 0], place[..., 1]), blobs.astype(np.float32))
+        np.add.at(self.counts, (view[row, None], place[..., 0], place[..., 1]), self.weight * mine[row, None])
 
     def share(self, view: Array, xy: Array, targets: Array, lost: Array) -> Array:
         """Share of the usual clutter around each blob: (N,) up to 1, the least for a target that it may be.
@@ -80,14 +84,22 @@ class ClutterMap:
         :meth:`learn`.
         """
         place = self.place(view, xy)
-        usual = KNOWN * self.weight
-        counts = self.counts[view, place[:, 0], place[:, 1]].astype(float) / USUAL
-        share = (usual + counts) / (usual + self.learnt[view])
-        return np.asarray(np.where(targets & lost, share, 1.0).min(axis=1, initial=1.0))
+        usual = KNOWN * self.weight_now()
+        counts = self.counts[view, place[:, 0], place[:, 1]] / USUAL
+        share = np.where(targets & lost, (usual + counts) / (usual + self.learnt[view]), 1.0)
+        new = share < NEW
+        together = np.zeros(self.learnt.shape)
+        np.add.at(together, view, new)
+        share[new & (together[view] > FEW)] = 1.0
+        return np.asarray(share.min(axis=1, initial=1.0))
+
+    def weight_now(self) -> float:
+        """The weight of a frame that is learnt now: older ones count for less, the longer ago they were."""
+        return self.weight * float(np.exp(min((self.frame - self.last) / self.memory, LONGEST)))
 
     def normalise(self) -> None:
         """Make the weight of a frame 1 again, which changes no share."""
-        self.counts /= np.float32(self.weight)
+        self.counts /= self.weight
         self.counts[self.counts < 1 / HEAVIEST] = 0.0
         self.learnt /= self.weight
         self.weight = 1.0
@@ -105,7 +117,7 @@ class ClutterMap:
         return {
             "cells": filled.astype(np.int32),
             "counts": counts,
-            "learnt": self.learnt,
+            "learnt": self.learnt.copy(),
             "weight": self.weight,
             "frames": np.array([self.frame, self.last]),
         }

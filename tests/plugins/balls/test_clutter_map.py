@@ -11,7 +11,7 @@ from tests.plugins.balls.scene import blobs_of, forecast_at, make_room
 from followspot.messages import Array, seal
 from followspot.stage import Context
 from followspot.tracking import LOST, TRACKED, Pairs
-from followspot_balls.clutter_map import EVERY, KNOWN, USUAL, ClutterMap
+from followspot_balls.clutter_map import EVERY, FEW, KNOWN, NEW, USUAL, ClutterMap
 from followspot_balls.verify_pairs import VerifyPairs
 
 ROOM = make_room()
@@ -85,12 +85,41 @@ def test_what_was_there_long_ago_is_forgotten() -> None:
 
 
 @pytest.mark.parametrize("times", [5, 100_000])
-def test_what_was_learnt_before_a_long_track_is_forgotten_too(times: int) -> None:
+def test_what_was_learnt_before_a_long_track_is_forgotten_at_once(times: int) -> None:
     clutter = learnt(memory=MEMORY)
     clutter.frame += int(times * MEMORY)  # frames in which no target is lost only count
+    assert share(clutter, BALL) == pytest.approx(1.0, abs=0.03)
     for _ in range(EVERY):
         clutter.learn(FIRST, np.zeros(0, int), np.zeros((0, 2)), np.zeros((0, 2), bool), RED)
     assert share(clutter, LAMP) == pytest.approx(KNOWN / (KNOWN + 1), abs=0.1)
+
+
+@pytest.mark.parametrize("each", [1, 2, 5])
+def test_the_memory_is_a_time_however_often_targets_are_lost(each: int) -> None:
+    """A missing target is sought everywhere in every second frame."""
+    clutter = ClutterMap(ROOM, MEMORY)
+    for frame in range(int(5 * MEMORY)):
+        clutter.learn(FIRST, FIRST, LAMP, RED[None], RED & (frame % each == 0))
+    assert np.log(clutter.weight_now()) == pytest.approx(5.0)
+
+
+def test_many_blobs_at_once_where_nothing_was_are_lights_that_come_on() -> None:
+    clutter = learnt()
+    view, targets = np.zeros(FEW + 1, int), np.tile(RED, (FEW + 1, 1))
+    lights = np.array([[120.0, 90.0], [80.0, 60.0], [20.0, 80.0], [130.0, 20.0]])
+    assert len(lights) == FEW + 1
+    assert (clutter.share(view[:FEW], lights[:FEW], targets[:FEW], RED) < NEW).all()
+    assert clutter.share(view, lights, targets, RED).tolist() == [1.0] * (FEW + 1)
+    both = clutter.share(view, np.vstack([LAMP, lights[:FEW]]), targets, RED)
+    assert both[0] == 1.0
+    assert (both[1:] < NEW).all(), "the lamp was there before"
+
+
+def test_a_picture_that_is_mostly_height_takes_no_more_room() -> None:
+    tall = {name: replace(camera, size=(2, 100_000)) for name, camera in ROOM.cameras.items()}
+    clutter = ClutterMap(replace(ROOM, cameras=tall), MEMORY)
+    assert clutter.counts.nbytes < 2e6
+    assert clutter.share(FIRST, np.array([[1.0, 99_999.0]]), RED[None], RED).tolist() == [1.0]
 
 
 def test_a_long_run_learns_as_a_short_one() -> None:
