@@ -20,7 +20,7 @@ EVERY = 3
 """One frame in so many is learnt from: odd, because a missing target is sought everywhere in every second."""
 USUAL = 0.42
 """Blobs around a cell in a frame where clutter is usual: 0.015 in a square whose side is the radius of a ball
-(`ViewParams`) that is 0.019 of the picture's width."""
+(`ViewParams`) that is 0.014 of the picture's width."""
 KNOWN = 4.0
 """Learnt frames as which the usual clutter counts: the prior of a rate (a gamma distribution)."""
 NEW = 0.5
@@ -79,9 +79,9 @@ class ClutterMap:
     def share(self, view: Array, xy: Array, targets: Array, lost: Array) -> Array:
         """Share of the usual clutter around each blob: (N,) up to 1, the least for a target that it may be.
 
-        1 for blobs of no lost target, while nothing was learnt, and where there was as much as usual or more,
-        for what one view shows of a ball that no other sees yet is no clutter. Arguments as for
-        :meth:`learn`.
+        1 for blobs of no lost target, while nothing was learnt, for new blobs that are more than a few, and
+        where there was as much as usual or more, for what one view shows of a ball that no other sees yet is
+        no clutter. Arguments as for :meth:`learn`.
         """
         place = self.place(view, xy)
         usual = KNOWN * self.weight_now()
