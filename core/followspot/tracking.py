@@ -139,8 +139,8 @@ class Positions(Message):
     covariance: Array = column("M", 3, 3, unit="m^2")
     """Covariance of the measurement; NaN if the fusion does not estimate it."""
     support: Array = column("M", dtype="i4")
-    """Number of candidates that the fusion used, or as many as they count for, if it weighs all views: fewer
-    where these contradict a lost target, more where they make it sure."""
+    """Number of candidates that the fusion used. A fusion that weighs all views counts fewer if these doubt
+    the place of a lost target, and more if they make it sure."""
     confirmed: Array = column("M", dtype="?")
     """True if a confirmed pair is among them; only such a position recovers a lost target."""
     evident: Array = column("M", dtype="?")

@@ -1,7 +1,7 @@
 """Where each view lately showed blobs that could be a lost target's: clutter, learnt while it was lost.
 
-Lamps, paint and reflectors stay where they are, and a ball turns up where nothing was. So a blob far from all
-that a view showed while the target was away says more than one at a place where blobs come and go.
+Lamps, paint and reflectors stay in place; a ball that returns shows at a new place. A blob is therefore
+stronger evidence if its view showed no blob nearby while the target was lost.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class ClutterMap:
         self.frame = self.last = 0
 
     def learn(self, sending: Array, view: Array, xy: Array, targets: Array, lost: Array) -> None:
-        """Learn one frame in three in which some target is lost.
+        """Learn from a frame, at most from every third, if some target is lost in it.
 
         sending: numbers of the views that sent; view: (N,) of each blob; xy: (N, 2) px; targets: (N, T) bool;
         lost: (T,) bool.
@@ -79,9 +79,9 @@ class ClutterMap:
     def share(self, view: Array, xy: Array, targets: Array, lost: Array) -> Array:
         """Share of the usual clutter around each blob: (N,) up to 1, the least for a target that it may be.
 
-        1 for blobs of no lost target, while nothing was learnt, for new blobs that are more than a few, and
-        where there was as much as usual or more, for what one view shows of a ball that no other sees yet is
-        no clutter. Arguments as for :meth:`learn`.
+        The share is 1 if a blob may be no lost target, if nothing was learnt, if its view shows more than
+        `FEW` new blobs at once, and if at least the usual number of blobs was there: a ball that one view
+        alone has seen so far must not count as its own clutter. Arguments as for :meth:`learn`.
         """
         place = self.place(view, xy)
         usual = KNOWN * self.weight_now()

@@ -27,7 +27,8 @@ class VerifyPairs(Stage):
 
     The evidence of a ball is what the cameras that send can give: pairs of a colour and an infrared camera;
     any pair if all are of one kind. Without infrared cameras nothing excuses a ball that lies on a plane, so
-    only sure light is rejected then.
+    only sure light is rejected then. While a target is lost, the stage learns where each view shows blobs,
+    and pairs bear the share of the usual clutter around their blobs.
     """
 
     advice = (

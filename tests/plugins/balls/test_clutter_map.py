@@ -57,6 +57,7 @@ def test_the_longer_a_view_shows_nothing_the_more_that_says() -> None:
     shares = [share(learnt(frames), BALL) for frames in (0, 1, 4, 16)]
     assert shares[0] == 1.0
     assert shares == sorted(shares, reverse=True)
+    assert share(learnt(40, memory=MEMORY), BALL) == pytest.approx(0.14, abs=0.005), "after 120 frames"
 
 
 def test_nothing_is_learnt_of_targets_that_are_not_lost() -> None:
