@@ -34,13 +34,12 @@ def divided(blobs: Components, large: Array, level: Array, strip: Strip, circles
     large: (L,) numbers of those that may; level: (H, W) u8 brightness that they were cut from, in a strip;
     circles: (L, T) of each one's view.
     """
-    row, pixel, x, y = placed(blobs, large, strip)
-    near = within_reach(blobs.center.take(large, axis=0), row, x, y, circles).sum(axis=1) > 1
-    if not near.any():
+    near = within_reach(blobs.center.take(large, axis=0), blobs.area.take(large), circles)
+    several = np.count_nonzero(near, axis=1) > 1
+    if not several.any():
         return blobs
-    if not near.all():
-        large, circles = large[near], Circles(*(column[near] for column in circles))
-        row, pixel, x, y = placed(blobs, large, strip)
+    large, circles = large[several], Circles(*(column[several] for column in circles))
+    row, pixel, x, y = placed(blobs, large, strip)
     center, radius2 = circles.center.take(row, axis=0), np.square(circles.ball)
     away = np.square(x[:, None] - center[..., 0])
     away += np.square(y[:, None] - center[..., 1])
@@ -70,15 +69,13 @@ def placed(blobs: Components, chosen: Array, strip: Strip) -> tuple[Array, Array
     return row, pixel, blobs.column.take(pixel) + shift[:, 0], blobs.row.take(pixel) + shift[:, 1]
 
 
-def within_reach(center: Array, row: Array, x: Array, y: Array, circles: Circles) -> Array:
-    """Which balls components may show, by their largest extent: (L, T) bool.
+def within_reach(center: Array, area: Array, circles: Circles) -> Array:
+    """Which balls components may show, by their area: (L, T) bool.
 
-    center: (L, 2) px, of the components; row, x, y: of their pixels, as :func:`placed` gives them; circles:
-    (L, T) of each one's view.
+    The farthest centre of up to six discs in a row, or of two crescents, lies within the root of their area
+    and a radius of the centroid.
+    center: (L, 2) px, of the components; area: (L,) px; circles: (L, T) of each one's view.
     """
-    reach = np.zeros(len(center))
-    right, down = x - center[:, 0].take(row), y - center[:, 1].take(row)
-    np.maximum.at(reach, row, right * right + down * down)
     apart = circles.center - center[:, None]
     distance = np.hypot(apart[..., 0], apart[..., 1])
-    return np.asarray(distance <= np.sqrt(reach)[:, None] + circles.ball)
+    return np.asarray(distance <= np.sqrt(area)[:, None] + circles.ball)
