@@ -16,8 +16,10 @@ from followspot.graph.output_ports import chosen_ports
 from followspot.graph.plan import Plan, PlannedStage, PlannedWorker
 from followspot.room import Member
 from followspot.testing import tiny_room
+from followspot_record.comparison import Compared
 from followspot_record.embedded import recorded_plan
 from followspot_record.record import Target, with_recording
+from followspot_record.verify import text
 from followspot_recording.recording import Recording
 
 GRAPHS = Path(__file__).parents[2] / "graphs"
@@ -190,6 +192,14 @@ def test_verify_says_up_to_where_a_damaged_recording_is_good(
     told = capsys.readouterr().out
     assert "read up to there" in told
     assert "the same, byte for byte" in told
+
+
+def test_the_last_line_of_verify_counts_the_ports_that_it_says_nothing_of() -> None:
+    repeated, left = Compared("track.tracks", 12), Compared("verify.out", 0, unrepeated="its type differs")
+    assert text(True, [repeated], []).endswith("1 ports, 12 messages: the same, byte for byte")
+    assert text(True, [repeated, left], []).endswith(
+        "1 ports, 12 messages: the same, byte for byte; 1 of 2 recorded ports not repeated"
+    )
 
 
 def test_a_recording_from_elsewhere_writes_nothing_outside_and_loads_no_file(

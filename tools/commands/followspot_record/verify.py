@@ -42,7 +42,7 @@ def verify_command(args: argparse.Namespace) -> int:
             notes = [_LIVE] * live
         notes = [old.problem] * bool(old.problem) + notes
     same = not any(row.difference for row in rows) and any(row.messages for row in rows)
-    print(_json(same, rows, notes) if args.json else _text(same, rows, notes))
+    print(_json(same, rows, notes) if args.json else text(same, rows, notes))
     return 0 if same else 1
 
 
@@ -94,13 +94,16 @@ def _end(recording: Recording, port: str) -> int:
     return max((message.time for message in recording.messages(port)), default=-1)
 
 
-def _text(same: bool, rows: Sequence[Compared], notes: Sequence[str]) -> str:
+def text(same: bool, rows: Sequence[Compared], notes: Sequence[str]) -> str:
+    """The result for people; its last line says how many ports nothing is said of."""
     cells = [(row.port, str(row.messages), _said(row)) for row in rows]
     lines = [table(("port", "messages", ""), cells), *notes]
     count = sum(row.messages for row in rows)
     repeated = sum(not row.unrepeated for row in rows)
     result = "the same, byte for byte" if same else "different" if count else "nothing is repeated"
-    lines.append(f"{repeated} ports, {count} messages: {result}")
+    left = len(rows) - repeated
+    besides = f"; {left} of {len(rows)} recorded ports not repeated" * bool(left)
+    lines.append(f"{repeated} ports, {count} messages: {result}{besides}")
     return "\n".join(lines)
 
 
