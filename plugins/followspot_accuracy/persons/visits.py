@@ -67,7 +67,7 @@ def coming(poses: PoseTable, truth: PoseTruthTable, matches: Matches, own: int) 
         acquire.append(float(moment[found] - moment[stay.start]))
         if len(right):
             if last != UNMATCHED:
-                known.append(identity[right[0]] == last)
+                known.append(int(identity[right[0]]) == last)
             last = int(identity[right[-1]])
         if len(right) and stay.end < frames:
             until = stays[number + 1].start if number + 1 < len(stays) else frames

@@ -192,6 +192,7 @@ def test_person_who_returns_is_known_by_the_same_number_or_not() -> None:
     poses.person[10:] = 2
     new = score_persons(poses, true).overall
     assert (new.returns, new.returns_known, new.identity_switches) == (1, 0, 1)
+    assert all(type(count) is int for one in (known, new) for count in (one.returns, one.returns_known))
 
 
 def test_pose_that_stays_until_the_person_returns_stays_as_long_as_the_person_is_away() -> None:
