@@ -223,7 +223,7 @@ class Appearance(Stage):
     def joined(self, track: Track, detection: Detection) -> Track:
         """The track with a share of its particles where a detection is."""
         count = int(JOINING * self.params.particles)
-        return track.joined_by(spawned(self.camera, self.shape, detection, count, self.rng))
+        return track.joined_by(spawned(self.camera, detection, count, self.rng))
 
     def fitness(self, picture: Picture, detection: Detection, contact: Contact | None) -> Fitness:
         """Weighs poses of a person by edges, box, feet and the limits of space."""
@@ -258,10 +258,10 @@ class Appearance(Stage):
 
         others: (K, 4) px, upper bodies of known people.
         """
-        particles = spawned(self.camera, self.shape, detection, self.params.particles, self.rng)
+        particles = spawned(self.camera, detection, self.params.particles, self.rng)
         known = stood(self.scene, detection, particles.mean(axis=0), USUAL, others)
         if known.part:
-            particles = spawned(self.camera, self.shape, known.detection, self.params.particles, self.rng)
+            particles = spawned(self.camera, known.detection, self.params.particles, self.rng)
         if self.walkable is not None and self.walkable.excludes(particles[:, :2]):
             return None
         return Acquaintance.tentative(

@@ -15,6 +15,7 @@ from followspot import Array, Camera
 from followspot.geometry import project
 from followspot_persons.panorama import full_turn, short_way, turn_of
 from followspot_persons.shape import ShapeModel, turn
+from followspot_persons.standing import WAIST
 
 X, Y, HEIGHT, HEADING, PAN, TILT = range(6)
 """Columns of a pose: m, m, m, rad, rad, rad; in the room."""
@@ -68,11 +69,11 @@ def view(camera: Camera, shape: ShapeModel, pose: Array) -> BodyView:
     """Features of posed bodies in the picture. pose: (P, 6)."""
     stand = bearing(camera, pose)
     turned = turn(shape, stand.torso, stand.head, pose[:, TILT])
-    axes = _axes(camera, shape, pose, stand)
+    axes = _axes(camera, pose, stand)
     lean = np.nan_to_num(np.arctan2(-axes.down[:, 0], axes.down[:, 1]))
     normal = shape.outline.normal + lean[:, None]
     edge = _placed(turned.edge, axes)
-    low = axes.top[:, 1] + (1 - shape.waist) * axes.down[:, 1]
+    low = axes.top[:, 1] + (1 - WAIST) * axes.down[:, 1]
     box = np.column_stack([edge[..., 0].min(axis=1), edge[..., 1].min(axis=1), edge[..., 0].max(axis=1), low])
     return BodyView(edge, normal, _placed(turned.surface, axes), turned.visibility, box, stand)
 
@@ -90,20 +91,20 @@ class _Axes:
     near_down: Array
 
 
-def _axes(camera: Camera, shape: ShapeModel, pose: Array, stand: Bearing) -> _Axes:
+def _axes(camera: Camera, pose: Array, stand: Bearing) -> _Axes:
     """From images of five points: head's top and waist on the axis and before it, and beside the chest."""
-    count, height, waist = len(pose), pose[:, HEIGHT], shape.waist
+    count, height = len(pose), pose[:, HEIGHT]
     place = stand.toward * np.minimum(stand.distance - MIN_DISTANCE, 0.0)[:, None] + pose[:, :2]
     before, beside = place + ARM * stand.toward, place + ARM * stand.right
     points = np.empty((5, count, 3))
     points[..., :2] = place, place, before, before, beside
-    points[..., 2] = np.outer([1, waist, 1, waist, (1 + waist) / 2], height)
+    points[..., 2] = np.outer([1, WAIST, 1, WAIST, (1 + WAIST) / 2], height)
     pixel = project(camera, points.reshape(-1, 3)).reshape(5, count, 2)
     if turn := turn_of(camera):
         pixel[1:, :, 0] = pixel[0, :, 0] + short_way(pixel[1:, :, 0] - pixel[0, :, 0], turn)
     top, low, top_near, low_near, side = pixel
     per_height = (height / ARM)[:, None]
-    near, below = (top_near - top) * per_height, 1 - waist
+    near, below = (top_near - top) * per_height, 1 - WAIST
     near_down = ((low_near - low) * per_height - near) / below
     return _Axes(top, (low - top) / below, (side - (top + low) / 2) * per_height, near, near_down)
 

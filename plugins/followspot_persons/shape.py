@@ -53,10 +53,9 @@ class Surface:
 
 @dataclass(frozen=True, eq=False)
 class ShapeModel:
-    """Outline and surface, and the heights of the joint of the neck and of the waist, in body heights."""
+    """Outline and surface, and the height of the joint of the neck, in body heights."""
 
     neck: float
-    waist: float
     outline: Outline
     surface: Surface
     names: tuple[str, ...]
@@ -78,11 +77,9 @@ def shape_of(document: dict[str, Any]) -> ShapeModel:
     sections, features = document["outline"], document["surface"]
     if not 0 < len(sections) <= MAX_FEATURES or not 0 < len(features) <= MAX_FEATURES:
         raise ValueError(f"outline and surface have 1 to {MAX_FEATURES} entries each")
-    neck, waist = float(document["neck"]), float(document["waist"])
-    shape = ShapeModel(
-        neck, waist, _outline(sections), _surface(features), tuple(str(f["name"]) for f in features)
-    )
-    numbers = [[neck, waist], *(vars(shape.outline).values()), shape.surface.position]
+    neck, names = float(document["neck"]), tuple(str(f["name"]) for f in features)
+    shape = ShapeModel(neck, _outline(sections), _surface(features), names)
+    numbers = [[neck], *(vars(shape.outline).values()), shape.surface.position]
     if not all(np.isfinite(n).all() and np.abs(n).max() < 10 for n in numbers):
         raise ValueError("a number is not finite, or no share of the body's height")
     return shape

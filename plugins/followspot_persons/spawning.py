@@ -11,7 +11,7 @@ from followspot_persons.condensation import systematic
 from followspot_persons.fitness import Detection
 from followspot_persons.hog.likelihood import heading_log_likelihood
 from followspot_persons.motion import limited
-from followspot_persons.shape import ShapeModel
+from followspot_persons.standing import WAIST
 from followspot_persons.stature import SPREAD, USUAL
 
 BOX_SIGMA = 0.08
@@ -24,9 +24,7 @@ SMALLEST = 12.0
 """Smallest height of an upper body that can be tracked, px."""
 
 
-def spawned(
-    camera: Camera, shape: ShapeModel, detection: Detection, count: int, rng: np.random.Generator
-) -> Array:
+def spawned(camera: Camera, detection: Detection, count: int, rng: np.random.Generator) -> Array:
     """Poses that fit the box, (count, 6), with headings from the detector.
 
     The rays of the box's top and bottom are as far apart as the upper body is high; the top gives the height.
@@ -39,8 +37,8 @@ def spawned(
     low = _slopes(camera, column, middle + size / 2)
     stature = USUAL + SPREAD * rng.standard_normal(count)
     apart = np.maximum(top[:, 2] - low[:, 2], 1e-3)
-    by_size = stature * (1 - shape.waist) / apart
-    distance = np.clip(by_size, NEAREST, farthest(camera, shape))
+    by_size = stature * (1 - WAIST) / apart
+    distance = np.clip(by_size, NEAREST, farthest(camera))
     pose = np.zeros((count, 6))
     pose[:, :2] = camera.center[:2] + distance[:, None] * top[:, :2]
     pose[:, HEIGHT] = camera.center[2] + distance * top[:, 2]
@@ -53,9 +51,9 @@ def spawned(
     return limited(pose)
 
 
-def farthest(camera: Camera, shape: ShapeModel) -> float:
+def farthest(camera: Camera) -> float:
     """Distance at which the upper body of an adult is `SMALLEST` px high, m; a long lens sees farther."""
-    return float(camera.matrix[1, 1]) * USUAL * (1 - shape.waist) / SMALLEST
+    return float(camera.matrix[1, 1]) * USUAL * (1 - WAIST) / SMALLEST
 
 
 def _slopes(camera: Camera, column: Array, row: Array) -> Array:

@@ -153,7 +153,7 @@ def test_who_is_missed_has_left_if_the_background_is_seen_there(there):
 @pytest.mark.parametrize(("front", "known"), [(SHIRT, True), ((30, 30, 30), False)])
 def test_specific_colours_must_beat_generic_ones_where_the_detector_is_silent(front, known):
     """Another person, in other clothes, stands where the detector misses a known one."""
-    show = Show()
+    show = Show(particles=200)
     for _ in range(FEWEST + 1):
         show.see()
     for _ in range(5):

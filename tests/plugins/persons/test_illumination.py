@@ -60,7 +60,7 @@ def test_pixels_in_the_usual_light_are_those_of_the_first_picture():
 
 
 def test_the_slow_instance_learns_the_same_colours_in_the_dark():
-    show, pose = Show(), standing(2.5)
+    show, pose = Show(particles=200), standing(2.5)
     pixels = drawn(show.camera, pose)
     swaying = [np.roll(pixels, 2 * (number % 2), axis=1) for number in range(8)]
     usual = [show.see_pixels(picture, boxed=[pose], score=6.0) for picture in swaying][-1]

@@ -161,7 +161,7 @@ def test_people_who_cross_get_the_boxes_of_their_colours() -> None:
     boxes = view(camera, shape, np.stack([left, right])).box
     detections = [Detection(box, np.zeros(0), np.zeros(0)) for box in boxes]
     people = []
-    for color, across in ((RED, 0.03), (BLUE, -0.03)):  # each a little nearer to the other's box
+    for color, across in ((RED, 0.02), (BLUE, -0.02)):  # each a little nearer to the other's box
         mean = hsi(clothes(shape, color, color).astype(np.uint8)).astype(float)
         model = ColorModel(mean, np.full(mean.shape, 0.01), np.full(len(mean), 20.0))
         known = acquaintance(len(people) + 1, 0, SECOND // 2)

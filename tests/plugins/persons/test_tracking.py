@@ -29,6 +29,7 @@ from followspot_persons.shape import read_shape, with_girth
 from followspot_persons.sightings import blended, sightings_of
 from followspot_persons.slow_pose import SlowPose
 from followspot_persons.spawning import farthest, spawned
+from followspot_persons.standing import standing as told
 from followspot_persons.track import Track
 from followspot_persons.trail import Trail, carried_contact, carried_detection, carried_pose
 
@@ -160,6 +161,14 @@ def test_who_comes_back_has_the_body_that_was_learnt():
     assert back.pose[0] == 3.0
 
 
+@pytest.mark.parametrize("camera", [perspective(), panorama()])
+def test_the_box_of_a_body_tells_its_distance_and_height(camera):
+    box = view(camera, read_shape(), standing(3.0, 0.4)[None]).box
+    distance, height = told(camera, box)
+    assert distance[0] == pytest.approx(np.hypot(3.0, 0.4), rel=0.02)
+    assert height[0] == pytest.approx(1.7, rel=0.01)
+
+
 def test_a_long_lens_sees_people_farther_away():
     short = perspective()
     long = replace(short, matrix=short.matrix * np.array([[3.0, 1, 1], [1, 3, 1], [1, 1, 1]]))
@@ -167,9 +176,9 @@ def test_a_long_lens_sees_people_farther_away():
     for camera, away in ((short, 20.0), (long, 60.0)):
         box = view(camera, shape, standing(away)[None]).box[0]
         rng = np.random.default_rng(1)
-        places = spawned(camera, shape, Detection(box, none, none), 200, rng)
+        places = spawned(camera, Detection(box, none, none), 200, rng)
         assert np.median(places[:, 0]) == pytest.approx(away, rel=0.1)
-        assert places[:, 0].max() <= farthest(camera, shape) * 1.01
+        assert places[:, 0].max() <= farthest(camera) * 1.01
 
 
 def looks(points, evidence=3.0):

@@ -48,7 +48,6 @@ def fitness(document: dict[str, Any], crops: Crops, edges: tuple[Array, Array] |
 def _document(sections: list[dict[str, Any]]) -> dict[str, Any]:
     return {
         "neck": start.NECK,
-        "waist": start.WAIST,
         "outline": sections,
         "surface": start.surface(sections),
     }
@@ -98,7 +97,7 @@ def feature_pixels(
     shape: ShapeModel, crops: Crops, features: Array, size: tuple[int, ...]
 ) -> tuple[Array, Array]:
     """Rows and columns of features, (N, features, 2) in body heights, in the crops; kept within them."""
-    scale = (crops.bottom - crops.top)[:, None] / (1 - shape.waist)
+    scale = (crops.bottom - crops.top)[:, None] / (1 - start.BOTTOM)
     columns = crops.axis[:, None] + features[..., 0] * scale
     rows = crops.top[:, None] + (1 - features[..., 1]) * scale
     return (

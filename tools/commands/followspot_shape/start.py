@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-NECK, WAIST = 0.845, 0.603
+NECK, BOTTOM = 0.845, 0.603
+"""Heights of the joint of the neck, and at which the boxes of the crops end."""
 SECTIONS = [
     ("crown", "head", 1.0, 0.0, 0.0, 0.03, 90.0),
     ("brow", "head", 0.965, 0.040, 0.052, 0.03, 20.0),
