@@ -13,6 +13,9 @@ from followspot_persons.stature import USUAL
 
 UNUSUAL = 0.12
 """Difference from the mean height that raises the confirmation score of a newcomer by half a point, m."""
+DOUBT, PATIENCE = 1.5, 5
+"""How far below `minimum_likeness` a newcomer may be somebody lost, and boxes up to which it then waits for a
+number: the colours of a person are learnt from some pictures."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,18 +28,20 @@ class Recognition:
 
     def applied(self, people: list[Acquaintance], numbers: int) -> tuple[list[Acquaintance], int]:
         """All persons, and how many numbers were given: confirmed newcomers get the number of an absent
-        person of the same appearance, or a new one.
+        person of the same appearance, or a new one. Who may be one of these has none for some pictures.
         """
         newcomers = [p for p in people if self.confirmed(p)]
         others = [p for p in people if not self.confirmed(p)]
         for newcomer in newcomers:
-            known = self.returned(newcomer, others)
-            if known is None:
-                numbers += 1
-                others.append(replace(newcomer, number=numbers))
-            else:
+            known, likeness = self.likeliest(newcomer, others)
+            if known is not None and likeness >= self.minimum_likeness:
                 others = [p for p in others if p is not known]
                 others.append(resumed(known, newcomer))
+            elif likeness >= self.minimum_likeness - DOUBT and newcomer.hits < PATIENCE:
+                others.append(newcomer)
+            else:
+                numbers += 1
+                others.append(replace(newcomer, number=numbers))
         return others, numbers
 
     def confirmed(self, person: Acquaintance) -> bool:
@@ -46,13 +51,18 @@ class Recognition:
             return False
         return person.hits > 1 and person.trust >= self.confirmation_score + unusual
 
-    def returned(self, newcomer: Acquaintance, others: list[Acquaintance]) -> Acquaintance | None:
-        """The person, lost before the newcomer appeared, that it most likely is; None if it is unknown."""
+    def likeliest(
+        self, newcomer: Acquaintance, others: list[Acquaintance]
+    ) -> tuple[Acquaintance | None, float]:
+        """The person, lost before the newcomer appeared, that it most likely is, and its likeness; None, and
+        minus infinity, if nobody was lost.
+        """
         lost = [p for p in others if p.number and p.seen < newcomer.initiated]
+        if not lost:
+            return None, -np.inf
         likeness = [self.likeness(newcomer, p) for p in lost]
-        if not likeness or max(likeness) < self.minimum_likeness:
-            return None
-        return lost[int(np.argmax(likeness))]
+        best = int(np.argmax(likeness))
+        return lost[best], likeness[best]
 
     def likeness(self, a: Acquaintance, b: Acquaintance) -> float:
         """Log of how much likelier two acquaintances are one person than two."""
