@@ -16,6 +16,8 @@ from followspot.tracking import LOST, Forecast, Frame
 from followspot_balls.color_blobs import ColorBlobs
 from followspot_balls.components import MOST
 from followspot_balls.ir_blobs import IrBlobs
+from followspot_balls.search import Circles
+from followspot_balls.touching import within_reach
 
 
 def three_of_a_kind(kind: str) -> Room:
@@ -90,6 +92,18 @@ def test_balls_that_touch_are_divided_as_they_are_alone() -> None:
     for order in (slice(None), slice(None, None, -1)):
         together = IrBlobs.process_together(stages[order], inputs[order])
         assert all(identical(seal(a), b) for a, b in zip(together, alone[order], strict=True))
+
+
+@pytest.mark.parametrize("count", range(2, 7))
+def test_all_balls_of_a_row_are_within_reach_of_what_shows_them_and_a_distant_one_is_not(count: int) -> None:
+    radius = 4.0
+    row = np.column_stack([2 * radius * np.arange(count), np.zeros(count)])
+    middle = row.mean(axis=0)
+    center = np.vstack([row, middle + np.array([0.0, 8 * radius])])[None]
+    ball = np.full((1, count + 1), radius)
+    circles = Circles(center, ball, ball, ball > np.inf)
+    near = within_reach(middle[None], np.array([count * np.pi * radius**2]), circles)
+    assert near.tolist() == [[True] * count + [False]]
 
 
 @pytest.mark.parametrize("forecast", [None, forecast_at([(0.1, 0.0, 1.0), (-0.4, 0.3, 0.8)])])
