@@ -94,4 +94,4 @@ def test_journals_agree_with_the_ledger_after_many_faults(tmp_path: Path, edges:
         for _ in range(3):
             befall(run, chance, 3)
             look(run)
-        run.judge(run.end())
+        run.judge(run.end(), with_dead=True)
