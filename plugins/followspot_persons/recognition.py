@@ -7,15 +7,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from followspot_persons.acquaintance import Acquaintance
+from followspot_persons.box_assignment import NANOSECOND
 from followspot_persons.color.difference import ColorRelations
 from followspot_persons.identity import same_person
 from followspot_persons.stature import USUAL
 
 UNUSUAL = 0.12
 """Difference from the mean height that raises the confirmation score of a newcomer by half a point, m."""
-DOUBT, PATIENCE = 1.5, 5
-"""How far below `minimum_likeness` a newcomer may be somebody lost, and boxes up to which it then waits for a
-number: the colours of a person are learnt from some pictures."""
+DOUBT = 1.5
+"""How far below `minimum_likeness` a newcomer may be somebody lost, and then waits for a number."""
+LONGEST_WAIT = 1.5
+"""How long it waits, s: the colours of a person are learnt from some pictures."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +39,7 @@ class Recognition:
             if known is not None and likeness >= self.minimum_likeness:
                 others = [p for p in others if p is not known]
                 others.append(resumed(known, newcomer))
-            elif likeness >= self.minimum_likeness - DOUBT and newcomer.hits < PATIENCE:
+            elif likeness >= self.minimum_likeness - DOUBT and waited(newcomer) < LONGEST_WAIT:
                 others.append(newcomer)
             else:
                 numbers += 1
@@ -67,6 +69,11 @@ class Recognition:
     def likeness(self, a: Acquaintance, b: Acquaintance) -> float:
         """Log of how much likelier two acquaintances are one person than two."""
         return same_person(a.colors, b.colors, (a.stature.estimate[0], b.stature.estimate[0]), self.relations)
+
+
+def waited(newcomer: Acquaintance) -> float:
+    """Time from the first box of a newcomer to its last one, s."""
+    return (newcomer.seen - newcomer.initiated) * NANOSECOND
 
 
 def resumed(known: Acquaintance, newcomer: Acquaintance) -> Acquaintance:

@@ -26,7 +26,7 @@ from followspot_persons.color.model import ColorModel
 from followspot_persons.fitness import Detection, pictured
 from followspot_persons.hsi import hsi
 from followspot_persons.identity import same_person
-from followspot_persons.recognition import DOUBT, PATIENCE, Recognition
+from followspot_persons.recognition import DOUBT, LONGEST_WAIT, Recognition
 from followspot_persons.shape import read_shape
 from followspot_persons.stature import Stature
 from followspot_persons.track import Track
@@ -124,12 +124,12 @@ def test_who_was_seen_beside_a_newcomer_is_somebody_else(left: int, number: int)
 
 
 @pytest.mark.parametrize(
-    ("missing", "boxes", "number"),
-    [(0.0, 2, 1), (0.5 * DOUBT, 2, 0), (0.5 * DOUBT, PATIENCE, 2), (1.5 * DOUBT, 2, 2)],
-    ids=["known", "waits", "waited", "somebody else"],
+    ("missing", "waited", "number"),
+    [(0.0, 0.1, 1), (0.5 * DOUBT, 0.1, 0), (0.5 * DOUBT, LONGEST_WAIT, 2), (1.5 * DOUBT, 0.1, 2)],
+    ids=["known", "waits", "has waited", "somebody else"],
 )
-def test_who_may_be_a_lost_person_waits_for_a_number(missing: float, boxes: int, number: int) -> None:
-    known, newcomer = acquaintance(1, 0, 10), replace(acquaintance(0, 20, 40), hits=boxes)
+def test_who_may_be_a_lost_person_waits_for_a_number(missing: float, waited: float, number: int) -> None:
+    known, newcomer = acquaintance(1, 0, 10), acquaintance(0, 20, 20 + round(waited * SECOND))
     likeness = Recognition(2.0, 0.0, read_relations()).likeness(newcomer, known)
     recognition = Recognition(2.0, likeness + missing, read_relations())
     people, _ = recognition.applied([known, newcomer], 1)
