@@ -15,9 +15,9 @@ from followspot_persons.stature import USUAL
 UNUSUAL = 0.12
 """Difference from the mean height that raises the confirmation score of a newcomer by half a point, m."""
 DOUBT = 1.5
-"""How far below `minimum_likeness` a newcomer may be somebody lost, and then waits for a number."""
+"""A newcomer waits for a number if its likeness to a lost person is no farther below `minimum_likeness`."""
 LONGEST_WAIT = 1.5
-"""How long it waits, s: the colours of a person are learnt from some pictures."""
+"""Longest time that it waits, s: two pictures hardly tell the colours of a person."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,8 @@ class Recognition:
 
     def applied(self, people: list[Acquaintance], numbers: int) -> tuple[list[Acquaintance], int]:
         """All persons, and how many numbers were given: confirmed newcomers get the number of an absent
-        person of the same appearance, or a new one. Who may be one of these has none for some pictures.
+        person of the same appearance, or a new one. A newcomer that may be an absent person waits for its
+        number, and stays tentative until then.
         """
         newcomers = [p for p in people if self.confirmed(p)]
         others = [p for p in people if not self.confirmed(p)]
@@ -56,8 +57,8 @@ class Recognition:
     def likeliest(
         self, newcomer: Acquaintance, others: list[Acquaintance]
     ) -> tuple[Acquaintance | None, float]:
-        """The person, lost before the newcomer appeared, that it most likely is, and its likeness; None, and
-        minus infinity, if nobody was lost.
+        """The person, lost before the newcomer appeared, that it most likely is, and the log-likelihood ratio
+        of :meth:`likeness`. Returns None and minus infinity if no person was lost.
         """
         lost = [p for p in others if p.number and p.seen < newcomer.initiated]
         if not lost:

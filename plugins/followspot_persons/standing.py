@@ -8,7 +8,7 @@ from followspot import Array, Camera
 from followspot.geometry import ray
 
 WAIST = 0.615
-"""Height over that of the whole person at which boxes of upper bodies end: where the detector's do."""
+"""Height at which boxes of upper bodies end, over that of the person: the median of the detector's boxes."""
 LOWEST = 0.2
 """A camera lower than this above z = 0 does not know its floor, m."""
 

@@ -194,7 +194,7 @@ def test_verify_says_up_to_where_a_damaged_recording_is_good(
     assert "the same, byte for byte" in told
 
 
-def test_the_last_line_of_verify_counts_the_ports_that_it_says_nothing_of() -> None:
+def test_the_last_line_of_verify_counts_the_ports_that_are_not_repeated() -> None:
     repeated, left = Compared("track.tracks", 12), Compared("verify.out", 0, unrepeated="its type differs")
     assert text(True, [repeated], []).endswith("1 ports, 12 messages: the same, byte for byte")
     assert text(True, [repeated, left], []).endswith(

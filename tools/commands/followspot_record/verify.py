@@ -95,7 +95,7 @@ def _end(recording: Recording, port: str) -> int:
 
 
 def text(same: bool, rows: Sequence[Compared], notes: Sequence[str]) -> str:
-    """The result for people; its last line says how many ports nothing is said of."""
+    """The result for people. Its last line counts the recorded ports that are not repeated."""
     cells = [(row.port, str(row.messages), _said(row)) for row in rows]
     lines = [table(("port", "messages", ""), cells), *notes]
     count = sum(row.messages for row in rows)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 NECK, BOTTOM = 0.845, 0.603
-"""Heights of the joint of the neck, and at which the boxes of the crops end."""
+"""Height of the joint of the neck, and height at which the boxes of the crops end, in body heights."""
 SECTIONS = [
     ("crown", "head", 1.0, 0.0, 0.0, 0.03, 90.0),
     ("brow", "head", 0.965, 0.040, 0.052, 0.03, 20.0),
