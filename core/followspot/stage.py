@@ -201,6 +201,11 @@ class Stage:
     """What helps if the stage gets messages and never gives one with rows; the summary of such a run shows
     it."""
 
+    state_lacks: ClassVar[str] = ""
+    """What `state` leaves out because it is too large to travel, as pictures are; "" for nothing. A successor
+    carries on without it and gives other results at first, and `followspot verify` repeats the stage from its
+    first message only."""
+
     process_together: ClassVar[Callable[..., Any] | None] = None
     """Optional batch version of `process`: a classmethod `(stages, inputs) -> outputs`.
 
@@ -319,7 +324,10 @@ class Stage:
         """Complete the outputs; the worker calls it once after the last message, also after an error."""
 
     def state(self) -> Any:
-        """Checkpoint for a replacement: numbers, text, arrays, lists and dicts; None for none."""
+        """Checkpoint for a replacement: numbers, text, arrays, lists and dicts; None for none.
+
+        :func:`followspot.plain_values.to_plain` makes it of dataclasses and named tuples.
+        """
         return None
 
     def restore(self, state: Any) -> None:

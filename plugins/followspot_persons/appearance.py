@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from followspot import Array, Stage
 from followspot.people import Appearances, Boxes, Gradients
+from followspot.plain_values import from_plain, to_plain
 from followspot.tracking import Frame
 from followspot_persons.acquaintance import Acquaintance, missed
 from followspot_persons.appearance_params import AppearanceParams
@@ -46,9 +48,13 @@ TRUSTED = 12.0
 
 
 class Appearance(Stage):
-    """Find people with a detector, fit the body model, learn their colours, and recognise them."""
+    """Find people with a detector, fit the body model, learn their colours, and recognise them.
+
+    A successor knows the people that have numbers. It learns the background anew, for pictures do not travel.
+    """
 
     per_camera = True
+    state_lacks = "the background and people without a number"
 
     class Params(AppearanceParams):
         """Finding, learning and remembering persons."""
@@ -128,6 +134,16 @@ class Appearance(Stage):
         self.background = self.background.after(self.pixels, now, self.people_here())
         relations = self.relations if self.params.predict_colors else None
         return reported(self.people, frame.camera, len(self.shape.names), relations, self.illumination)
+
+    def state(self) -> Any:
+        people = [person for person in self.people if person.number]
+        told = {"people": people, "numbers": self.numbers, "illumination": self.illumination}
+        return to_plain({**told, "time": self.time})
+
+    def restore(self, state: Any) -> None:
+        self.people = from_plain(list[Acquaintance], state["people"])
+        self.numbers, self.time = int(state["numbers"]), int(state["time"])
+        self.illumination = from_plain(Illumination, state["illumination"])
 
     def updated(
         self,

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from followspot import Array, Field, Joined, Stage, StageParams
 from followspot.geometry import wrap
 from followspot.people import Poses
+from followspot.plain_values import from_plain, to_plain
 from followspot.tracking import PREDICTED, TRACKED
 from followspot_persons.association import matched
 from followspot_persons.place_filter import PlaceTrack
@@ -135,13 +137,8 @@ class Fusion(Stage):
 
     def known(self, seen: Sightings, rows: Array) -> Array:
         """Whether a camera's person was assigned to this one before: (people, rows)."""
-        names = [[(seen.names[i], int(seen.person[i])) for i in rows]] * len(self.people)
-        return np.array(
-            [
-                [p.members.get(name) == number for name, number in row]
-                for p, row in zip(self.people, names, strict=True)
-            ]
-        )
+        named = [(seen.names[row], int(seen.person[row])) for row in rows]
+        return np.array([[p.members.get(name) == number for name, number in named] for p in self.people])
 
     def grouped(self, seen: Sightings, free: list[int]) -> list[list[int]]:
         """Unassigned rows, grouped if different cameras see the same position."""
@@ -202,6 +199,15 @@ class Fusion(Stage):
                 self.deleted.append(person)
         self.people = people
         self.deleted = [p for p in self.deleted if (now - p.seen) * NANOSECOND <= self.params.memory_time]
+
+    def state(self) -> Any:
+        people, deleted = to_plain(self.people), to_plain(self.deleted)
+        return {"people": people, "deleted": deleted, "numbers": self.numbers, "time": self.time}
+
+    def restore(self, state: Any) -> None:
+        self.people = from_plain(list[Fused], state["people"])
+        self.deleted = from_plain(list[Fused], state["deleted"])
+        self.numbers, self.time = int(state["numbers"]), int(state["time"])
 
     def fused(self) -> Poses:
         """The confirmed persons."""

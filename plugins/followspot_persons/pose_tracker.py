@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from followspot import Array, Latest, Stage
 from followspot.people import Appearances, Boxes, Gradients, Poses
+from followspot.plain_values import from_plain, to_plain
 from followspot.tracking import PREDICTED, TRACKED, Frame
 from followspot_persons.association import box_distance, matched
 from followspot_persons.body_view import HEADING, view
@@ -45,6 +47,7 @@ class PoseTracker(Stage):
     """Track the upper bodies and heads of known people in every picture."""
 
     per_camera = True
+    state_lacks = "the pictures of the last `maximum_delay`"
 
     class Params(PoseTrackerParams):
         """The search, the cues and the life cycle."""
@@ -242,6 +245,18 @@ class PoseTracker(Stage):
             ):
                 self.known[number] = self.people.pop(number).track
         self.known = {number: track for number, track in self.known.items() if number in known}
+
+    def state(self) -> Any:
+        followed = {"people": self.people, "known": self.known, "slow_poses": self.slow_poses}
+        told = {"illumination": self.illumination, "boxed": self.boxed, "time": self.time}
+        return to_plain({**followed, **told})
+
+    def restore(self, state: Any) -> None:
+        self.people = from_plain(dict[int, Followed], state["people"])
+        self.known = from_plain(dict[int, Track], state["known"])
+        self.slow_poses = from_plain(dict[int, SlowPose], state["slow_poses"])
+        self.illumination = from_plain(Illumination, state["illumination"])
+        self.boxed, self.time = int(state["boxed"]), int(state["time"])
 
     def poses(self, camera: str) -> Poses:
         """The tracked persons."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from followspot import Array, Camera, Field, InputPath, Stage, StageParams
@@ -110,6 +112,12 @@ class UniformSearch(Stage):
         climbing[:], _ = ascend(climbing, fitness(climbing), fitness, self.camera.center, ROUNDS)
         self.particles = cloud
         return self.boxes(frame.camera, climbing, fitness.likelihood(climbing))
+
+    def state(self) -> Any:
+        return {"particles": self.particles, "time": self.time}
+
+    def restore(self, state: Any) -> None:
+        self.particles, self.time = np.array(state["particles"], float), int(state["time"])
 
     def boxes(self, camera: str, particles: Array, likelihood: Array) -> Boxes:
         """Boxes of the maxima, one in a direction: the others are the same outline at other distances."""

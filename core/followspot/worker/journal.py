@@ -70,6 +70,12 @@ class Checkpoint(pydantic.BaseModel, frozen=True, ser_json_inf_nan="constants"):
         return self
 
 
+class Counted(Protocol):
+    """Counts of a stage's firings."""
+
+    fired: int
+
+
 class Journaled(Protocol):
     """The runner of a stage whose firings are noted."""
 
@@ -78,6 +84,10 @@ class Journaled(Protocol):
     stage: Stage
     join: Join
     outputs: tuple[tuple[str, OutputPort], ...]
+
+    @property
+    def count(self) -> Counted:
+        """Counts of its firings."""
 
     @property
     def owed(self) -> Sequence[Header]:
@@ -179,7 +189,7 @@ class Journal:
 def checkpoint_of(runner: Journaled) -> Checkpoint:
     """The present checkpoint of a stage; call between two firings, in the worker's thread."""
     stage = runner.stage
-    state, problem = _saved(stage)
+    state, problem = _saved(runner)
     edges = list(_edges(runner.join))
     return Checkpoint(
         uses=runner.uses,
@@ -211,8 +221,11 @@ def _edges(join: Join) -> Iterator[tuple[InputQueue, int]]:
             yield queue, row
 
 
-def _saved(stage: Stage) -> tuple[Any, str]:
+def _saved(runner: Journaled) -> tuple[Any, str]:
     """The state in JSON types, or why it is none."""
+    stage = runner.stage
+    if stage.state_lacks and runner.count.fired:
+        return None, f"it leaves out {stage.state_lacks}"
     try:
         return state_to_data(stage.state()), ""
     except Exception as error:  # of a plugin

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections import deque
+from typing import Any
 
 import numpy as np
 
 from followspot import Array, Field, Stage, StageParams
+from followspot.plain_values import from_plain, to_plain
 from followspot.tracking import Blobs, ImageTracks
 from followspot_balls.throws.motion import Paths, assigned, initiated, predicted, updated
 from followspot_balls.throws.parabola import bend, residual
@@ -114,6 +116,21 @@ class Throws(Stage):
             velocity=self.paths.state[path, 1],
             residual=shape[thrown],
         )
+
+    def state(self) -> Any:
+        points = {number: list(points) for number, points in self.points.items()}
+        return {
+            "paths": to_plain(self.paths),
+            "points": to_plain(points),
+            "time": self.time,
+            "initiated_paths": self.initiated_paths,
+        }
+
+    def restore(self, state: Any) -> None:
+        self.paths = from_plain(Paths, state["paths"])
+        points = from_plain(dict[int, list[tuple[float, float, float]]], state["points"])
+        self.points = {number: deque(known, maxlen=MEMORY) for number, known in points.items()}
+        self.time, self.initiated_paths = float(state["time"]), int(state["initiated_paths"])
 
     def whole(self, blobs: Blobs) -> Array:
         """Blobs that the edge of the picture does not cut: (N,) bool."""

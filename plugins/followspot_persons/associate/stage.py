@@ -11,12 +11,15 @@ import numpy as np
 from followspot import Array, Joined, Stage
 from followspot.errors import FollowspotError
 from followspot.people import Boxes, Poses, Skeletons
+from followspot.plain_values import from_plain, to_plain
 from followspot.points import Points2D
 from followspot.tracking import Frame
 from followspot_persons.associate.box_model import BoxModel
+from followspot_persons.associate.box_tracks import BoxTracks
 from followspot_persons.associate.crowd import Crowd, Detections, Rules, after, as_of, empty_crowd
 from followspot_persons.associate.found import Found, boxes_of, joints_of
 from followspot_persons.associate.joint_model import JointModel
+from followspot_persons.associate.joint_tracks import JointTracks
 from followspot_persons.associate.limbs import Lengths, constrained, learnt
 from followspot_persons.associate.parameters import AssociateParams
 from followspot_persons.associate.reports import box_poses, joint_poses, skeletons_of
@@ -122,6 +125,22 @@ class Associate(Stage):
         now = as_of(self.by_boxes, self.box_model, _time(boxes, self.by_boxes.time))
         poses, self.heading = box_poses(now, self.heading)
         return Outputs(poses, Skeletons.empty())
+
+    def state(self) -> Any:
+        return {
+            "joints": list(self.joint_model.joints),
+            "by_joints": to_plain(self.by_joints),
+            "by_boxes": to_plain(self.by_boxes),
+            "heading": to_plain(self.heading),
+            "limbs": to_plain(self.limbs),
+        }
+
+    def restore(self, state: Any) -> None:
+        self.joint_model = replace(self.joint_model, joints=tuple(state["joints"]))
+        self.by_joints = from_plain(Crowd[JointTracks], state["by_joints"])
+        self.by_boxes = from_plain(Crowd[BoxTracks], state["by_boxes"])
+        self.heading = from_plain(dict[int, float], state["heading"])
+        self.limbs = from_plain(Lengths, state["limbs"])
 
     def detections(
         self, message: Points2D | Boxes, found: Found, pictures: Mapping[str, Array]

@@ -9,10 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.datasets import dataset, needs_data
+from tests.travelled import travelled
 
 from followspot import Camera, Context, Header, Room, Target
 from followspot.cli.main import main
-from followspot.messages import seal, stamped
+from followspot.messages import identical, seal, stamped
 from followspot.room import StageUse
 from followspot.room_file import save
 from followspot.tracking import Blobs, ImageTracks
@@ -39,13 +40,22 @@ def thrown(
     return np.asarray(place[:, :2] / place[:, 2:] * 600 + [320, 240])
 
 
-def followed(pictures: Sequence[np.ndarray], target: int = 0, **params: float) -> list[ImageTracks]:
-    """What the stage says to blobs (N, 2) of one target in each picture."""
+def followed(
+    pictures: Sequence[np.ndarray], target: int = 0, *, handed_over: int = -1, **params: float
+) -> list[ImageTracks]:
+    """What the stage says to blobs (N, 2) of one target in each picture.
+
+    handed_over: number of the picture before which a successor carries on, -1 for none.
+    """
     room = Room(cameras={"cam0": camera()}, targets={n: Target(n, 0.1) for n in ("red", "yellow")})
-    stage = Throws(Context.serving(room.cameras["cam0"], room), **params)
+    stage, successor = (Throws(Context.serving(room.cameras["cam0"], room), **params) for _ in range(2))
     stage.setup()
     tracks = []
     for seq, places in enumerate(pictures):
+        if seq == handed_over:
+            successor.setup()
+            successor.restore(travelled(stage.state()))
+            stage = successor
         xy = np.asarray(places, float).reshape(-1, 2)
         targets = np.zeros((len(xy), 2), bool)
         targets[:, target] = True
@@ -73,6 +83,13 @@ def test_throw_is_one_track_of_its_target_from_the_twelfth_blob_to_its_end() -> 
     assert last.target.tolist() == [1]
     np.testing.assert_array_equal(last.xy[0], path[23])
     np.testing.assert_allclose(last.velocity[0], (path[24] - path[22]) / (2 * PERIOD), atol=3)
+
+
+def test_a_successor_carries_on_with_the_paths_and_never_uses_a_number_twice() -> None:
+    pictures = [*thrown(24), *[[]] * 8, *thrown(24, start=(1, 1, 5), velocity=(-1.2, -3.5, 0.5))]
+    whole, parted = followed(pictures), followed(pictures, handed_over=16)
+    assert all(identical(a, b) for a, b in zip(whole, parted, strict=True))
+    assert len({track for _, track, *_ in rows(parted)}) == 2
 
 
 @settings(max_examples=25, deadline=None)

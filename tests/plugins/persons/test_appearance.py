@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +21,9 @@ from tests.plugins.persons.drawn import (
     ready,
     standing,
 )
+from tests.travelled import travelled
 
+from followspot.control.checkpoint import state_to_data
 from followspot_persons.acquaintance import MISS
 from followspot_persons.appearance import SHARP_VISIBILITY, TRUSTED, Appearance
 from followspot_persons.body_view import view
@@ -297,3 +300,26 @@ def test_boxes_of_the_background_and_of_people_seen_without_one_initiate_nobody(
     assert unclaimed(boxes, [], nobody, np.array([0.8, 2.3])) == [0]
     assert unclaimed(boxes, [], boxes.box[:1], np.array([0.8, 0.8])) == [1]
     assert unclaimed(boxes, [(0, 1)], nobody, np.array([0.8, 0.8])) == [0]
+
+
+def test_a_successor_knows_the_people_and_gives_no_number_twice():
+    before, after = Show(), Show()
+    for _ in range(8):
+        before.see(standing(2.5), score=6.0)
+    after.stage.restore(travelled(before.stage.state()))
+    after.number = before.number
+    np.testing.assert_array_equal(after.stage.people[0].colors.mean, before.stage.people[0].colors.mean)
+    assert after.stage.people[0].stature.estimate == before.stage.people[0].stature.estimate
+    told, expected = (show.see(standing(2.5), score=6.0) for show in (after, before))
+    assert numbers(told) == numbers(expected) == [1]
+    np.testing.assert_allclose(told.pose[:, :3], expected.pose[:, :3], atol=0.2)
+    for _ in range(3):
+        told = after.see(standing(2.5), standing(3.0, 1.2), score=6.0)
+    assert numbers(told) == [1, 2]
+
+
+def test_the_state_of_many_people_is_small():
+    show = Show()
+    for _ in range(12):
+        show.see(standing(2.5), standing(3.0, 1.2), standing(3.0, -1.2), score=6.0)
+    assert len(json.dumps(state_to_data(show.stage.state()))) < 200_000

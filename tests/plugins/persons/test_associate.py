@@ -7,9 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.plugins.persons.crowded import corner_room, crowded, followed, table
+from tests.travelled import travelled
 
 from followspot import Context
 from followspot.errors import FollowspotError
+from followspot.messages import identical
 from followspot.people import Boxes
 from followspot.points import Points2D
 from followspot.tracking import PREDICTED
@@ -120,3 +122,22 @@ def test_a_camera_that_misses_somebody_for_a_moment_ends_nobody() -> None:
     found = [each.poses.person.tolist() for each in followed(room, pairs, "points")[14:]]
     assert len(before) == 2
     assert found == [before] * len(found)
+
+
+@pytest.mark.parametrize("kind", ["points", "boxes"])
+def test_a_successor_carries_on_with_the_same_people(kind) -> None:
+    room, sets, _ = crowded(people=3, frames=24, fps=10, seed=4)
+    expected = followed(room, sets, kind)[12:]
+    first, second = (Associate(Context("associate", room)) for _ in range(2))
+    for stage in (first, second):
+        stage.setup()
+    found = []
+    for number, each in enumerate(sets):
+        if number == 12:
+            second.restore(travelled(first.state()))
+        stage = first if number < 12 else second
+        found.append(stage.process(**{kind: tuple(one[kind == "boxes"] for one in each)}))
+    for told, wanted in zip(found[12:], expected, strict=True):
+        assert len(told.poses.person)
+        assert identical(told.poses, wanted.poses)
+        assert identical(told.skeletons, wanted.skeletons)

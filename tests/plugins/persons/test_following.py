@@ -20,8 +20,9 @@ from tests.plugins.persons.drawn import (
     ready,
     standing,
 )
+from tests.travelled import travelled
 
-from followspot.messages import Header, stamped
+from followspot.messages import Header, identical, stamped
 from followspot.people import Appearances
 from followspot.tracking import PREDICTED, TRACKED
 from followspot_persons.hsi import hsi
@@ -77,6 +78,20 @@ def test_a_person_is_followed_while_it_walks():
     assert seen.state.tolist() == [TRACKED]
     assert seen.xy[0, 1] == pytest.approx(place[1], abs=0.06)
     assert room.stage.people[1].track.velocity[1] == pytest.approx(0.6, abs=0.3)
+
+
+def test_a_successor_follows_the_same_people():
+    before, after = Room(), Room()
+    before.tell(standing(2.5, -0.3))
+    for _ in range(4):
+        before.see(standing(2.5, -0.3), boxed=[standing(2.5, -0.3)])
+    after.stage.restore(travelled(before.stage.state()))
+    after.stage.rng.bit_generator.state = before.stage.rng.bit_generator.state
+    after.number, after.told = before.number, before.told
+    for _ in range(3):
+        told, expected = (room.see(standing(2.5, -0.25)) for room in (after, before))
+        assert expected.person.tolist() == [1]
+        assert identical(told, expected)
 
 
 @pytest.mark.parametrize(("precision", "distance"), [(400.0, 3.0), (0.0, 2.5)])

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.plugins.persons.drawn import SECOND, perspective
+from tests.travelled import travelled
 
 from followspot import Room
-from followspot.messages import Header, stamped
+from followspot.messages import Header, identical, stamped
 from followspot.people import Poses
 from followspot.stage import Context
 from followspot.tracking import PREDICTED, TRACKED
@@ -183,3 +184,19 @@ def test_poses_of_the_room_alone_keep_their_heights_and_poses_of_cameras_are_non
     assert found.person.tolist() == [1]
     np.testing.assert_allclose(found.xy, [[1.0, 2.0]])
     np.testing.assert_allclose(found.height, [1.6])
+
+
+def test_a_successor_carries_on_with_the_people_their_numbers_and_the_deleted_ones():
+    def told(cameras, frame):
+        left = [("a", 1, 2.0, 0.0), ("b", 1, 2.0, 0.0)] if frame < 8 or frame > 25 else []
+        return cameras.tell(*left, ("a", 2, 3.0, 1.5))
+
+    whole, before, after = Cameras(), Cameras(), Cameras()
+    expected = [told(whole, frame) for frame in range(40)]
+    for frame in range(22):
+        told(before, frame)
+    after.stage.restore(travelled(before.stage.state()))
+    after.frame = before.frame
+    found = [told(after, frame) for frame in range(22, 40)]
+    assert all(identical(a, b) for a, b in zip(found, expected[22:], strict=True))
+    assert found[-1].person.tolist() == [1, 2]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from tests.plugins.persons.drawn import drawn, frame_of, gradients_of, perspective, ready, standing
+from tests.travelled import travelled
 
 from followspot.geometry import project
-from followspot.messages import stamped
+from followspot.messages import identical, stamped
 from followspot_persons.appearance import Appearance
 from followspot_persons.body_view import view
 from followspot_persons.shape import read_shape
@@ -53,6 +54,15 @@ def test_two_people_are_found_without_a_detector_and_a_plain_wall_has_none():
     assert middles(found) == pytest.approx(expected(FAR, NEAR), abs=5)
     assert (found.score > 0).all()
     assert len(pictures(search, 1, first=8)[0].box) == 0
+
+
+def test_a_successor_searches_on():
+    first, second = (ready(UniformSearch, CAMERA, particles=200) for _ in range(2))
+    pictures(first, 3, FAR)
+    second.restore(travelled(first.state()))
+    second.rng.bit_generator.state = first.rng.bit_generator.state
+    told, expected = (pictures(search, 1, FAR, first=3)[0] for search in (second, first))
+    assert identical(told, expected)
 
 
 def test_random_particles_find_who_comes_later():

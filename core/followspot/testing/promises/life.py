@@ -96,7 +96,11 @@ def has_a_state_of_plain_values(trial: Trial) -> Iterator[str]:
 
 
 def carries_on_from_its_state(trial: Trial) -> Iterator[str]:
-    """A replacement with the checkpoint of the old stage gives the same results, bit for bit."""
+    """A replacement with the checkpoint of the old stage gives the same results, bit for bit.
+
+    It has the random numbers of the old one, as `followspot verify` gives it. What `state_lacks` names may
+    change the results.
+    """
     if not trial.computes or trial.stage.state is Stage.state:
         return
     try:
@@ -105,10 +109,13 @@ def carries_on_from_its_state(trial: Trial) -> Iterator[str]:
             second.restore(first.state())  # a swap tries it first
             _feed(trial, first, range(2, 4))
             second.restore(first.state())
+            if "rng" in first.__dict__:
+                second.rng.bit_generator.state = first.rng.bit_generator.state
             for n in range(4, 7):
                 inputs = trial.inputs("plausible", n, noise(n))
                 pairs = zip(*(outputs(trial.called(stage, inputs)) for stage in (first, second)), strict=True)
-                if not all(contents(a) == contents(b) for a, b in pairs):
+                same = all(contents(a) == contents(b) for a, b in pairs)
+                if not (same or trial.stage.state_lacks):
                     yield f"{n - 3} frames after the hand-over the successor gives something else"
                     return
     except Exception as error:
