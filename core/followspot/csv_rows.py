@@ -7,7 +7,7 @@ import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal, DecimalException
 from pathlib import Path
 from types import MappingProxyType
 
@@ -68,7 +68,7 @@ class Row:
             value = Decimal(self.cell(column)).scaleb(DECIMALS[unit])
             if value.is_finite() and abs(value) < MAX_TIME // 2:
                 return int(value.to_integral_value())
-        except InvalidOperation:
+        except DecimalException:
             pass
         raise self.mistake(column, f"a time in {unit}")
 
@@ -167,7 +167,7 @@ def _rows(
         text = f"the first line names column {twice[0]} twice"
         raise InputError([Mistake(Place(file, 1, 1), text, "rename one")])
     index = {name: head.index(word) for name, word in wanted.items() if word in head}
-    needed = max(index.values()) + 1
+    needed = max(index.values(), default=-1) + 1
     for line, cells in enumerate(lines, 2):
         if not cells:
             continue

@@ -63,7 +63,7 @@ class Appearance(Stage):
 
     def setup(self) -> None:
         self.shape = read_shape(self.params.shape)
-        self.relations = read_relations(self.params.color_relations)
+        self.relations = read_relations(self.params.color_relations, self.shape.names)
         self.girths = girths_of(self.shape)
         self.bodies = Bodies(self.camera, self.shape)
         p = self.params

@@ -61,7 +61,7 @@ class PoseTracker(Stage):
         p = self.params
         self.weights = p.weights
         self.walkable = Walkable.within(p.walkable)
-        self.pairs = telling_pairs(self.shape, read_relations(p.color_relations))
+        self.pairs = telling_pairs(self.shape, read_relations(p.color_relations, self.shape.names))
         self.search = Search(
             p.particles, p.random_share, p.ascent_share, p.search_rounds, p.local_search == "swarm"
         )

@@ -20,6 +20,8 @@ from followspot.errors import InputError, Mistake
 SHIPPED = Path(__file__).with_name("shape.yaml")
 MAX_FEATURES = 1000
 PARTS = ("torso", "head")
+LONGEST_OUTWARD = 1.001
+"""Of a unit vector whose coordinates are rounded."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +84,8 @@ def shape_of(document: dict[str, Any]) -> ShapeModel:
     numbers = [[neck], *(vars(shape.outline).values()), shape.surface.position]
     if not all(np.isfinite(n).all() and np.abs(n).max() < 10 for n in numbers):
         raise ValueError("a number is not finite, or no share of the body's height")
+    if not (np.hypot(*shape.surface.outward.T) <= LONGEST_OUTWARD).all():
+        raise ValueError("outward of a feature is longer than a unit vector")
     return shape
 
 

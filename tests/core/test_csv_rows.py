@@ -46,6 +46,23 @@ def test_names_have_one_to_a_hundred_characters(tmp_path: Path) -> None:
             row.text(column)
 
 
+@pytest.mark.parametrize("text", ["9e999999", "-9e999999", "1e99", "nan", "inf", "", "x"])
+def test_a_time_that_no_clock_shows_is_refused(tmp_path: Path, text: str) -> None:
+    with pytest.raises(InputError, match=r"(?s)truth\.csv:2:1.*a time in s"):
+        only_row(tmp_path / "truth.csv", f"{text},0,a").nanoseconds("time", "s")
+
+
+def test_times_are_exact_to_the_nanosecond(tmp_path: Path) -> None:
+    row = only_row(tmp_path / "truth.csv", "1764360000.123456789,0,a")
+    assert row.nanoseconds("time", "s") == 1764360000123456789
+
+
+def test_a_file_with_none_of_the_optional_columns_has_rows(tmp_path: Path) -> None:
+    path = tmp_path / "tracks.csv"
+    path.write_text("x,y\n1,2\n")
+    assert [row.has("z") for row in read_rows(path, [], ["z"])] == [False]
+
+
 def test_empty_lines_are_passed_over_and_short_ones_refused(tmp_path: Path) -> None:
     path = tmp_path / "tracks.csv"
     path.write_text("x, y,more\n1,2,3\n\n4,5\n6\n")

@@ -126,7 +126,11 @@ def _truth_row(row: Row) -> tuple[float, _Person, Array]:
 
 
 def _truth_table(rows: Sequence[tuple[float, _Person]], viewpoint: Array) -> PoseTruthTable:
-    """Sort rows into frames by their time; of the same frame and person the most visible counts."""
+    """Sort rows into frames by their time.
+
+    Of the same frame and person the most visible pose counts, of equal ones the last, and one without a
+    height only if there is no other.
+    """
     persons = tuple(sorted({person for _, (person, _, _) in rows}))
     time, frame = np.unique(np.array([t for t, _ in rows], "f8"), return_inverse=True)
     if len(time) * len(persons) > MOST_CELLS:
@@ -134,7 +138,9 @@ def _truth_table(rows: Sequence[tuple[float, _Person]], viewpoint: Array) -> Pos
     pose = np.full((len(time), len(persons), 6), np.nan)
     visible = np.zeros((len(time), len(persons)))
     columns = {person: i for i, person in enumerate(persons)}
-    for f, (_, (person, values, share)) in zip(frame, rows, strict=True):
-        pose[f, columns[person]] = values
-        visible[f, columns[person]] = max(visible[f, columns[person]], share)
+    ranks = [(bool(np.isfinite(values[2])), share) for _, (_, values, share) in rows]
+    for row in sorted(range(len(rows)), key=ranks.__getitem__):
+        person, values, share = rows[row][1]
+        cell = frame[row], columns[person]
+        pose[cell], visible[cell] = values, max(visible[cell], share)
     return PoseTruthTable(persons, time, pose, visible, viewpoint)

@@ -8,6 +8,7 @@ others, each with its uncertainty; without this, a tracker prefers headings that
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -39,10 +40,15 @@ class ColorRelations:
     intensity: Array
 
 
-def read_relations(path: Path = SHIPPED) -> ColorRelations:
-    """The relations in a file: per feature mean, factors and own variances. Raises InputError."""
+def read_relations(path: Path = SHIPPED, names: Sequence[str] = ()) -> ColorRelations:
+    """The relations in a file: per feature mean, factors and own variances. Raises InputError.
+
+    names: of the shape's features, which the file must have in the same order; without names, any.
+    """
     try:
         rows = plain(read(path))["features"]
+        if names and [row["name"] for row in rows] != list(names):
+            raise ValueError(f"its {len(rows)} features are not the {len(names)} of the shape, by name")
         mean, chroma, intensity, own = (
             np.array([row[key] for row in rows], float) for key in ("mean", "chroma", "intensity", "own")
         )

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Array
+from followspot.array_files import read_arrays
 from followspot.errors import InputError, Mistake
-from followspot_persons.hog.archive import BROKEN, arrays
 from followspot_persons.hog.cells import LOOKS, looks
 from followspot_persons.hog.channels import CHANNELS, channels
 from followspot_persons.hog.trees import Trees, check, log_odds
@@ -127,7 +127,7 @@ def load(path: Path = SHIPPED) -> HogModel:
     try:
         model = HogModel(**_fields(path))
         _check(model)
-    except BROKEN as error:
+    except (OSError, ValueError, KeyError) as error:
         remedy = "make one with `followspot train hog`, or leave the parameter out"
         raise InputError([Mistake(None, f"{path} holds no weights of a detector: {error}", remedy)]) from None
     return model
@@ -135,7 +135,7 @@ def load(path: Path = SHIPPED) -> HogModel:
 
 def _fields(path: Path) -> dict[str, Array]:
     """The arrays of a model in a file."""
-    stored = arrays(path)
+    stored = read_arrays(path)
     given = {name: stored[name].astype(other.dtype) for name, other in OPTIONAL.items() if name in stored}
     rest = {name: stored[name].astype(np.float32) for name in NAMES}
     return {**OPTIONAL, **given, **rest}

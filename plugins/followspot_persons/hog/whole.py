@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Array
+from followspot.array_files import read_arrays
 from followspot.errors import InputError, Mistake
-from followspot_persons.hog.archive import BROKEN, arrays
 from followspot_persons.hog.channels import CELL, MAPS, channels
 from followspot_persons.hog.search import nesting
 from followspot_persons.hog.trees import Trees, check, log_odds
@@ -80,12 +80,12 @@ def windows(pixels: Array, box: Array) -> list[Array]:
 def load(path: Path = SHIPPED_WHOLE) -> Trees:
     """Read a file of trees. Raises InputError if it is invalid."""
     try:
-        stored = arrays(path)
+        stored = read_arrays(path)
         feature = stored["tree_feature"].astype(np.intp)
         bounds, leaves = (stored[name].astype(np.float32) for name in ("tree_threshold", "tree_leaf"))
         trees = Trees(feature, bounds, leaves)
         check(trees, INPUTS)
-    except BROKEN as error:
+    except (OSError, ValueError, KeyError) as error:
         remedy = "make one with `followspot train whole`, or leave the parameter out"
         raise InputError([Mistake(None, f"{path} holds no trees of whole bodies: {error}", remedy)]) from None
     return trees

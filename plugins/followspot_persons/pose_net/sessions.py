@@ -15,6 +15,8 @@ from followspot.plugins.extras import missing_extra
 from followspot_persons.pose_net.contract import Session
 
 SUFFIXES = (".onnx", ".tflite")
+MOST_SIDE = 4096
+"""Largest side of the picture that a model asks for, px."""
 _ERRORS = 3
 """ONNX Runtime's level of messages about errors; it raises them besides."""
 
@@ -89,8 +91,11 @@ def _input(inputs: Sequence[Any]) -> tuple[str, tuple[int, int] | None]:
         shapes = [each.shape for each in inputs]
         raise ValueError(f"it should have one input (1, height, width, 3), and has {shapes}")
     _, height, width, _ = inputs[0].shape
-    said = isinstance(height, int) and isinstance(width, int)
-    return inputs[0].name, (width, height) if said else None
+    if not (isinstance(height, int) and isinstance(width, int)):
+        return inputs[0].name, None
+    if not (1 <= height <= MOST_SIDE and 1 <= width <= MOST_SIDE):
+        raise ValueError(f"its pictures have {width} x {height} px, at most {MOST_SIDE} a side are taken")
+    return inputs[0].name, (width, height)
 
 
 def _quietly(work: Any, *arguments: Any) -> Any:

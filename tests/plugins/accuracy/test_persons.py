@@ -308,6 +308,17 @@ def test_truth_of_several_cameras_is_united_by_person_and_the_best_view_counts(t
     )
 
 
+@pytest.mark.parametrize("first", [0, 1, 2])
+def test_of_several_views_of_a_person_the_most_visible_pose_counts(tmp_path: Path, first: int) -> None:
+    files = [tmp_path / name for name in ("far.csv", "near.csv", "place.csv")]
+    files[0].write_text(f"{TRUE_HEAD}\n0,1,1,0,1.6,1,0.5,0,0,0,0.2\n")
+    files[1].write_text(f"{TRUE_HEAD}\n0,1,1,0,1.7,2,0.5,1,0,0,0.8\n")
+    files[2].write_text("time,person,x,y\n0,1,1.5,0\n")
+    both = read_pose_truth_csv(*files[first:], *files[:first])
+    assert both.pose[0, 0, [0, 2]].tolist() == [1.0, 1.7]
+    assert both.visible.tolist() == [[1.0]]
+
+
 def test_messages_become_a_table() -> None:
     message = PoseTruth(
         person=np.array([3], "i4"),

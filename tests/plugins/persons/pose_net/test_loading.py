@@ -80,6 +80,13 @@ def test_a_model_for_another_decoder_is_refused(tmp_path):
     assert "takes" not in reason(written(tmp_path, "movenet.onnx", lit(ROWS)), BlazePose)
 
 
+@pytest.mark.parametrize("size", [(100_000, 100_000), (64, 4097), (0, 64)])
+def test_a_model_for_pictures_that_no_camera_has_is_refused(tmp_path, size):
+    pytest.importorskip("onnxruntime")
+    told = reason(written(tmp_path, "m.onnx", lit(ROWS, size=size)))
+    assert "at most 4096 a side" in told
+
+
 def test_a_model_reads_no_other_file(tmp_path):
     pytest.importorskip("onnxruntime")
     written(tmp_path, "secret", b"\1" * 4 * 56)

@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-import zipfile
-import zlib
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from followspot import Camera
+from followspot.array_files import read_arrays
 from followspot.errors import InputError
-from followspot.files import open_regular
 from followspot.messages import Array
 from followspot_calibrate.points_file.naming import names_of, sizes_of
 from followspot_calibrate.sightings import Sightings
 
 MOST_BYTES = 1_000_000_000
-"""Bytes of all arrays in the file, unpacked."""
+"""Bytes of the file, and of all its arrays."""
 KEY = "keypoints"
-_UNREADABLE = (
-    *(OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error),
-    *(NotImplementedError, RuntimeError, MemoryError),  # other compression, a password, a shape without bytes
-)
 VIEWS = "views_xywh"
 """Optional: (C, 4), the last two width and height of each picture."""
 
@@ -34,7 +28,10 @@ def read_keypoints(
 
     Raises InputError.
     """
-    arrays = _arrays(path)
+    try:
+        arrays = read_arrays(path, MOST_BYTES)
+    except (OSError, ValueError) as error:
+        raise InputError.of(f"{path} cannot be read: {error}", "needs an NPZ file") from None
     keypoints = arrays.get(KEY)
     if keypoints is None or keypoints.ndim != 4 or keypoints.shape[3] != 3 or keypoints.dtype.kind != "f":
         shape = "none" if keypoints is None else f"{keypoints.dtype} {keypoints.shape}"
@@ -55,16 +52,3 @@ def read_keypoints(
 def _are_sizes(sizes: Array) -> bool:
     """True if these numbers can be a picture's width and height."""
     return sizes.dtype.kind in "iuf" and bool(((sizes >= 1) & (sizes < 1 << 16)).all())
-
-
-def _arrays(path: Path) -> dict[str, Array]:
-    """The arrays of the file, none of them pickled."""
-    try:
-        with open_regular(path) as opened, zipfile.ZipFile(opened) as archive:
-            unpacked = sum(member.file_size for member in archive.infolist())
-        if unpacked > MOST_BYTES:
-            raise InputError.of(f"{path} unpacks to {unpacked} bytes, at most {MOST_BYTES}")
-        with open_regular(path) as opened, np.load(opened, allow_pickle=False) as file:
-            return {name: file[name] for name in (KEY, VIEWS) if name in file}
-    except _UNREADABLE as error:
-        raise InputError.of(f"{path} cannot be read: {error}", "needs an NPZ file") from None
