@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,7 @@ class Case:
     """mix: the part of the simulated room, None for the graph's own room.
 
     port: its messages say when to swap; swap: a stage, and its replacement; marked: whether the targets
-    are told once by marks.
+    are told once by marks; planes: whether the room names its planes.
     """
 
     graph: str
@@ -29,6 +29,7 @@ class Case:
     swap: tuple[str, str] = ("fuse", "balls.mean")
     mix: Mix | None = None
     marked: bool = False
+    planes: bool = True
 
 
 BALLS = "glowballs.yaml"
@@ -38,6 +39,7 @@ CASES = {
     "1 colour and 1 infrared": Case(BALLS, mix=Mix(1, 1)),
     "3 colour": Case(BALLS, mix=Mix(3, 0)),
     "3 infrared": Case(BALLS, mix=Mix(0, 3), marked=True),
+    "no planes": Case(BALLS, mix=Mix(2, 1), planes=False),
     "3 infrared, one target": Case(BALLS, mix=Mix(0, 3, targets=1)),
     "depth": Case("depth.yaml"),
     "depth, colour and infrared": Case("mixed.yaml"),
@@ -71,6 +73,7 @@ def test_a_graph_in_its_room_gives_the_same_in_any_placement_and_can_be_changed(
     options: dict[str, Any] = {"set": {}}
     if case.mix is not None:
         room = part(room_file.load(GRAPHS / "rooms/simulated.yaml"), case.mix, seed=7, frames=FRAMES)
+        room = room if case.planes else replace(room, planes={})
         room_file.save(room, tmp_path / "room.yaml")
         options["room"] = tmp_path / "room.yaml"
         if case.marked:
