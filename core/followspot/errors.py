@@ -169,10 +169,19 @@ def did_you_mean(word: str, known: Collection[str], noun: str) -> Guess:
 
 def shown(text: str) -> str:
     """A text for a terminal: without control characters, and its middle left out if it is very long."""
-    text = _shortened(text)
+    return printable_lines(_shortened(text))
+
+
+def printable_lines(text: str) -> str:
+    """A text of several lines without control characters."""
+    return "\n".join(map(printable, text.split("\n")))
+
+
+def printable(text: str) -> str:
+    """A text on one line, with escapes in place of control characters: a sender could rewrite a terminal."""
     if text.isprintable():
         return text
-    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def _shortened(text: str) -> str:

@@ -96,7 +96,8 @@ class VerifyPairs(Stage):
         self.P = np.array([c.projection for c in self.room.cameras.values()]).reshape(-1, 3, 4)
         self.color = np.array([c.kind == "color" for c in self.room.cameras.values()], bool)
         self.fundamental = fundamental_stack(self.room).reshape(-1, 3, 3)
-        self.homography = homography_stack(self.room).reshape(len(self.room.planes), len(self.cameras) ** 2, 3, 3)
+        planes, orders = len(self.room.planes), len(self.cameras) ** 2
+        self.homography = homography_stack(self.room).reshape(planes, orders, 3, 3)
         self.lying = LyingTargets(self.room, self.params.resting_clearance)
         self.heard = np.zeros(len(self.cameras), bool)
         self.clutter = ClutterMap(self.room, self.params.clutter_memory)

@@ -25,6 +25,7 @@ import cv2  # noqa: F401 - its threads are not those of stages
 import numpy as np
 
 from followspot.host.forked_worker import EXIT_CODE, PID
+from followspot.own_process import module_command
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.worker.main import run_worker
 
@@ -112,7 +113,7 @@ def main() -> int:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     if threaded:
         os.set_inheritable(end, True)
-        os.execv(sys.executable, [sys.executable, "-m", "followspot.worker.main", str(end)])  # noqa: S606
+        os.execv(sys.executable, module_command("followspot.worker.main", str(end)))  # noqa: S606
     np.random.seed()  # noqa: NPY002 - else all workers would draw the same numbers
     return run_worker(end)
 

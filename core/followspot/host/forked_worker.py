@@ -8,9 +8,10 @@ import signal
 import socket
 import struct
 import subprocess
-import sys
 from collections.abc import Iterable
 from contextlib import suppress
+
+from followspot.own_process import module_command
 
 PID = struct.Struct("=q")
 """The server's answer to an order."""
@@ -114,7 +115,7 @@ class ForkServerProcess:
         ours, theirs = socket.socketpair(type=socket.SOCK_SEQPACKET)
         with theirs:
             self._server = subprocess.Popen(
-                [sys.executable, "-m", "followspot.host.fork_server", str(theirs.fileno()), *self._stages],
+                module_command("followspot.host.fork_server", str(theirs.fileno()), *self._stages),
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
             )

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import socket
 import subprocess
-import sys
 from collections.abc import Collection, Iterable
 
 from followspot.host.forked_worker import ForkServerProcess
 from followspot.host.worker_process import Process
+from followspot.own_process import module_command
 from followspot.plugins.registry import ours
 
 
@@ -33,7 +33,7 @@ class WorkerStarts:
         if self._fork_server is not None:
             return self._fork_server.start(end)
         return subprocess.Popen(
-            [sys.executable, "-m", "followspot.worker.main", str(end.fileno())],
+            module_command("followspot.worker.main", str(end.fileno())),
             pass_fds=[end.fileno()],
             stdin=subprocess.DEVNULL,
         )

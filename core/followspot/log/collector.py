@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from threading import Lock
 
+from followspot.errors import printable_lines
 from followspot.log.record import MAX_TEXT, Level, LogRecord
 from followspot.stage import LOGGER
 
@@ -64,7 +65,8 @@ class LogCollector(logging.Handler):
         return taken
 
     def _record(self, level: Level, stage: str, text: str) -> LogRecord:
-        return LogRecord(time.time_ns(), level, text[:MAX_TEXT], worker=self.worker, stage=stage[:200])
+        text = printable_lines(text)[:MAX_TEXT]
+        return LogRecord(time.time_ns(), level, text, worker=self.worker, stage=stage[:200])
 
 
 @contextmanager

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 
+from followspot.errors import printable
+
 
 class Tally:
     """warn: tells the user."""
@@ -14,11 +16,14 @@ class Tally:
         self._name, self._warn = name, warn
 
     def add(self, what: str, number: int = 1, why: str = "") -> None:
-        """Count, and tell the first. what: in the plural, such as "datagrams that cannot be read"."""
+        """Count, and tell the first.
+
+        what: in the plural, such as "datagrams that cannot be read"; why: may repeat what was received.
+        """
         if number <= 0:
             return
         if not self.counts[what]:
-            self._warn(f"{self._name}: first {what}{why and ': '}{why}")
+            self._warn(f"{self._name}: first {what}{why and ': '}{printable(why)}")
         self.counts[what] += number
 
     def tell(self) -> None:

@@ -18,6 +18,7 @@ from followspot.log.record import MAX_TEXT, LogRecord, records_from_data
 from followspot.log.run_log import KEPT, RunLog
 from followspot.stage import Context, Stage
 from followspot.worker.main import WorkerMain
+from followspot.worker.reporting.report import Warnings
 
 
 def record(text: str) -> LogRecord:
@@ -26,6 +27,17 @@ def record(text: str) -> LogRecord:
 
 def texts(log: RunLog, after: int = -1) -> list[str]:
     return [record.text for record in log.after(after).records]
+
+
+def test_what_others_sent_moves_no_cursor_and_colours_nothing() -> None:
+    collector, warnings = LogCollector("left"), Warnings()
+    sent = "sensor says \x1b[2J\x1b]0;title\x07 and \x9b31m\nover two lines"
+    collector.say("warning", "imu", sent)
+    warnings.add("imu", sent)
+    for text in (collector.take()[0].text, warnings.last["imu"], *warnings.lines()):
+        assert r"sensor says \x1b[2J\x1b]0;title\x07 and \x9b31m" in text
+        assert text.count("\n") == 1
+        assert all(character.isprintable() or character == "\n" for character in text)
 
 
 def test_what_stages_and_libraries_say_is_collected_while_the_block_runs() -> None:

@@ -96,3 +96,10 @@ def test_readings_come_in_si_units_with_the_intervals_of_the_device(write: objec
     np.testing.assert_allclose(work.column("field")[0], [0, -25, -50])
     assert np.isnan(work.column("field")[1:]).all()
     assert not work.told
+
+
+def test_what_a_device_tells_is_warned_of_on_one_line_without_control_characters() -> None:
+    with AtWork(Ximu3) as work:
+        work.send(b"F,123,\x1b[2J\x1b]0;mine\x07 all is well\r\n")
+    assert r"\x1b[2J\x1b]0;mine\x07 all is well" in work.told[0]
+    assert all(text.isprintable() for text in work.told)

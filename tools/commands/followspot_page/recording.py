@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import importlib.util
 import json
-import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -18,6 +17,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan
 from followspot.library.handle import RunHandle, Tapping
+from followspot.own_process import module_command
 from followspot.taps.receivers import tap_key
 from followspot_record.firings import firing_types
 from followspot_record.order import Order
@@ -96,7 +96,7 @@ class RecordButton:
     async def _begin(self, order: Order) -> dict[str, Any]:
         """Start the recorder; its first report. Raises FollowspotError."""
         pipe = asyncio.subprocess.PIPE
-        command = (sys.executable, "-m", "followspot_record.recorder_process")
+        command = module_command("followspot_record.recorder_process")
         self._process = await asyncio.create_subprocess_exec(
             *command, stdin=pipe, stdout=pipe, start_new_session=True
         )

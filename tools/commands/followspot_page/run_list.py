@@ -11,7 +11,6 @@ import os
 import socket
 import struct
 import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import suppress
@@ -23,6 +22,7 @@ from followspot import Network
 from followspot.errors import FollowspotError
 from followspot.library.attach import runs_under
 from followspot.library.handle import runs_here
+from followspot.own_process import module_command
 from followspot_page.showing import PageOrder
 from followspot_watch.runs import Listed, listed_here, listed_there
 
@@ -87,7 +87,7 @@ class RunList:
             return address
         order = replace(self._order, port=0, run="" if one.process else run, pid=one.process or 0)
         process = subprocess.Popen(
-            [sys.executable, "-m", "followspot_page.opened", json.dumps(asdict(order))],
+            module_command("followspot_page.opened", json.dumps(asdict(order))),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             text=True,

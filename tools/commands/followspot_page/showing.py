@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 
 from followspot import Network
 from followspot.errors import FollowspotError
+from followspot.own_process import module_command
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def address(host: str, port: int) -> str:
 def shown(order: PageOrder) -> Iterator[ShownPage]:
     """The page while the block runs. Raises FollowspotError if it cannot be served."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "followspot_page.server", json.dumps(asdict(order))],
+        module_command("followspot_page.server", json.dumps(asdict(order))),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,

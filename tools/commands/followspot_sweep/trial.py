@@ -7,13 +7,13 @@ import json
 import os
 import re
 import subprocess
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from followspot.files import read_bytes
+from followspot.own_process import module_command
 from followspot_sweep.axes import Point
 from followspot_sweep.figures import figures_of
 
@@ -66,10 +66,7 @@ def run(task: Task, started: Callable[[subprocess.Popen[str]], None]) -> Result:
     """Run the task and keep its summary. started: receives the process, so that the caller can end it."""
     task.folder.mkdir(parents=True, exist_ok=True)
     command = [
-        sys.executable,
-        "-m",
-        "followspot_sweep.bound",
-        str(os.getpid()),
+        *module_command("followspot_sweep.bound", str(os.getpid())),
         *task.command,
         "--out",
         str(task.folder),

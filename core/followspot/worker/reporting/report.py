@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from followspot.control.worker_report import RUN_AGAIN, StageReport, WorkerReport
+from followspot.errors import printable_lines
 from followspot.worker.scheduler import Worker
 
 MAX_WARNINGS = 200
@@ -22,7 +23,8 @@ class Warnings:
         """The newest of each stage."""
 
     def add(self, stage: str, text: str) -> None:
-        """A stage's warning; safe from any thread."""
+        """A stage's warning, which may repeat what others sent; safe from any thread."""
+        text = printable_lines(text)
         self.last[stage] = text
         self._tell(stage, text)
         line = f"{stage}: {text}"

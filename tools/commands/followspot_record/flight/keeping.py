@@ -10,6 +10,7 @@ from contextlib import contextmanager, suppress
 
 from followspot.errors import FollowspotError
 from followspot.library.handle import run_here
+from followspot.own_process import module_command
 from followspot_record.flight.order import FlightEnd, FlightOrder
 
 _WRITING = 300.0
@@ -37,7 +38,7 @@ class Keeping:
 def keeping(order: FlightOrder) -> Iterator[Keeping]:
     """Keep the last seconds of a run while the block runs; all files are complete after it."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "followspot_record.flight.process"],
+        module_command("followspot_record.flight.process"),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
