@@ -171,6 +171,9 @@ def _rows(
     for line, cells in enumerate(lines, 2):
         if not cells:
             continue
+        if any("\n" in cell for cell in cells):
+            text = "a quote that begins in this line goes on in the next"
+            raise InputError([Mistake(Place(file, line, 1), text, "close the quote, or remove it")])
         if len(cells) < needed:
             text = f"{len(cells)} columns, {needed} needed"
             raise InputError([Mistake(Place(file, line, 1), text, "the line is not complete")])

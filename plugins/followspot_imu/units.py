@@ -13,8 +13,10 @@ from followspot.rotation import signed_axes
 TURN, FORCE, MAGNETIC = ("gx", "gy", "gz"), ("ax", "ay", "az"), ("mx", "my", "mz")
 VALUES = (*TURN, *FORCE, *MAGNETIC)
 """What a reading may have: of the gyroscope, the accelerometer and the magnetometer, in this order."""
-MOST = np.repeat([1000.0, 10_000.0, 100_000.0], 3)
-"""Largest absolute value of each, rad/s, m/s^2 and uT: a multiple of what any sensor reads."""
+MOST = np.repeat([100.0, 10_000.0, 100_000.0], 3)
+"""Largest absolute value of each, rad/s, m/s^2 and uT: gyroscopes of props read up to 70 rad/s."""
+FORCE_AT_REST = (5.0, 20.0)
+"""Between these the median force of a sensor lies that is moved by hand, m/s^2; at rest it is 9.8."""
 DEGREE = np.pi / 180
 STANDARD_GRAVITY = 9.80665
 """m/s^2 in a g."""
@@ -68,3 +70,11 @@ def converted(values: Array, scale: Array, axes: str) -> tuple[Array, Array, Arr
     """Turn rate, specific force and field, (N, 3) each. values: (N, 9) in the order of `VALUES`."""
     turned = (values * scale).reshape(-1, 3, 3) @ signed_axes(axes).T
     return turned[:, 0], turned[:, 1], turned[:, 2]
+
+
+def doubt_of_force(force: Array) -> str:
+    """Why readings (N, 3) m/s^2 are hardly in the unit that was said, "" if they may be."""
+    size = float(np.median(np.linalg.norm(force, axis=1))) if len(force) else np.nan
+    if not size or FORCE_AT_REST[0] <= size <= FORCE_AT_REST[1] or np.isnan(size):
+        return ""
+    return f"the accelerometer reads {size:.3g} m/s^2 at the median, where a sensor at rest reads 9.8"

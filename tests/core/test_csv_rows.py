@@ -63,6 +63,15 @@ def test_a_file_with_none_of_the_optional_columns_has_rows(tmp_path: Path) -> No
     assert [row.has("z") for row in read_rows(path, [], ["z"])] == [False]
 
 
+def test_a_quote_that_is_not_closed_is_told_by_its_line(tmp_path: Path) -> None:
+    path = tmp_path / "readings.csv"
+    path.write_text('x,note\n1,fine\n2,"open\n3,more\n4,more\n')
+    rows = read_rows(path, ["x"])
+    assert next(rows).number("x") == 1
+    with pytest.raises(InputError, match=r"(?s)readings\.csv:3:1: a quote .* close the quote"):
+        next(rows)
+
+
 def test_empty_lines_are_passed_over_and_short_ones_refused(tmp_path: Path) -> None:
     path = tmp_path / "tracks.csv"
     path.write_text("x, y,more\n1,2,3\n\n4,5\n6\n")

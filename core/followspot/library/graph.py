@@ -8,6 +8,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Literal
 
+import numpy as np
+
 from followspot.document import dump
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.compile import compile_graph
@@ -111,8 +113,7 @@ class Graph:
             return self._add_file(name, Path(uses), each, arguments)
         used = uses if isinstance(uses, str) else offer_stage(uses)
         inputs = set() if used == ROOM_SOURCE else _inputs(load_stage(used), arguments)
-        feeds = {key: _feed(value) for key, value in arguments.items() if key in inputs}
-        params = {key: _plain(value) for key, value in arguments.items() if key not in inputs}
+        feeds, params = _sorted(name, arguments, inputs)
         entry = {
             "uses": used,
             "each": each,
@@ -130,13 +131,13 @@ class Graph:
     def _add_file(self, name: str, file: Path, each: str | None, arguments: dict[str, Any]) -> StageOf:
         """Add a sub-graph. cameras among the arguments: a selector of cameras. Raises InputError."""
         cameras = arguments.pop("cameras", None)
-        inputs = input_names(file)
+        feeds, params = _sorted(name, arguments, input_names(file))
         entry = {
             "graph": str(file.absolute()),
             "cameras": cameras,
             "each": each,
-            "in": {key: _feed(value) for key, value in arguments.items() if key in inputs} or None,
-            "with": {key: _plain(value) for key, value in arguments.items() if key not in inputs} or None,
+            "in": feeds or None,
+            "with": params or None,
         }
         self.stages[name] = {key: value for key, value in entry.items() if value is not None}
         return StageOf(name)
@@ -188,6 +189,34 @@ def _inputs(stage: type[Stage], names: Collection[str]) -> set[str]:
     return {name for name in names if name not in taken and found.input(name) is not None}
 
 
+def _sorted(
+    stage: str, arguments: Mapping[str, Any], inputs: Collection[str]
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The inputs and the parameters among a stage's arguments, in the form of a graph file.
+
+    What is fed from a stage is an input, known or not, so that a check names the one that was meant. Raises
+    FollowspotError for a value that a file cannot hold.
+    """
+    fed = {key for key, value in arguments.items() if key in inputs or _feeds(value)}
+    feeds = {key: _feed(value) for key, value in arguments.items() if key in fed}
+    params = {}
+    for key, value in arguments.items():
+        if key in fed:
+            continue
+        try:
+            params[key] = _plain(value)
+        except TypeError as error:
+            raise FollowspotError(f'parameter "{key}" of stage "{stage}" holds {error}') from None
+    return feeds, params
+
+
+def _feeds(value: Any) -> bool:
+    """Whether a value is a stage or a port, or a list of these."""
+    if isinstance(value, list | tuple):
+        return bool(value) and all(map(_feeds, value))
+    return isinstance(value, StageOf | PortOf)
+
+
 def _feed(value: Any) -> Any:
     """The sender of an input in the form of a graph file. Raises FollowspotError."""
     if isinstance(value, StageOf):
@@ -200,11 +229,15 @@ def _feed(value: Any) -> Any:
 
 
 def _plain(value: Any) -> Any:
-    """A parameter in YAML's types."""
+    """A parameter in YAML's types. Raises TypeError for a value of another one."""
+    if isinstance(value, np.generic | np.ndarray):
+        value = value.tolist()
     if isinstance(value, Path):
         return str(value.absolute())
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [_plain(item) for item in value]
-    return value
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    raise TypeError(f"a {type(value).__name__}; a graph file takes numbers, text, lists and mappings")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
+from pydantic import field_validator
 
 from followspot import Field, OutputHost
-from followspot.messages import Array
 from followspot.people import Poses
+from followspot.rotation import signed_axes
 from followspot.tracking import Tracks
 from followspot_sinks.datagrams import DatagramSink
 from followspot_sinks.psn.packets import data_packets, info_packets
@@ -30,16 +30,22 @@ class PsnSink(DatagramSink):
         )
         axes: str = Field(
             "x z y",
-            pattern=r"^[+-]?[xyz] [+-]?[xyz] [+-]?[xyz]$",
+            pattern=r"^-?[xyz] -?[xyz] -?[xyz]$",
             description="the room's axes that are PSN's x (right), y (up) and z (depth)",
         )
+
+        @field_validator("axes")
+        @classmethod
+        def _check_axes(cls, value: str) -> str:
+            signed_axes(value)
+            return value
 
     params: Params
 
     def setup(self) -> None:
         """Open the socket. Raises InputError if the host is unknown."""
         super().setup()
-        self.axes = axes_matrix(self.params.axes)
+        self.axes = signed_axes(self.params.axes)
         self.frame = 0
         self.named_at = -SECOND
 
@@ -90,9 +96,3 @@ class PsnPoses(PsnSink):
     def process(self, poses: Poses) -> None:
         """Send one frame."""
         self.send(self.persons.after(poses), poses.header.time)
-
-
-def axes_matrix(text: str) -> Array:
-    """(3, 3) that makes PSN's axes from the room's, for example of "x z -y"."""
-    rows = [(-1.0 if word[0] == "-" else 1.0) * np.eye(3)["xyz".index(word[-1])] for word in text.split()]
-    return np.array(rows)

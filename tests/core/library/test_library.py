@@ -11,9 +11,11 @@ import threading
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import followspot as fs
+from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan_data import plan_to_data
 from followspot.tracking import Blobs, Tracks
@@ -232,6 +234,24 @@ def test_a_composed_graph_is_saved_checked_drawn_and_run_with_a_class_of_this_pr
     assert max(heights) < 1.2
     with pytest.raises(fs.FollowspotError, match="low: a class of this process cannot run beside"):
         fs.run(graph, placement="camera", out=tmp_path)
+
+
+def test_numbers_of_numpy_are_parameters_and_another_value_is_named() -> None:
+    graph = fs.Graph("mine", room=ROOM)
+    graph.add("camera", "room.source", each="cameras")
+    frame, each = graph.port("camera"), "cameras[kind=color]"
+    color = graph.add("color", "balls.color_blobs", each=each, similarity=np.float64(0.9), frame=frame)
+    assert "similarity: 0.9" in graph.to_yaml()
+    with pytest.raises(FollowspotError, match=r'parameter "tolerance_3d" of stage "fuse" holds a set'):
+        graph.add("fuse", "balls.mean_shift", candidates=color.out, tolerance_3d={1, 2})
+
+
+def test_a_misspelt_input_is_told_with_the_right_one() -> None:
+    graph = fs.Graph("mine", room=ROOM)
+    balls = graph.add("balls", GRAPH)
+    graph.add("again", "balls.kalman", positionz=balls.tracks)
+    (mistake,) = [m for m in fs.check(graph) if "positionz" in m.text]
+    assert "positions" in mistake.remedy
 
 
 def test_a_saved_graph_is_the_same_as_the_composed_one(tmp_path: Path) -> None:

@@ -106,7 +106,7 @@ WRONG = {
         {},
         r"a\.csv:3:13: .*within 10000; check the units",
     ),
-    "degrees": (f"{HEAD}\n0,60000,2,3,4,5,6\n", {"turn_unit": "deg/s"}, r"within 57295\.8; check"),
+    "degrees": (f"{HEAD}\n0,6000,2,3,4,5,6\n", {"turn_unit": "deg/s"}, r"within 5729\.6; check"),
     "order": (f"{HEAD}\n1,1,2,3,4,5,6\n1,1,2,3,4,5,6\n", {}, r"a\.csv:3:1: time 1 s comes after 1 s.*sort"),
     "time": (f"{HEAD}\n1e99,1,2,3,4,5,6\n", {}, r'a\.csv:2:1: "1e99" in column time.*a time in s'),
     "sensor": (f"{HEAD},sensor\n1,1,2,3,4,5,6,imu1\n", {}, r'a\.csv:2:15: "imu1" in column sensor.*"imu0"'),
@@ -173,3 +173,42 @@ def test_the_stage_keeps_every_promise(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     path.write_text(HEAD + "\n" + "".join(f"{k / 100},1,2,3,4,5,6\n" for k in range(40)))
     check_stage(ImuCsv, messages=200, path=path)
+
+
+def rows_at_rest(force: float, turn: float = 0.1) -> str:
+    return HEAD + "\n" + "".join(f"{k / 100},{turn},0,0,0,0.1,{force}\n" for k in range(50))
+
+
+@pytest.mark.parametrize(
+    ("text", "params"),
+    [(rows_at_rest(1.0), {}), (rows_at_rest(9.8), {"force_unit": "g"}), (rows_at_rest(980.0), {})],
+)
+def test_a_force_of_another_unit_is_warned_of_by_check_and_run(
+    tmp_path: Path, text: str, params: dict[str, Any]
+) -> None:
+    told: list[str] = []
+    stage = imu_csv(tmp_path / "readings.csv", text, told.append, **params)
+    (mistake,) = ImuCsv.check_files(stage.params, tiny_room(), Member("sensors", "imu0"))
+    assert mistake.warning
+    for words in (str(mistake), *told):
+        assert "m/s^2 at the median, where a sensor at rest reads 9.8" in words
+        assert "force_unit" in words
+    assert len(told) == 1
+
+
+def test_a_force_of_the_right_unit_is_not_warned_of(tmp_path: Path) -> None:
+    told: list[str] = []
+    for text, params in (
+        (rows_at_rest(9.8), {}),
+        (rows_at_rest(1.0), {"force_unit": "g"}),
+        (HEAD + "\n", {}),
+    ):
+        stage = imu_csv(tmp_path / "readings.csv", text, told.append, **params)
+        assert not [*ImuCsv.check_files(stage.params, tiny_room(), Member("sensors", "imu0"))]
+    assert [text for text in told if "median" in text] == []
+
+
+def test_degrees_that_are_meant_as_radians_are_refused_with_their_line(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"(?s)readings\.csv:2:.*gx"):
+        imu_csv(tmp_path / "readings.csv", rows_at_rest(9.8, turn=180.0))
+    imu_csv(tmp_path / "readings.csv", rows_at_rest(9.8, turn=180.0), turn_unit="deg/s")

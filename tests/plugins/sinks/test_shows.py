@@ -23,7 +23,7 @@ from followspot.people import Poses, Skeletons
 from followspot.rotation import from_rotation_vector
 from followspot.tracking import Tracks
 from followspot_sinks.osc import Osc, OscPoses, joint_bundle
-from followspot_sinks.psn.stage import Psn, PsnPoses, axes_matrix
+from followspot_sinks.psn.stage import Psn, PsnPoses
 from followspot_sinks.slots import PersonSlots
 from followspot_sinks.udp_json import UdpJson
 
@@ -178,8 +178,10 @@ def test_a_heading_turns_about_the_axis_that_is_up_on_stage(receiver: socket.soc
         assert list(pypsn.parse_psn_packet(packet).trackers[0].ori) == pytest.approx(turned), axes
 
 
-def test_axes_are_a_signed_permutation() -> None:
-    assert axes_matrix("x z -y").tolist() == [[1, 0, 0], [0, 0, 1], [0, -1, 0]]
+@pytest.mark.parametrize("axes", ["x x z", "x y", "-z -z -z"])
+def test_axes_that_are_no_permutation_are_refused(axes: str) -> None:
+    with pytest.raises(ValueError, match=r"axes"):
+        Psn(Context(room=ROOM), host="127.0.0.1", axes=axes)
 
 
 def test_a_person_keeps_a_slot_until_gone_for_good() -> None:
