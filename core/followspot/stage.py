@@ -201,6 +201,11 @@ class Stage:
     """What helps if the stage gets messages and never gives one with rows; the summary of such a run shows
     it."""
 
+    join_tolerance: ClassVar[float] = 0.004
+    """Largest difference in capture time of messages that fire together, s, unless the graph says another.
+    With 0 only equal times fire together, so that no message lacks a partner: for stages that take each
+    message by itself, as files do."""
+
     state_lacks: ClassVar[str] = ""
     """What `state` leaves out because it is too large to travel, as pictures are; "" for nothing. A successor
     carries on without it and gives other results at first, and `followspot verify` repeats the stage from its

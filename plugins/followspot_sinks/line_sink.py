@@ -19,6 +19,7 @@ class LineSink(Stage):
     The file on disk ends with a whole line at any time, so that it is valid also after a kill.
     """
 
+    join_tolerance = 0.0
     file: FileIO | None = None
 
     def setup(self) -> None:

@@ -95,7 +95,7 @@ def planned_stage(checked: CheckedStage, placed: Placed, room: Room) -> PlannedS
         worker=placed.worker_of[instance.name],
         live=checked.stage.live,
         on_error=declared.on_error,
-        tolerance=declared.tolerance,
+        tolerance=checked.tolerance,
         deadline=declared.deadline,
         depth=declared.depth or live_depth(nominal_rate(checked, room) if checked.stage.live else None),
         concurrency=declared.concurrency,

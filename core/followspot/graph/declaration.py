@@ -89,7 +89,8 @@ class StageDeclaration:
     inputs: tuple[InputDeclaration, ...]
     params: Mapping[str, Node]
     on_error: ErrorPolicy
-    tolerance: float
+    tolerance: float | None
+    """None for that of the stage class."""
     deadline: float
     optional: bool = False
     """True if the room may lack all that the stage fans out over; the stage is left out then."""
@@ -109,7 +110,6 @@ def read_stage(name: str, node: Node, mistakes: list[Mistake]) -> StageDeclarati
         mistakes.append(Mistake(node.key, f'"{name}" cannot be the name of a stage', remedy))
     form = Form(node, f'stage "{name}"', ENVELOPE, mistakes)
     each = form.get("each")
-    tolerance = form.number("tolerance", least=0.0, most=MAX_WAIT)
     deadline = form.number("deadline", least=0.0, most=MAX_WAIT)
     return StageDeclaration(
         name=name,
@@ -120,7 +120,7 @@ def read_stage(name: str, node: Node, mistakes: list[Mistake]) -> StageDeclarati
         inputs=tuple(_input(port, feeds, mistakes) for port, feeds in form.mapping("in").items()),
         params=form.mapping("with"),
         on_error=cast(ErrorPolicy, form.text("on_error", choices=_POLICIES) or "fail"),
-        tolerance=PlannedStage.tolerance if tolerance is None else tolerance,
+        tolerance=form.number("tolerance", least=0.0, most=MAX_WAIT),
         deadline=PlannedStage.deadline if deadline is None else deadline,
         optional=form.switch("optional"),
         depth=form.whole("depth", least=1, most=MAX_DEPTH),

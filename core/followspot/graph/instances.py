@@ -38,6 +38,12 @@ class CheckedStage:
     stage: type[Stage]
     params: Mapping[str, Any]
 
+    @property
+    def tolerance(self) -> float:
+        """Largest difference in capture time of what fires together, s: the graph's, or the stage's own."""
+        written = self.instance.declared.tolerance
+        return self.stage.join_tolerance if written is None else written
+
 
 @dataclass(frozen=True)
 class Wire:

@@ -128,7 +128,7 @@ def _origin(node: Node, use: SubgraphUse, *, tuned: bool) -> Origin:
 
 def _is_alike(plan: Plan, use: SubgraphUse, found: Composed) -> bool:
     """True if the file has the stages, edges, outputs and policies of the old one."""
-    old, new = _inside(plan, use), {stage.instance.name: stage.instance for stage in found.stages}
+    old, new = _inside(plan, use), {stage.instance.name: stage for stage in found.stages}
     if old.keys() != new.keys() or _edges(plan, old) != found.edges:
         return False
     for name, before in plan.offered.items():
@@ -136,9 +136,9 @@ def _is_alike(plan: Plan, use: SubgraphUse, found: Composed) -> bool:
         if (subgraph == use.name or use.holds(subgraph)) and found.outputs.get(name, before) != before:
             return False
     return _has_read_outputs(plan, use, found) and all(
-        (one.declared.on_error, one.declared.tolerance, one.declared.deadline)
-        == (old[one.name].on_error, old[one.name].tolerance, old[one.name].deadline)
-        for one in new.values()
+        (one.instance.declared.on_error, one.tolerance, one.instance.declared.deadline)
+        == (old[name].on_error, old[name].tolerance, old[name].deadline)
+        for name, one in new.items()
     )
 
 

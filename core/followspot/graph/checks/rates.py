@@ -25,12 +25,15 @@ def joins_of_unequal_rates(flow: Flow, room: Room) -> Iterator[Mistake]:
     """Stages that join streams of known, different rates: a join gives as many sets as the slowest has."""
     rates = _rates(flow, room)
     for name, edges in flow.firing_edges.items():
+        reader = flow.stages[name]
+        if not reader.tolerance:  # it takes each message by itself
+            continue
         known = [(rate, edge) for edge in edges if (rate := rates[edge.wire.source.name]) is not None]
         if not known:
             continue
         slowest, fastest = (pick(known, key=lambda found: found[0]) for pick in (min, max))
         if fastest[0] > _ALIKE * slowest[0]:
-            yield _mistake(flow.stages[name], fastest, slowest)
+            yield _mistake(reader, fastest, slowest)
 
 
 def _mistake(

@@ -12,6 +12,7 @@ from followspot.control.clock_status import ClockStatus
 from followspot.control.worker_report import RUN_AGAIN, WorkerReport
 from followspot.graph.plan import Plan, PlannedEdge
 from followspot.operator.reporting.silence import Silence, silences
+from followspot.operator.reporting.unused import unused
 from followspot.worker.ledger import COLUMNS, EdgeCount, Ledger
 
 
@@ -40,8 +41,9 @@ class RunReport:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """The news of the run and the warnings of all workers."""
-        return (*self.news, *(text for worker in self.workers for text in worker.warnings))
+        """The news of the run, the warnings of all workers, and what joins did not use."""
+        told = (text for worker in self.workers for text in worker.warnings)
+        return (*self.news, *told, *unused(self.plan, self.edges))
 
     @cached_property
     def silences(self) -> tuple[Silence, ...]:

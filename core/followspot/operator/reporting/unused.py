@@ -1,0 +1,42 @@
+"""Messages that joins did not use, because their partners never came or came too late."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+
+from followspot.graph.plan import Plan, PlannedEdge
+from followspot.worker.ledger import EdgeCount
+
+FEWEST, SHARE = 5, 0.02
+"""Messages of an edge, and share of all that were sent, from which a user is told: at the ends of streams
+some always lack a partner."""
+
+
+def unused(plan: Plan, edges: Sequence[tuple[PlannedEdge, EdgeCount]]) -> tuple[str, ...]:
+    """A line for each group of edges of which joins did not use many messages. Those that a live run drops by
+    its policy are not among them.
+    """
+    group = {stage.name: stage.group for stage in plan.stages}
+    counts: dict[str, list[EdgeCount]] = defaultdict(list)
+    for edge, count in edges:
+        ends = group.get(edge.from_stage, edge.from_stage), group.get(edge.to_stage, edge.to_stage)
+        counts[f"{ends[0]}.{edge.from_port} -> {ends[1]}.{edge.to_port}"].append(count)
+    return tuple(line for name, found in counts.items() for line in _lines(name, found))
+
+
+def _lines(name: str, counts: Sequence[EdgeCount]) -> list[str]:
+    sent = sum(count.sent for count in counts)
+    unmatched, late = (sum(getattr(count, kind) for count in counts) for kind in ("unmatched", "late"))
+    lines = []
+    if _many(unmatched, sent):
+        remedy = "raise tolerance, or give each sender a reader of its own"
+        lines.append(f"{name}: {unmatched} of {sent} messages found no partner and were not used: {remedy}")
+    if _many(late, sent):
+        remedy = "raise deadline, or check the clocks of the senders"
+        lines.append(f"{name}: {late} of {sent} messages came too late for their join: {remedy}")
+    return lines
+
+
+def _many(count: int, sent: int) -> bool:
+    return count >= FEWEST and count > SHARE * sent
