@@ -108,8 +108,8 @@ class Bundle(Fusion):
             10.0,
             gt=0,
             unit="1",
-            description="exponent of the distrust over the trust of all views in the odds that the rejected "
-            "ones are right; raising it trusts majorities more",
+            description="exponent of (rejected weight / accepted weight) in the odds that the rejected views "
+            "are right; raising it trusts majorities more",
         )
 
     params: Params

@@ -158,24 +158,24 @@ def within(xyz: Array, place: Array, reach: float) -> Array:
     return np.asarray(np.vecdot(off, off) < reach * reach)
 
 
-def certain(places: Places, rules: Confirmation, alike: int, already: bool, complete: bool) -> bool:
+def certain(places: Places, confirmation: Confirmation, alike: int, already: bool, complete: bool) -> bool:
     """Whether the likeliest place is the target's: sure by itself, or far ahead of its rivals.
 
     alike: targets that look the same and are sought, too; each may be at one of the next places; already:
     whether it was so in the frame before; then it stays while more speaks for it than against it; complete:
-    whether three views that all make pairs with each other show it; that counts as half the lead, and twice
-    for its being sure.
+    whether three views that all make pairs with each other show it; they reduce the required lead by half of
+    `margin`, and the required odds by the whole of it.
     """
     odds = places.odds
     if not len(odds):
         return False
     if already:
         return bool(odds[0] > 0)
-    bonus = rules.margin / 2 * complete
+    bonus = confirmation.margin / 2 * complete
     first = odds[0] + bonus
     lead = first - odds[alike + 1] if len(odds) > alike + 1 else np.inf
-    sure = first + bonus >= rules.confirmed or (first > 0 and lead >= 2 * rules.margin)
-    return bool(sure and lead >= rules.margin)
+    sure = first + bonus >= confirmation.confirmed or (first > 0 and lead >= 2 * confirmation.margin)
+    return bool(sure and lead >= confirmation.margin)
 
 
 def _apart(ordered: list[tuple[Array, float, int]], bound: float, reach: float) -> tuple[Places, Array]:

@@ -60,7 +60,8 @@ class Triangulate(Stage):
             2.0,
             gt=0,
             unit="1",
-            description="largest blob area over the expected one, likewise; lowering it avoids mistakes",
+            description="largest blob area over the expected one while the target is not tracked; lowering "
+            "it avoids mistakes",
         )
         claim_radius: float = Field(
             1.5,

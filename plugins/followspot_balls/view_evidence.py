@@ -45,7 +45,7 @@ class FrameBlobs(NamedTuple):
     """The blobs of one frame."""
 
     table: Sightings
-    """FrameBlobs of C cameras, up to K in each."""
+    """The blobs of C cameras, up to K in each."""
     sizes: Array
     """(C, K) areas over that of a ball of unit radius at unit depth."""
     rivals: Array

@@ -53,7 +53,11 @@ class FindOrientation(Stage):
             False, description="use the magnetometer for the heading (vqf): only where no iron is near"
         )
         inclination_sigma: float = Field(
-            0.02, gt=0, unit="rad", description="sigma of the inclination in motion, as it is sent"
+            0.02,
+            gt=0,
+            unit="rad",
+            description="sigma of the inclination in motion, which the stage sends with each orientation; "
+            "raising it lets receivers trust the inclination less",
         )
         maximum_gap: float = Field(
             0.5,

@@ -77,7 +77,11 @@ class Fusion(Stage):
             description="time without a pose until a person is deleted; raising it bridges more",
         )
         memory_time: float = Field(
-            120.0, gt=0, unit="s", description="time for which a deleted person's numbers are remembered"
+            120.0,
+            gt=0,
+            unit="s",
+            description="time for which a deleted person's numbers are remembered; raising it gives persons "
+            "who return later their old number",
         )
 
     params: Params
