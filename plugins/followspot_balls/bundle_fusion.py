@@ -14,11 +14,11 @@ from followspot_balls.bundle.glow import glow_sigma, nearest_planes
 from followspot_balls.bundle.points import (
     PARAMETERS,
     Belief,
-    Model,
+    Projection,
     Views,
     empty_belief,
     estimated,
-    glowing_model,
+    glowing_projection,
     images,
     linearised,
     point_images,
@@ -207,8 +207,8 @@ class Bundle(Fusion):
             vector[~lost, :3] = (weight @ forecast.xyz[known, :, None])[..., 0]
         return Belief(vector, information)
 
-    def glow(self, xyz: Array, radius: Array) -> tuple[Model, Belief]:
-        """The model of glowing balls near these positions (M, 3) m, and the prior of their glow."""
+    def glow(self, xyz: Array, radius: Array) -> tuple[Projection, Belief]:
+        """The projection of glowing balls near these positions (M, 3) m, and the prior of their glow."""
         normal, clearance = nearest_planes(self.planes, xyz, radius)
         sigma = glow_sigma(clearance, self.params.glow_sigma, self.params.glow_range)
         vector, information = empty_belief(len(xyz))
@@ -216,7 +216,7 @@ class Bundle(Fusion):
         information[:, 3, 3] = 1 / np.square(np.maximum(sigma, DARK))
         vector[:, :3] = VAGUE * xyz
         vector[:, 3] = -self.params.glow_mean * sigma * information[:, 3, 3]
-        return glowing_model(self.P, normal, self.color), Belief(vector, information)
+        return glowing_projection(self.P, normal, self.color), Belief(vector, information)
 
     def refined(self, start: Array, claims: Claims, expected: Belief, cutoff: Array | float) -> Fit:
         """The most likely positions, from nearby starts (M, 3) m.
@@ -226,15 +226,15 @@ class Bundle(Fusion):
         cutoff: sigmas at which a view keeps a quarter of its weight.
         """
         p = self.params
-        model, glow = self.glow(start, claims.radius)
+        projection, glow = self.glow(start, claims.radius)
         row, camera = np.arange(len(start)), np.arange(len(self.P))
         origin = np.zeros((len(start), PARAMETERS))
         origin[:, :3] = start
-        seen = images(model, origin)
+        seen = images(projection, origin)
         slot, found = assigned(claims, seen)
         spread = self.variance(shares(claims, seen.depth, row, slot))
         views = Views(claims.xy[camera, slot], found / spread, cutoff**2 * p.blob_sigma * np.sqrt(spread))
-        design = linearised(model, seen, views)
+        design = linearised(projection, seen, views)
         glow = glow.relative(origin)
         belief = glow.and_also(expected.relative(origin))
         step = np.zeros_like(origin)

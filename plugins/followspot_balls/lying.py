@@ -9,6 +9,7 @@ from followspot.room import Room
 from followspot.tracking import LOST, Forecast
 from followspot_balls.bundle.points import point_images
 from followspot_balls.outline import unit_outline
+from followspot_balls.search import target_radii
 from followspot_balls.single_view import nearest_planes
 
 
@@ -21,7 +22,7 @@ class LyingTargets:
         self.P = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
         self.centers = np.array([c.center for c in cameras]).reshape(-1, 1, 3)
         self.planes = np.array(list(room.planes.values())).reshape(-1, 4)
-        self.radius = np.array([t.radius for t in room.targets.values()])
+        self.radius = target_radii(room)
         self.outline = unit_outline(room)[:, None]
 
     def shown(self, ends: Array, cameras: Array, targets: Array, forecast: Forecast) -> Array:

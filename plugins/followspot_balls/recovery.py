@@ -17,7 +17,7 @@ from followspot import Array, Field, Room, StageParams
 from followspot.tracking import MISSING, Candidates, Forecast, Positions
 from followspot_balls.hypotheses import Hypotheses
 from followspot_balls.likelihood import (
-    Model,
+    BallModel,
     ball_ratio,
     coincidences,
     information,
@@ -25,7 +25,7 @@ from followspot_balls.likelihood import (
     reflector_ratio,
 )
 from followspot_balls.search import lost_targets, tracked_targets
-from followspot_balls.view_evidence import ViewEvidence, Views
+from followspot_balls.view_evidence import PlaceViews, ViewEvidence
 from followspot_balls.view_params import ViewParams
 
 ELSEWHERE = 1.0
@@ -77,7 +77,9 @@ class Recovery:
         """(T, 3) m, that place."""
         self.evidence = ViewEvidence(
             room,
-            Model(p.detection, p.clutter, p.neighbourhood, p.blob_sigma, p.relative_sigma, p.hidden_sigma),
+            BallModel(
+                p.detection, p.clutter, p.neighbourhood, p.blob_sigma, p.relative_sigma, p.hidden_sigma
+            ),
             remembering=True,
         )
 
@@ -168,7 +170,7 @@ class Recovery:
             ratio[:, close] = self.weighed(*self.evidence.refined(near, seen, blobs, self.shown))
         return ratio
 
-    def weighed(self, found: Hypotheses, views: Views) -> Array:
+    def weighed(self, found: Hypotheses, views: PlaceViews) -> Array:
         """The log-likelihood ratios of hypotheses from their views, as of :meth:`ratios`: (2, M)."""
         known = information(views.jacobian, precision(views.likely, views.ratio))
         chance = coincidences(known, self.color, 1 / found.variance)
