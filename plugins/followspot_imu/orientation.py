@@ -7,13 +7,13 @@ from typing import Any, Literal
 import numpy as np
 
 from followspot import Array, Field, Stage, StageParams
+from followspot.frame_times import NANOSECOND
 from followspot.inertial import Inertial, Orientation
 from followspot.messages import MAX_TIME
 from followspot.rotation import canonical
 from followspot_imu.attitude import GRAVITY, AttitudeFilter, Complementary
 from followspot_imu.versatile import Versatile
 
-NANOSECOND = 1e-9
 COUNTED = 32
 """Readings over which the rate is measured if the room does not say it."""
 FIRST_SPEED = 3.0

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from followspot import Array, Field, Joined, Stage, StageParams
+from followspot.frame_times import NANOSECOND
 from followspot.geometry import wrap
 from followspot.people import Poses
 from followspot.plain_values import from_plain, to_plain
@@ -16,7 +17,6 @@ from followspot_persons.association import matched
 from followspot_persons.place_filter import PlaceTrack
 from followspot_persons.sightings import Sightings, blended, sightings_of
 
-NANOSECOND = 1e-9
 FAMILIAR = 0.5
 """Factor on the distance to a camera's person that was assigned to this person before."""
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from followspot.errors import Mistake
+from followspot.frame_times import NANOSECOND
 from followspot.messages import Array
 from followspot.room import Camera, Member, Room
 from followspot.stage import Stage
@@ -19,7 +20,6 @@ from followspot_target_filter.life_cycle import Evidence, Left, LifeCycle, coast
 from followspot_target_filter.marks import marked, untold
 from followspot_target_filter.motion_model import MotionModel
 
-NANOSECOND = 1e-9
 DEFAULT_PERIOD = 1 / 30
 """Frame interval before the second frame, s."""
 
