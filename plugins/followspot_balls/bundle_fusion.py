@@ -8,9 +8,10 @@ import numpy as np
 
 from followspot import Array, Field, Latest
 from followspot.tracking import Candidates, Forecast, Positions
+from followspot_balls.bounding_planes import nearest_planes
 from followspot_balls.bundle.assignment import Claims, assigned, shares, squared_errors
 from followspot_balls.bundle.contradiction import contradicted
-from followspot_balls.bundle.glow import glow_sigma, nearest_planes
+from followspot_balls.bundle.glow import glow_sigma
 from followspot_balls.bundle.points import (
     PARAMETERS,
     Belief,
@@ -210,7 +211,7 @@ class Bundle(Fusion):
     def glow(self, xyz: Array, radius: Array) -> tuple[Projection, Belief]:
         """The projection of glowing balls near these positions (M, 3) m, and the prior of their glow."""
         normal, clearance = nearest_planes(self.planes, xyz, radius)
-        sigma = glow_sigma(clearance, self.params.glow_sigma, self.params.glow_range)
+        sigma = glow_sigma(np.maximum(clearance, 0.0), self.params.glow_sigma, self.params.glow_range)
         vector, information = empty_belief(len(xyz))
         information[:, PLACE, PLACE] = VAGUE
         information[:, 3, 3] = 1 / np.square(np.maximum(sigma, DARK))

@@ -16,14 +16,7 @@ import numpy as np
 from followspot import Array, Field, Room, StageParams
 from followspot.tracking import MISSING, Candidates, Forecast, Positions
 from followspot_balls.hypotheses import Hypotheses
-from followspot_balls.likelihood import (
-    BallModel,
-    ball_ratio,
-    coincidences,
-    information,
-    precision,
-    reflector_ratio,
-)
+from followspot_balls.likelihood import ball_ratio, coincidences, information, precision, reflector_ratio
 from followspot_balls.search import lost_targets, tracked_targets
 from followspot_balls.view_evidence import PlaceViews, ViewEvidence
 from followspot_balls.view_params import ViewParams
@@ -75,13 +68,7 @@ class Recovery:
         """(T,) nats, what frames in a row said for an evident place of each lost target."""
         self.place = np.zeros((len(room.targets), 3))
         """(T, 3) m, that place."""
-        self.evidence = ViewEvidence(
-            room,
-            BallModel(
-                p.detection, p.clutter, p.neighbourhood, p.blob_sigma, p.relative_sigma, p.hidden_sigma
-            ),
-            remembering=True,
-        )
+        self.evidence = ViewEvidence(room, p, remembering=True)
 
     def judged(self, positions: Positions, candidates: Candidates, forecast: Forecast | None) -> Positions:
         """The positions without those of lost targets that the views contradict.

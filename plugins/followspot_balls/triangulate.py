@@ -7,12 +7,12 @@ from functools import cached_property
 import numpy as np
 
 from followspot import Array, Field, Latest, Room, Stage, StageParams
-from followspot.geometry import back_projection, triangulate_pairs
 from followspot.tracking import Candidates, Forecast, Pairs
 from followspot_balls.bounding_planes import facing_planes
 from followspot_balls.disagreement import UNCOVERED, Disagreement
 from followspot_balls.hue import BINS
 from followspot_balls.outline import unit_outline
+from followspot_balls.pair_rays import PairRays
 from followspot_balls.search import (
     in_search_spheres,
     lost_targets,
@@ -91,8 +91,8 @@ class Triangulate(Stage):
 
     def setup(self) -> None:
         cameras = self.room.cameras.values()
-        self.centers = np.array([c.center for c in cameras]).reshape(-1, 3)
-        self.back = np.array([back_projection(c) for c in cameras]).reshape(-1, 3, 3)
+        self.rays = PairRays(self.room)
+        self.centers = self.rays.centers
         self.planes = facing_planes(self.room, self.centers)
         self.radii = target_radii(self.room)
         self.projection = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
@@ -104,10 +104,7 @@ class Triangulate(Stage):
         self.ambiguous = bool(self.alike.any())
 
     def process(self, pairs: Pairs, forecast: Latest[Forecast] = None) -> Candidates:
-        back, xy = self.back.take(pairs.view, axis=0), pairs.xy[..., None]
-        rays = back[..., 0] * xy[:, :, 0] + back[..., 1] * xy[:, :, 1] + back[..., 2]
-        rays /= np.sqrt(np.vecdot(rays, rays))[..., None]
-        xyz = triangulate_pairs(self.centers.take(pairs.view, axis=0), rays)
+        xyz = self.rays.points(pairs)
         shares = self.unit_shares(xyz, pairs)
         targets = pairs.targets & self.within(xyz, pairs, forecast) & self.above_planes(xyz)
         tracked = tracked_targets(forecast, len(self.radii))

@@ -14,7 +14,7 @@ from followspot_balls.evidence import appearing
 from followspot_balls.existence import Existence, Rules, followed, restored
 from followspot_balls.finite import finite_candidates, finite_forecast
 from followspot_balls.hypotheses import Hypotheses, MotionPrior, hypotheses
-from followspot_balls.likelihood import BallModel, ball_ratio, coincidences, information, precision
+from followspot_balls.likelihood import ball_ratio, coincidences, information, precision
 from followspot_balls.search import lost_targets, tracked_targets
 from followspot_balls.view_evidence import PlaceViews, ViewEvidence
 from followspot_balls.view_params import ViewParams
@@ -85,10 +85,7 @@ class ViewAssociation(Stage, ABC):
         self.color = np.array([c.kind == "color" for c in cameras], bool)
         self.colored = bool(self.color.any())
         self.depth = any(c.kind == "depth" for c in cameras)
-        model = BallModel(
-            p.detection, p.clutter, p.neighbourhood, p.blob_sigma, p.relative_sigma, p.hidden_sigma
-        )
-        self.evidence = ViewEvidence(self.room, model)
+        self.evidence = ViewEvidence(self.room, p)
         self.prior = MotionPrior(p.forecast_sigma, p.jump_sigma, p.jump_probability, p.reach)
         self.rules = Rules(p.memory, p.drift, p.largest_odds, p.silence_odds)
         self.existence = [Existence.unknown() for _ in self.room.targets]

@@ -15,6 +15,7 @@ from followspot_balls.bundle.trust import Outlines
 from followspot_balls.hypotheses import Hypotheses, jacobians, step
 from followspot_balls.likelihood import BallModel, Likely, Sight, densities, likeliest, precision, view_ratios
 from followspot_balls.search import target_radii
+from followspot_balls.view_params import ViewParams
 
 NEAREST = 1e-3
 """Smallest depth of a place that has an image, m."""
@@ -56,10 +57,13 @@ class FrameBlobs(NamedTuple):
 class ViewEvidence:
     """The cameras of a room, which tell how balls show to them."""
 
-    def __init__(self, room: Room, model: BallModel, remembering: bool = False) -> None:
+    def __init__(self, room: Room, params: ViewParams, remembering: bool = False) -> None:
         """remembering: whether there is less clutter where a view showed nothing while a target was lost."""
-        cameras = list(room.cameras.values())
-        self.model, self.remembering = model, remembering
+        p, cameras = params, list(room.cameras.values())
+        self.model = BallModel(
+            p.detection, p.clutter, p.neighbourhood, p.blob_sigma, p.relative_sigma, p.hidden_sigma
+        )
+        self.remembering = remembering
         self.P = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
         self.focal = np.array([c.matrix[0, 0] for c in cameras])
         self.size = np.array([c.size for c in cameras], float).reshape(-1, 2)
