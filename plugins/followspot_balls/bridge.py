@@ -14,6 +14,7 @@ from followspot_balls.colored import ColorViews
 from followspot_balls.colorless import Colorless, ColorlessParams
 from followspot_balls.course import Course
 from followspot_balls.outline import unit_outline
+from followspot_balls.predicted_positions import with_predicted
 from followspot_balls.search import lost_targets, target_radii, tracked_targets
 from followspot_balls.single_view import (
     COURSE,
@@ -206,24 +207,6 @@ class Bridge(Stage):
         own = distance <= distance.min(axis=1, keepdims=True, initial=np.inf)
         fits = (share >= self.params.minimum_area) & (share <= self.params.maximum_area)
         return np.asarray(allowed & own & fits)
-
-
-def with_predicted(positions: Positions, target: Array, xyz: Array, covariance: Array) -> Positions:
-    """The positions and those of M targets from single views: (M,), (M, 3) m, (M, 3, 3) m^2."""
-    count = len(target)
-    if not count:
-        return positions
-    positions = positions.where(~np.isin(positions.target, target))
-    return Positions(
-        target=np.concatenate([positions.target, target.astype(np.int32)]),
-        xyz=np.concatenate([positions.xyz, xyz]),
-        covariance=np.concatenate([positions.covariance, covariance]),
-        support=np.concatenate([positions.support, np.zeros(count, np.int32)]),
-        confirmed=np.concatenate([positions.confirmed, np.zeros(count, bool)]),
-        evident=np.concatenate([positions.evident, np.zeros(count, bool)]),
-        iterations=np.concatenate([positions.iterations, np.zeros(count, np.int32)]),
-        predicted=np.concatenate([positions.predicted, np.ones(count, bool)]),
-    )
 
 
 def _distance(offset: Array, spread: Array) -> Array:

@@ -12,7 +12,6 @@ from followspot import Camera, Field, Mistake, Room, Window
 from followspot.inertial import Inertial, Orientation, PosedTracks
 from followspot.messages import stamped
 from followspot.tracking import PREDICTED, TRACKED, Forecast, Positions, Tracks
-from followspot_balls.bridge import with_predicted
 from followspot_balls.inertial.checkpoint import Frame
 from followspot_balls.inertial.fix import Fix, fix_at
 from followspot_balls.inertial.history import orientations_of, readings_of
@@ -20,6 +19,7 @@ from followspot_balls.inertial.messages import Fixes, foreseen, posed, unplaced
 from followspot_balls.inertial.navigator import Navigator
 from followspot_balls.inertial.sensor_errors import SensorErrors
 from followspot_balls.kalman import Kalman
+from followspot_balls.predicted_positions import with_predicted
 from followspot_target_filter import stage as target_filter
 
 WELL_KNOWN = 0.03
