@@ -21,6 +21,7 @@ import numpy as np
 
 import followspot as fs
 from followspot import Context, Stage
+from followspot.frame_times import NANOSECOND
 from followspot.messages import Array
 from followspot.plugins.registry import load_stage
 from followspot.room_file import load
@@ -139,7 +140,7 @@ def add_errors(errors: Errors, places: Path3, truth: Sequence[Truth], targets: S
 def motions(time: Array, xyz: Array) -> tuple[Array, Array]:
     """Frames of free flight, and those near a hit or a bounce, (N,) bool each; time: ns."""
     acceleration = np.zeros_like(xyz)
-    period = np.median(np.diff(time)) * 1e-9
+    period = np.median(np.diff(time)) * NANOSECOND
     acceleration[1:-1] = np.diff(xyz, n=2, axis=0) / period**2
     hit = np.convolve(np.linalg.norm(acceleration, axis=1) > HIT, np.ones(5), "same") > 0
     falling = np.linalg.norm(acceleration - GRAVITY, axis=1) < FLIGHT

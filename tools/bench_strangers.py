@@ -23,6 +23,7 @@ import numpy as np
 
 from bench_persons import after, made, shots, used
 from followspot import Array, Room
+from followspot.frame_times import NANOSECOND
 from followspot.people import Poses
 from followspot.room_file import load
 from followspot_accuracy.persons.matching import REACH, UNMATCHED, match
@@ -136,7 +137,7 @@ def table_of(poses: Sequence[Poses]) -> PoseTable:
     """Messages as a table."""
     rows = [np.column_stack([p.xy, p.height, p.heading, p.pan, p.tilt]) for p in poses]
     return PoseTable(
-        np.concatenate([np.full(len(p.person), p.header.time * 1e-9) for p in poses]),
+        np.concatenate([np.full(len(p.person), p.header.time * NANOSECOND) for p in poses]),
         np.concatenate([p.person for p in poses]),
         np.concatenate(rows),
     )

@@ -26,6 +26,7 @@ import numpy as np
 
 from bench_persons import after, made, shots
 from followspot import Array, Room
+from followspot.frame_times import NANOSECOND
 from followspot.people import Appearances
 from followspot.room_file import load
 from followspot_accuracy.scorings import PosesScoring
@@ -88,7 +89,7 @@ def measured(room: Room, frames: int, every: int, rng: np.random.Generator) -> I
     assert isinstance(tracker, PoseTracker)
     for shot in shots(room, frames, every):
         edges = after(shot.frame, gradients.process(shot.frame))
-        row = int(np.abs(truth.time - shot.frame.header.time * 1e-9).argmin())
+        row = int(np.abs(truth.time - shot.frame.header.time * NANOSECOND).argmin())
         for pose in truth.pose[row][truth.visible[row] > 0.8]:
             known = _nearest(shot.people, pose)
             if known is None:

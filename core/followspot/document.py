@@ -30,7 +30,7 @@ MAX_DIGITS = 100
 LARGEST_INT = (1 << 63) - 1
 """Whole numbers fit into 64 bits."""
 _MAX_MISTAKES = 1000
-"""A mistake in the YAML itself; the parser does not read the rest."""
+"""Mistakes after which the parser does not read the rest."""
 VIDEOS = frozenset({".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpg", ".webm"})
 """Endings of files that no document has."""
 

@@ -1,11 +1,16 @@
-"""Capture times of recordings, in exact integer arithmetic so that every replay has the same ones."""
+"""Units of times, and capture times of recordings.
+
+Capture times are computed in exact integer arithmetic, so that every replay has the same ones.
+"""
 
 from __future__ import annotations
 
 from fractions import Fraction
 
 SECOND = 1_000_000_000
-"""ns"""
+"""ns, the unit of all times of messages."""
+NANOSECOND = 1e-9
+"""s, for differences of such times."""
 
 
 def exact_rate(fps: float) -> Fraction:

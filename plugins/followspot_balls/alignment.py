@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from followspot.frame_times import NANOSECOND
 from followspot.messages import Array
 from followspot.tracking import Blobs, Forecast
 from followspot_balls.search import lost_targets, search_radius
 
 SCALE = 1.5
 """Search radius of a target's image over its travel from frame to frame (Jin & Qian 2008, eq. 3)."""
-NANOSECOND = 1e-9
 
 
 def delays(blobs: Sequence[Blobs], clock_offset: Array) -> Array:

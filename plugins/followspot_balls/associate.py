@@ -56,8 +56,9 @@ class Associate(ViewAssociation):
         confirmation_odds: float = Field(
             2.0,
             unit="nats",
-            description="log-odds of existence from which a lost target is confirmed; raising it avoids "
-            "false recoveries",
+            description="log-odds of existence from which a lost target is confirmed although rival places "
+            "are near; a place that leads all others by twice `confirmation_margin`, or has no rival, needs "
+            "only more than 0; raising it avoids false recoveries",
         )
         confirmation_margin: float = Field(
             3.0,

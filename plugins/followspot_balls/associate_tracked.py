@@ -31,11 +31,6 @@ class AssociateTracked(ViewAssociation):
 
     advice = "give the room more cameras that see each place, or lower silence_odds"
 
-    class Params(ViewAssociation.Params):
-        """How balls and clutter show, and how evidence moves the existence of targets."""
-
-    params: Params
-
     def unweighed(self, candidates: Candidates, forecast: Forecast | None, tracked: Array) -> Array:
         """Sought targets, and those whose place is settled: (T,) bool."""
         return ~tracked if forecast is None else ~tracked | self.settled(candidates, forecast)

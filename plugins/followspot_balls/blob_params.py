@@ -18,13 +18,15 @@ class BlobParams(StageParams):
         4.0,
         ge=0,
         unit="1",
-        description="growth of this sigma with the hidden share; raising it trusts small blobs less",
+        description="growth of `blob_sigma` with the hidden share of a ball's outline; raising it trusts "
+        "small blobs less",
     )
     merged_inflation: float = Field(
         14.0,
         ge=0,
         unit="1",
-        description="its growth with the squared excess area; raising it trusts merged blobs less",
+        description="growth of `blob_sigma` with the square of a blob's excess area over a ball's outline; "
+        "raising it trusts merged blobs less",
     )
     glow_sigma: float = Field(
         0.02,
@@ -37,13 +39,15 @@ class BlobParams(StageParams):
         0.35,
         gt=0,
         unit="m",
-        description="clearance at which this shift vanishes; raising it corrects farther balls",
+        description="clearance above a plane at which the ball's light on it causes no more shift; raising "
+        "it corrects balls farther from planes",
     )
     glow_mean: float = Field(
         0.3,
         ge=0,
         unit="sigma",
-        description="mean of this shift; 0 suits balls that do not glow; raising it corrects more",
+        description="mean of the shift that a ball's light on a plane causes in colour cameras, over "
+        "`glow_sigma`; 0 suits balls that do not glow; raising it corrects more",
     )
     plane_sigma: float = Field(
         0.004,
@@ -56,5 +60,6 @@ class BlobParams(StageParams):
         4.0,
         gt=0,
         unit="1",
-        description="errors that the sigma counts for; raising it adapts the covariance less",
+        description="number of measured errors that `blob_sigma` counts as when the covariance adapts to "
+        "the errors of a frame; raising it adapts the covariance less",
     )

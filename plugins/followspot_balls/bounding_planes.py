@@ -1,4 +1,4 @@
-"""Planes that bound the space of the targets: a ball on the floor may touch it, but not sink into it.
+"""Planes of a room, and those that bound the space of the targets: a ball may touch the floor, not sink in.
 
 A position below is corrected as by a measurement of zero clearance, which is a state estimate with an
 inequality constraint (Simon 2010, section 2.4): errors along the normal share their cause with those across
@@ -31,6 +31,20 @@ def facing_planes(room: Room, centers: Array) -> Array:
     away = centers.mean(axis=0) @ planes[:, :3].T + planes[:, 3]
     behind = (planes[:, :3] @ planes[:, :3].T > PARALLEL) & (away[:, None] < away)
     return np.asarray(planes[~behind.any(axis=1)])
+
+
+def nearest_planes(planes: Array, xyz: Array, radius: Array) -> tuple[Array, Array]:
+    """The planes nearest to the centres of balls: normals towards these (M, 3), and clearances (M,) m.
+
+    planes: (K, 4), with normals to either side; xyz: (M, 3) m; radius: (M,) m. A ball that sinks into its
+    plane has a negative clearance; without planes the clearances are infinite.
+    """
+    if not len(planes):
+        return np.zeros(xyz.shape), np.full(len(xyz), np.inf)
+    distance = xyz @ planes[:, :3].T + planes[:, 3]
+    nearest = np.abs(distance).argmin(axis=1)
+    above = distance[np.arange(len(xyz)), nearest]
+    return planes[nearest, :3] * np.sign(above)[:, None], np.abs(above) - radius
 
 
 def raised(positions: Positions, planes: Array, radii: Array, sigma: float) -> Positions:

@@ -14,7 +14,8 @@ from followspot_balls.colored import ColorViews
 from followspot_balls.colorless import Colorless, ColorlessParams
 from followspot_balls.course import Course
 from followspot_balls.outline import unit_outline
-from followspot_balls.search import lost_targets, tracked_targets
+from followspot_balls.predicted_positions import with_predicted
+from followspot_balls.search import lost_targets, target_radii, tracked_targets
 from followspot_balls.single_view import (
     COURSE,
     RISING,
@@ -87,7 +88,7 @@ class Bridge(Stage):
         self.centers = np.array([c.center for c in cameras]).reshape(-1, 1, 3)
         self.clock_offset = np.array([c.clock_offset for c in cameras])
         self.planes = np.array(list(self.room.planes.values())).reshape(-1, 4)
-        self.radius = np.array([t.radius for t in self.room.targets.values()])
+        self.radius = target_radii(self.room)
         self.outline = unit_outline(self.room)
         self.course = Course.unknown(len(self.radius))
         self.color = ColorViews(self.room)
@@ -109,7 +110,7 @@ class Bridge(Stage):
         stray = wanting[positions.target] & self.stray(positions, forecast)
         if stray.any():
             positions = positions.where(~stray)
-        late = self.late(wanting, positions, blobs, forecast)
+        too_long = self.colorless_too_long(wanting, positions, blobs, forecast)
         wanting[positions.target] &= (positions.support == 0) & ~positions.evident
         for one in existence:
             wanting &= ~one.given_up
@@ -117,7 +118,7 @@ class Bridge(Stage):
             return positions
         target = np.flatnonzero(wanting)
         sight, found = self.nearest(target, blobs, forecast)
-        found &= ~late[target]
+        found &= ~too_long[target]
         target = target[found]
         return with_predicted(positions, *self.placed(target, sight.where(found), forecast, before))
 
@@ -141,19 +142,21 @@ class Bridge(Stage):
         near = ~rolled | (stray <= COURSE)
         return target[near], xyz[near], covariance[near]
 
-    def late(self, wanting: Array, positions: Positions, blobs: Sequence[Blobs], forecast: Forecast) -> Array:
+    def colorless_too_long(
+        self, wanting: Array, positions: Positions, blobs: Sequence[Blobs], forecast: Forecast
+    ) -> Array:
         """Which tracked targets no colour camera has shown for too long: (T,) bool. wanting: (T,) bool."""
-        late = np.zeros(len(wanting), bool)
+        too_long = np.zeros(len(wanting), bool)
         if not self.colorless.applies:
-            return late
+            return too_long
         target, unconfirmed = wanting.nonzero()[0], wanting.copy()
         unconfirmed[positions.target[positions.confirmed]] = False
         shown = ~unconfirmed
         if unconfirmed.any():
             shown |= self.color.shown(forecast.xyz, blobs).diagonal()
         place = forecast.xyz.take(target, axis=0)
-        late[target] = self.colorless.late(target, shown[target], place, forecast.period)
-        return late
+        too_long[target] = self.colorless.unshown_too_long(target, shown[target], place, forecast.period)
+        return too_long
 
     def state(self) -> Any:
         return {**self.course._asdict(), "since": self.colorless.since}
@@ -204,24 +207,6 @@ class Bridge(Stage):
         own = distance <= distance.min(axis=1, keepdims=True, initial=np.inf)
         fits = (share >= self.params.minimum_area) & (share <= self.params.maximum_area)
         return np.asarray(allowed & own & fits)
-
-
-def with_predicted(positions: Positions, target: Array, xyz: Array, covariance: Array) -> Positions:
-    """The positions and those of M targets from single views: (M,), (M, 3) m, (M, 3, 3) m^2."""
-    count = len(target)
-    if not count:
-        return positions
-    positions = positions.where(~np.isin(positions.target, target))
-    return Positions(
-        target=np.concatenate([positions.target, target.astype(np.int32)]),
-        xyz=np.concatenate([positions.xyz, xyz]),
-        covariance=np.concatenate([positions.covariance, covariance]),
-        support=np.concatenate([positions.support, np.zeros(count, np.int32)]),
-        confirmed=np.concatenate([positions.confirmed, np.zeros(count, bool)]),
-        evident=np.concatenate([positions.evident, np.zeros(count, bool)]),
-        iterations=np.concatenate([positions.iterations, np.zeros(count, np.int32)]),
-        predicted=np.concatenate([positions.predicted, np.ones(count, bool)]),
-    )
 
 
 def _distance(offset: Array, spread: Array) -> Array:

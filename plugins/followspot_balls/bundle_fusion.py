@@ -8,17 +8,18 @@ import numpy as np
 
 from followspot import Array, Field, Latest
 from followspot.tracking import Candidates, Forecast, Positions
+from followspot_balls.bounding_planes import nearest_planes
 from followspot_balls.bundle.assignment import Claims, assigned, shares, squared_errors
 from followspot_balls.bundle.contradiction import contradicted
-from followspot_balls.bundle.glow import glow_sigma, nearest_planes
+from followspot_balls.bundle.glow import glow_sigma
 from followspot_balls.bundle.points import (
     PARAMETERS,
     Belief,
-    Model,
+    Projection,
     Views,
     empty_belief,
     estimated,
-    glowing_model,
+    glowing_projection,
     images,
     linearised,
     point_images,
@@ -108,8 +109,8 @@ class Bundle(Fusion):
             10.0,
             gt=0,
             unit="1",
-            description="exponent of the distrust over the trust of all views in the odds that the rejected "
-            "ones are right; raising it trusts majorities more",
+            description="exponent of (rejected weight / accepted weight) in the odds that the rejected views "
+            "are right; raising it trusts majorities more",
         )
 
     params: Params
@@ -207,16 +208,16 @@ class Bundle(Fusion):
             vector[~lost, :3] = (weight @ forecast.xyz[known, :, None])[..., 0]
         return Belief(vector, information)
 
-    def glow(self, xyz: Array, radius: Array) -> tuple[Model, Belief]:
-        """The model of glowing balls near these positions (M, 3) m, and the prior of their glow."""
+    def glow(self, xyz: Array, radius: Array) -> tuple[Projection, Belief]:
+        """The projection of glowing balls near these positions (M, 3) m, and the prior of their glow."""
         normal, clearance = nearest_planes(self.planes, xyz, radius)
-        sigma = glow_sigma(clearance, self.params.glow_sigma, self.params.glow_range)
+        sigma = glow_sigma(np.maximum(clearance, 0.0), self.params.glow_sigma, self.params.glow_range)
         vector, information = empty_belief(len(xyz))
         information[:, PLACE, PLACE] = VAGUE
         information[:, 3, 3] = 1 / np.square(np.maximum(sigma, DARK))
         vector[:, :3] = VAGUE * xyz
         vector[:, 3] = -self.params.glow_mean * sigma * information[:, 3, 3]
-        return glowing_model(self.P, normal, self.color), Belief(vector, information)
+        return glowing_projection(self.P, normal, self.color), Belief(vector, information)
 
     def refined(self, start: Array, claims: Claims, expected: Belief, cutoff: Array | float) -> Fit:
         """The most likely positions, from nearby starts (M, 3) m.
@@ -226,15 +227,15 @@ class Bundle(Fusion):
         cutoff: sigmas at which a view keeps a quarter of its weight.
         """
         p = self.params
-        model, glow = self.glow(start, claims.radius)
+        projection, glow = self.glow(start, claims.radius)
         row, camera = np.arange(len(start)), np.arange(len(self.P))
         origin = np.zeros((len(start), PARAMETERS))
         origin[:, :3] = start
-        seen = images(model, origin)
+        seen = images(projection, origin)
         slot, found = assigned(claims, seen)
         spread = self.variance(shares(claims, seen.depth, row, slot))
         views = Views(claims.xy[camera, slot], found / spread, cutoff**2 * p.blob_sigma * np.sqrt(spread))
-        design = linearised(model, seen, views)
+        design = linearised(projection, seen, views)
         glow = glow.relative(origin)
         belief = glow.and_also(expected.relative(origin))
         step = np.zeros_like(origin)

@@ -17,10 +17,12 @@ from followspot.room import Room
 ACROSS = 40
 """Cells over the width of a picture. A blob counts in its cell and the eight around it."""
 EVERY = 3
-"""One frame in so many is learnt from: odd, because a missing target is sought everywhere in every second."""
+"""Every third frame is learnt from. The number is odd, because a missing target is sought everywhere only in
+every second frame: an even number could learn from the other frames alone."""
 USUAL = 0.42
-"""Blobs around a cell in a frame where clutter is usual: 0.015 in a square whose side is the radius of a ball
-(`ViewParams`) that is 0.014 of the picture's width."""
+"""Usual number of blobs in a cell and the eight around it, in one frame. `ViewParams.clutter` is 0.015 blobs
+in a square whose side is the radius of a ball's image. With a radius of 0.014 of the picture's width, the
+nine cells, 3 / `ACROSS` of the width on each side, have the area of 28 such squares."""
 KNOWN = 4.0
 """Learnt frames as which the usual clutter counts: the prior of a rate (a gamma distribution)."""
 NEW = 0.5

@@ -11,6 +11,7 @@ import numpy as np
 from followspot import Array, Field, Room, StageParams
 from followspot.tracking import MISSING, Candidates, Forecast, Positions
 from followspot_balls.bundle.points import point_images
+from followspot_balls.search import target_radii
 
 NEAREST = 1e-3
 """Smallest depth of a place that has an image, m."""
@@ -38,7 +39,7 @@ class Colorless:
         self.applies = bool(color) and not depth and self.limit > 0
         self.P = np.array([c.projection for c in color]).reshape(-1, 3, 4)
         self.size = np.array([c.size for c in color], float).reshape(-1, 2)
-        self.radius2 = np.square([t.radius for t in room.targets.values()])
+        self.radius2 = np.square(target_radii(room))
         self.since = np.zeros(len(self.radius2))
         """(T,) s."""
 
@@ -52,14 +53,14 @@ class Colorless:
         if not self.applies or forecast is None or not len(target):
             return positions
         shown = self.shown(positions, candidates)
-        late = self.late(target, shown, positions.xyz, forecast.period)
+        too_long = self.unshown_too_long(target, shown, positions.xyz, forecast.period)
         if shown.all():
             return positions
         if len(forecast.state):  # the first forecast knows no targets
-            late |= ~shown & (positions.support < 2) & (forecast.state[target] == MISSING)
-        return positions.where(~late) if late.any() else positions
+            too_long |= ~shown & (positions.support < 2) & (forecast.state[target] == MISSING)
+        return positions.where(~too_long) if too_long.any() else positions
 
-    def late(self, target: Array, shown: Array, xyz: Array, period: float) -> Array:
+    def unshown_too_long(self, target: Array, shown: Array, xyz: Array, period: float) -> Array:
         """Which targets (M,) no colour camera has shown for too long, one frame later: (M,) bool.
 
         shown: (M,) bool, whether one shows them in this frame; xyz: (M, 3) m, where they are; period: s.

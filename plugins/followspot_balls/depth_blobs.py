@@ -82,8 +82,8 @@ class DepthBlobs(Stage):
             ge=0,
             le=1,
             unit="1",
-            description="how much what touches a sphere must come from one side for the same; raising it "
-            "rejects parts of limbs, and balls that are held with both hands",
+            description="how much of what touches a sphere must come from one side, so that the sphere may "
+            "start a track; raising it rejects parts of limbs, and balls that are held with both hands",
         )
 
     params: Params

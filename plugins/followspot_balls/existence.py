@@ -106,20 +106,20 @@ def followed(before: Existence, gain: float, place: Array, rules: Rules, steps: 
 
 
 def sought(
-    before: Existence, seen: Seen, near: Array | None, alike: int, rules: Rules, confirmation: Confirmation
+    before: Existence, seen: Seen, around: Array | None, alike: int, rules: Rules, confirmation: Confirmation
 ) -> tuple[Existence, int]:
     """A sought target one frame later, and the candidate at its place, -1 unless that is certain.
 
-    near: (3,) m where it was searched, None for everywhere; alike: see :func:`certain`.
+    around: (3,) m where it was searched, None for everywhere; alike: see :func:`certain`.
     """
     searched = np.ones(len(before.places.odds), bool)
-    if near is not None:
-        searched = within(before.places.xyz, near, confirmation.reach)
+    if around is not None:
+        searched = near(before.places.xyz, around, confirmation.reach)
     places, candidate = weighed(before.places, seen.xyz, seen.gain, searched, rules, confirmation)
     if not len(candidate) or candidate[0] < 0:
         return Existence(before.odds, False, places), -1
     first = int(candidate[0])
-    already = before.found and bool(within(places.xyz[:1], before.places.xyz[0], confirmation.reach)[0])
+    already = before.found and bool(near(places.xyz[:1], before.places.xyz[0], confirmation.reach)[0])
     found = certain(places, confirmation, alike, already, bool(seen.complete[first]))
     odds = min(float(places.odds[0]), rules.bound) if found else before.odds
     return Existence(odds, found, places), first if found else -1
@@ -135,11 +135,11 @@ def weighed(
     """
     free, kept = np.ones(len(xyz), bool), []
     for place, odds, looked in zip(places.xyz, places.odds, searched, strict=True):
-        near = within(xyz, place, confirmation.reach)
-        if near.any():
-            chosen = int(np.where(near, gain, -np.inf).argmax())
+        close = near(xyz, place, confirmation.reach)
+        if close.any():
+            chosen = int(np.where(close, gain, -np.inf).argmax())
             kept.append((xyz[chosen], rules.memory * odds + gain[chosen] - rules.drift, chosen))
-            free &= ~near
+            free &= ~close
         else:
             fallen = rules.memory * odds - confirmation.absent - rules.drift
             kept.append((place, fallen if looked else odds, -1))
@@ -148,41 +148,41 @@ def weighed(
             break
         chosen = int(np.where(free, gain, -np.inf).argmax())
         kept.append((xyz[chosen], gain[chosen] - rules.drift, chosen))
-        free &= ~within(xyz, xyz[chosen], confirmation.reach)
+        free &= ~near(xyz, xyz[chosen], confirmation.reach)
     return _apart(sorted(kept, key=lambda place: -place[1]), rules.bound, confirmation.reach)
 
 
-def within(xyz: Array, place: Array, reach: float) -> Array:
+def near(xyz: Array, place: Array, reach: float) -> Array:
     """Which of N places are near one: (N, 3) m -> (N,) bool."""
     off = xyz - place
     return np.asarray(np.vecdot(off, off) < reach * reach)
 
 
-def certain(places: Places, rules: Confirmation, alike: int, already: bool, complete: bool) -> bool:
+def certain(places: Places, confirmation: Confirmation, alike: int, already: bool, complete: bool) -> bool:
     """Whether the likeliest place is the target's: sure by itself, or far ahead of its rivals.
 
     alike: targets that look the same and are sought, too; each may be at one of the next places; already:
     whether it was so in the frame before; then it stays while more speaks for it than against it; complete:
-    whether three views that all make pairs with each other show it; that counts as half the lead, and twice
-    for its being sure.
+    whether three views that all make pairs with each other show it; they reduce the required lead by half of
+    `margin`, and the required odds by the whole of it.
     """
     odds = places.odds
     if not len(odds):
         return False
     if already:
         return bool(odds[0] > 0)
-    bonus = rules.margin / 2 * complete
+    bonus = confirmation.margin / 2 * complete
     first = odds[0] + bonus
     lead = first - odds[alike + 1] if len(odds) > alike + 1 else np.inf
-    sure = first + bonus >= rules.confirmed or (first > 0 and lead >= 2 * rules.margin)
-    return bool(sure and lead >= rules.margin)
+    sure = first + bonus >= confirmation.confirmed or (first > 0 and lead >= 2 * confirmation.margin)
+    return bool(sure and lead >= confirmation.margin)
 
 
 def _apart(ordered: list[tuple[Array, float, int]], bound: float, reach: float) -> tuple[Places, Array]:
     """The likeliest places that are no closer than the reach, and their candidates."""
     chosen: list[tuple[Array, float, int]] = []
     for place in ordered:
-        if len(chosen) < MOST and not any(within(place[0], other, reach) for other, _, _ in chosen):
+        if len(chosen) < MOST and not any(near(place[0], other, reach) for other, _, _ in chosen):
             chosen.append(place)
     if not chosen:
         return NOWHERE, np.zeros(0, int)

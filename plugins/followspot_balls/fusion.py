@@ -13,6 +13,7 @@ from followspot_balls.blob_params import BlobParams
 from followspot_balls.bounding_planes import facing_planes, raised
 from followspot_balls.colorless import Colorless, ColorlessParams
 from followspot_balls.recovery import Recovery, RecoveryParams
+from followspot_balls.search import target_radii
 
 
 class Fusion(Stage, ABC):
@@ -24,9 +25,9 @@ class Fusion(Stage, ABC):
     params: Params
 
     def setup(self) -> None:
-        cameras, targets = self.room.cameras.values(), self.room.targets.values()
+        cameras = self.room.cameras.values()
         self.bounds = facing_planes(self.room, np.array([c.center for c in cameras]).reshape(-1, 3))
-        self.radii = np.array([t.radius for t in targets])
+        self.radii = target_radii(self.room)
         self.recovery = Recovery(self.room, self.params)
         self.colorless = Colorless(self.room, self.params)
 

@@ -77,7 +77,8 @@ class IrBlobs(Stage):
         radius_offset: float = Field(
             -0.5,
             unit="px",
-            description="measured minus true radius of a ball; negative if patches are dimmer at the edge",
+            description="measured minus true radius of a ball; negative if patches are dimmer at the edge; "
+            "raising it expects larger discs, which moves the centres of partly hidden balls",
         )
 
     params: Params

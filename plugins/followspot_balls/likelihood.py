@@ -17,7 +17,7 @@ RARE = 0.02
 """Least share of the usual clutter: what a view never showed may still appear."""
 
 
-class Model(NamedTuple):
+class BallModel(NamedTuple):
     """How balls and clutter show."""
 
     detection: float
@@ -62,7 +62,7 @@ class Likely(NamedTuple):
     """(M, C) of its distance from the image, px^2."""
 
 
-def densities(model: Model, sight: Sight, spread: Array | float = 0.0) -> tuple[Array, Array]:
+def densities(model: BallModel, sight: Sight, spread: Array | float = 0.0) -> tuple[Array, Array]:
     """Densities of blobs, 1/px^2, of a ball at the place, and variances of their centres, px^2: (M, C, K).
 
     A covered disc has its centre off by a part of the radius; a blob merged with other light too. Clutter
@@ -77,7 +77,7 @@ def densities(model: Model, sight: Sight, spread: Array | float = 0.0) -> tuple[
     return np.asarray(size_ratio * np.exp(-0.5 * sight.squares / variance) / (2 * np.pi * variance)), variance
 
 
-def clutter_density(model: Model, sight: Sight) -> Array:
+def clutter_density(model: BallModel, sight: Sight) -> Array:
     """Density of clutter at each blob: (M, C, K) 1/px^2.
 
     From the blobs around each image but one, the ball's, and at least the share of the usual density.
@@ -90,7 +90,7 @@ def clutter_density(model: Model, sight: Sight) -> Array:
     return np.asarray(np.maximum(counted[..., None], usual * share))
 
 
-def likeliest(model: Model, sight: Sight, rivals: Array) -> Likely:
+def likeliest(model: BallModel, sight: Sight, rivals: Array) -> Likely:
     """The likeliest blob of each view. rivals: (M, C, K) 1/px^2, densities of the blobs as other targets."""
     density, variance = densities(model, sight)
     ratio = density / (clutter_density(model, sight) + rivals)

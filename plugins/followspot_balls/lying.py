@@ -7,9 +7,10 @@ import numpy as np
 from followspot.messages import Array
 from followspot.room import Room
 from followspot.tracking import LOST, Forecast
+from followspot_balls.bounding_planes import nearest_planes
 from followspot_balls.bundle.points import point_images
 from followspot_balls.outline import unit_outline
-from followspot_balls.single_view import nearest_planes
+from followspot_balls.search import target_radii
 
 
 class LyingTargets:
@@ -21,7 +22,7 @@ class LyingTargets:
         self.P = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
         self.centers = np.array([c.center for c in cameras]).reshape(-1, 1, 3)
         self.planes = np.array(list(room.planes.values())).reshape(-1, 4)
-        self.radius = np.array([t.radius for t in room.targets.values()])
+        self.radius = target_radii(room)
         self.outline = unit_outline(room)[:, None]
 
     def shown(self, ends: Array, cameras: Array, targets: Array, forecast: Forecast) -> Array:
@@ -44,4 +45,4 @@ class LyingTargets:
         """Whether balls there touch a plane: (T, 3) m -> (T,) bool."""
         if not len(self.planes):
             return np.zeros(len(place), bool)
-        return np.asarray(np.abs(nearest_planes(place, self.radius, self.planes)[1]) <= self.clearance)
+        return np.asarray(np.abs(nearest_planes(self.planes, place, self.radius)[1]) <= self.clearance)

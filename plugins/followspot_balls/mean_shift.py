@@ -58,7 +58,8 @@ class MeanShift(Fusion):
             3.0,
             gt=0,
             unit="px",
-            description="the same for a lost target in three views; raising it recovers more",
+            description="sigma of the epipolar distance for candidates of a lost target that three views "
+            "show; raising it recovers more",
         )
         minimum_mode_share: float = Field(
             0.5,

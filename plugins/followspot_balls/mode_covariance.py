@@ -21,6 +21,7 @@ from followspot_balls.bundle.points import point_images
 from followspot_balls.bundle.trust import variance
 from followspot_balls.outline import unit_outline
 from followspot_balls.pair_propagation import propagation
+from followspot_balls.search import target_radii
 from followspot_balls.strip import row_and_column
 
 UNLIKELY = 1e-8
@@ -29,7 +30,7 @@ IDENTITY = np.eye(3)
 TINY = np.finfo(float).tiny
 
 
-class Views(NamedTuple):
+class ModeViews(NamedTuple):
     """What the C cameras of a room contribute to M modes, each by one blob on average."""
 
     weight: Array
@@ -58,7 +59,7 @@ class ModeCovariance:
         self.depth = any(c.kind == "depth" for c in cameras)
         self.planes = np.array(list(room.planes.values())).reshape(-1, 4)
         self.normals = np.ascontiguousarray(self.planes[:, :3])
-        self.radii = np.array([t.radius for t in room.targets.values()])
+        self.radii = target_radii(room)
         self.outlines = np.square(self.radii)[:, None] * unit_outline(room)
         self.redundancy = params.prior_errors + np.maximum(2.0 * np.arange(len(cameras) + 1) - 3, 0)
 
@@ -82,7 +83,7 @@ class ModeCovariance:
             covariance += alone[:, None, None] * IDENTITY
         return np.asarray(covariance)
 
-    def views(self, candidates: Candidates, center: Array, held: Array) -> Views:
+    def views(self, candidates: Candidates, center: Array, held: Array) -> ModeViews:
         """What each camera contributes; several of its blobs in one mode count as their mean."""
         modes, cameras = len(center), len(self.focal2)
         entry = held.reshape(-1).nonzero()[0]
@@ -108,14 +109,14 @@ class ModeCovariance:
             / (of_view + TINY)
             for each in (candidates.area.take(row, axis=0), np.vecdot(off, off))
         )
-        return Views(table / total[..., None], alone / total, of_view > 0, area, squares)
+        return ModeViews(table / total[..., None], alone / total, of_view > 0, area, squares)
 
     def noise(self, share: Array) -> Array:
         """Variances of the centres of blobs that show these shares of their outlines, px^2."""
         p = self.params
         return variance(share, p.blob_sigma, p.hidden_inflation, p.merged_inflation)
 
-    def misfit(self, views: Views, noise: Array) -> Array:
+    def misfit(self, views: ModeViews, noise: Array) -> Array:
         """Factor of the variances from the errors themselves, (M,), as in `bundle.points.estimated`."""
         cost = (views.squares / noise).sum(axis=1)
         return np.asarray((self.params.prior_errors + cost) / self.redundancy.take(views.seen.sum(axis=1)))

@@ -16,24 +16,18 @@ import numpy as np
 from followspot import Array, Field, Room, StageParams
 from followspot.tracking import MISSING, Candidates, Forecast, Positions
 from followspot_balls.hypotheses import Hypotheses
-from followspot_balls.likelihood import (
-    Model,
-    ball_ratio,
-    coincidences,
-    information,
-    precision,
-    reflector_ratio,
-)
+from followspot_balls.likelihood import ball_ratio, coincidences, information, precision, reflector_ratio
 from followspot_balls.search import lost_targets, tracked_targets
-from followspot_balls.view_evidence import ViewEvidence, Views
+from followspot_balls.view_evidence import PlaceViews, ViewEvidence
 from followspot_balls.view_params import ViewParams
 
 ELSEWHERE = 1.0
 """Sigma of the place of a target that is not where it seems to be, m: some place in the room."""
 AGREEING = 3
 """Candidates that confirm a target in one frame."""
-RATHER = 1.0
-"""Ratio of a frame from which an evident place is rather a ball than light or paint, nats."""
+BALL_LIKELY = 1.0
+"""Log-likelihood ratio of a frame, nats, above which an evident place is likelier a ball than light or paint,
+so that the ratios of the frames before count for it, too."""
 OUTSTANDING = 3.0
 """Lead over `sure_recovery_evidence` from which a place stands out, nats: a twentieth of the odds remains."""
 
@@ -50,15 +44,17 @@ class RecoveryParams(StageParams):
     sure_recovery_evidence: float = Field(
         2.0,
         unit="nats",
-        description="log-likelihood ratio of all views from which one evident candidate finds a lost target, "
-        "and below which several candidates do not find it in one frame; that of an evident position that is "
-        "rather a ball is against reflectors only, and adds up over frames in a row while its place stays; "
-        "raising it avoids false recoveries",
+        description="log-likelihood ratio of all views from which a lost target is found in one frame; below "
+        "it, several frames must agree; raising it avoids false recoveries and delays true ones",
     )
 
 
 class Recovery:
-    """The views of a room, which weigh the places of lost targets by the parameters of `balls.associate`."""
+    """The views of a room, which weigh the places of lost targets.
+
+    How balls and clutter show is told by the defaults of :class:`ViewParams`, whatever the parameters of the
+    association in the same graph are.
+    """
 
     def __init__(self, room: Room, params: RecoveryParams) -> None:
         self.params = params
@@ -72,11 +68,7 @@ class Recovery:
         """(T,) nats, what frames in a row said for an evident place of each lost target."""
         self.place = np.zeros((len(room.targets), 3))
         """(T, 3) m, that place."""
-        self.evidence = ViewEvidence(
-            room,
-            Model(p.detection, p.clutter, p.neighbourhood, p.blob_sigma, p.relative_sigma, p.hidden_sigma),
-            remembering=True,
-        )
+        self.evidence = ViewEvidence(room, p, remembering=True)
 
     def judged(self, positions: Positions, candidates: Candidates, forecast: Forecast | None) -> Positions:
         """The positions without those of lost targets that the views contradict.
@@ -97,17 +89,20 @@ class Recovery:
         found = positions.xyz[row], positions.target[row]
         ratio[row], reflector[row] = self.ratios(*found, candidates, forecast)
         total = self.added_up(positions, reflector, forecast)
-        rather = positions.evident & (ratio > RATHER)
+        ball_likely = positions.evident & (ratio > BALL_LIKELY)
         likely = ratio >= self.params.least_recovery_evidence
         positions = self.believed(
-            positions, weighed, ratio, np.where(rather, np.maximum(ratio, total), ratio)
+            positions, weighed, ratio, np.where(ball_likely, np.maximum(ratio, total), ratio)
         )
         return positions if likely.all() else positions.where(likely)
 
     def added_up(self, positions: Positions, ratio: Array, forecast: Forecast | None) -> Array:
-        """The ratios, (M,) and infinite if not weighed, with those of the frames before at the same places.
+        """The ratios against reflectors, with those of the frames in a row before: (M,).
 
-        Only evident positions add up: paint and reflectors that stay say the same again.
+        Those of a target add up while it has an evident position within one step of its last one. Only
+        evident positions add up: paint and reflectors that stay say the same again. The sum counts as
+        evidence of a ball only if `BALL_LIKELY` holds in the frame itself.
+        ratio: (M,) of :meth:`ratios`, against reflectors; infinite if not weighed.
         """
         row = (positions.evident & np.isfinite(ratio)).nonzero()[0]
         target, xyz = positions.target[row], positions.xyz[row]
@@ -162,7 +157,7 @@ class Recovery:
             ratio[:, close] = self.weighed(*self.evidence.refined(near, seen, blobs, self.shown))
         return ratio
 
-    def weighed(self, found: Hypotheses, views: Views) -> Array:
+    def weighed(self, found: Hypotheses, views: PlaceViews) -> Array:
         """The log-likelihood ratios of hypotheses from their views, as of :meth:`ratios`: (2, M)."""
         known = information(views.jacobian, precision(views.likely, views.ratio))
         chance = coincidences(known, self.color, 1 / found.variance)

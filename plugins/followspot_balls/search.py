@@ -168,11 +168,11 @@ def side_by_side(views: Sequence[Regions]) -> Regions:
 @lru_cache(maxsize=8)
 def forecast_images(room: Room, forecast: Forecast) -> Images:
     """Forecasts reprojected into all views at once; the stages of a worker share the cached result."""
-    views, count, sizes = room_views(room), len(room.targets), target_radii(room)
+    views, count, radii = room_views(room), len(room.targets), target_radii(room)
     here = forecast.xyz
     local = views.local(np.concatenate([forecast.last, here, here, forecast.before, here, here]))
-    local[:, 4 * count : 5 * count, 0] += sizes
-    local[:, 5 * count :, 1] += sizes
+    local[:, 4 * count : 5 * count, 0] += radii
+    local[:, 5 * count :, 1] += radii
     start, end = views.project_local(local).reshape(len(local), 2, 3, count, 2).swapaxes(0, 1)
     offset = end - start
     travel, right, down = np.hypot(offset[..., 0], offset[..., 1]).swapaxes(0, 1)

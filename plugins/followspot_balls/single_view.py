@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from followspot.messages import Array
+from followspot_balls.bounding_planes import nearest_planes
 
 OPEN = 1.0
 """Sigma of the forecast, m: large, because it only has to fix the depth; the filter weighs the forecast
@@ -67,17 +68,6 @@ class Motions(NamedTuple):
     """(M, 3, 3) m^2, of the place."""
 
 
-def nearest_planes(place: Array, radius: Array, planes: Array) -> tuple[Array, Array]:
-    """The planes nearest to balls: normals (M, 3) towards the balls, and clearances (M,) m.
-
-    place: (M, 3) m; radius: (M,) m; planes: (K, 4), at least one.
-    """
-    distance = place @ planes[:, :3].T + planes[:, 3]
-    nearest = np.abs(distance).argmin(axis=1)
-    above = distance[np.arange(len(distance)), nearest]
-    return planes[nearest, :3] * np.sign(above)[:, None], np.abs(above) - radius
-
-
 def resting(ball: Motions, radius: Array, planes: Array, reach: float) -> tuple[Array, Array]:
     """The nearest planes of balls that lie on one: normals (M, 3), zero for others, and clearances (M,) m.
 
@@ -87,7 +77,7 @@ def resting(ball: Motions, radius: Array, planes: Array, reach: float) -> tuple[
     """
     if not len(planes):
         return np.zeros(ball.place.shape), np.zeros(len(ball.place))
-    normal, clearance = nearest_planes(ball.place, radius, planes)
+    normal, clearance = nearest_planes(planes, ball.place, radius)
     variance = np.vecdot(normal, (ball.covariance @ normal[..., None])[..., 0])
     lying = (np.abs(clearance) <= reach) & (variance <= (2 * reach) ** 2)
     lying &= np.vecdot(ball.velocity, normal) <= RISING

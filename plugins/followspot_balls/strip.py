@@ -87,11 +87,6 @@ def window_strip(windows: Windows) -> Strip:
     return Strip(np.arange(len(wide)).repeat(wide), shift)
 
 
-def whole_strip(width: int) -> Strip:
-    """A strip with the whole picture as its only part."""
-    return Strip(np.zeros(width, int), np.zeros((1, 2), int))
-
-
 def cut(pictures: Sequence[Array], windows: Windows) -> Array:
     """Copy windows into a strip; pixels outside their pictures are black.
 

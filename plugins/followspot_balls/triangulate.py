@@ -7,13 +7,19 @@ from functools import cached_property
 import numpy as np
 
 from followspot import Array, Field, Latest, Room, Stage, StageParams
-from followspot.geometry import back_projection, triangulate_pairs
 from followspot.tracking import Candidates, Forecast, Pairs
 from followspot_balls.bounding_planes import facing_planes
 from followspot_balls.disagreement import UNCOVERED, Disagreement
 from followspot_balls.hue import BINS
 from followspot_balls.outline import unit_outline
-from followspot_balls.search import in_search_spheres, lost_targets, search_spheres, tracked_targets
+from followspot_balls.pair_rays import PairRays
+from followspot_balls.search import (
+    in_search_spheres,
+    lost_targets,
+    search_spheres,
+    target_radii,
+    tracked_targets,
+)
 from followspot_balls.three_views import threefold
 
 SAME_COLOR = 0.8
@@ -60,7 +66,8 @@ class Triangulate(Stage):
             2.0,
             gt=0,
             unit="1",
-            description="largest blob area over the expected one, likewise; lowering it avoids mistakes",
+            description="largest blob area over the expected one while the target is not tracked; lowering "
+            "it avoids mistakes",
         )
         claim_radius: float = Field(
             1.5,
@@ -84,33 +91,30 @@ class Triangulate(Stage):
 
     def setup(self) -> None:
         cameras = self.room.cameras.values()
-        self.centers = np.array([c.center for c in cameras]).reshape(-1, 3)
-        self.back = np.array([back_projection(c) for c in cameras]).reshape(-1, 3, 3)
+        self.rays = PairRays(self.room)
+        self.centers = self.rays.centers
         self.planes = facing_planes(self.room, self.centers)
-        self.sizes = np.array([t.radius for t in self.room.targets.values()])
+        self.radii = target_radii(self.room)
         self.projection = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
         self.infrared = np.array([c.kind == "infrared" for c in cameras], bool)
         self.focal = np.array([c.matrix[0, 0] for c in cameras])
         self.unit_outline = unit_outline(self.room)
-        self.outlines = np.square(self.sizes)
+        self.radii2 = np.square(self.radii)
         self.alike = alike(self.room)
         self.ambiguous = bool(self.alike.any())
 
     def process(self, pairs: Pairs, forecast: Latest[Forecast] = None) -> Candidates:
-        back, xy = self.back.take(pairs.view, axis=0), pairs.xy[..., None]
-        rays = back[..., 0] * xy[:, :, 0] + back[..., 1] * xy[:, :, 1] + back[..., 2]
-        rays /= np.sqrt(np.vecdot(rays, rays))[..., None]
-        xyz = triangulate_pairs(self.centers.take(pairs.view, axis=0), rays)
-        sizes = self.unit_shares(xyz, pairs)
+        xyz = self.rays.points(pairs)
+        shares = self.unit_shares(xyz, pairs)
         targets = pairs.targets & self.within(xyz, pairs, forecast) & self.above_planes(xyz)
-        tracked = tracked_targets(forecast, len(self.sizes))
-        smaller = np.minimum(sizes[:, :1], sizes[:, 1:])
-        whole = smaller >= self.params.minimum_evident_area * self.outlines
+        tracked = tracked_targets(forecast, len(self.radii))
+        smaller = np.minimum(shares[:, :1], shares[:, 1:])
+        whole = smaller >= self.params.minimum_evident_area * self.radii2
         if not tracked.all():
             targets &= self.unclaimed(pairs, forecast)
-            targets &= tracked | self.plausible(sizes, pairs, targets & ~tracked, whole)
+            targets &= tracked | self.plausible(shares, pairs, targets & ~tracked, whole)
             if np.count_nonzero(tracked) < len(tracked) - 1:
-                targets &= ~(nameless(pairs)[:, None] & lost_targets(forecast, len(self.sizes)))
+                targets &= ~(nameless(pairs)[:, None] & lost_targets(forecast, len(self.radii)))
         evident = pairs.evident & (targets & whole).any(axis=1)
         rows = np.flatnonzero(targets.any(axis=1))
         candidates = Candidates(
@@ -128,7 +132,7 @@ class Triangulate(Stage):
             clutter=pairs.clutter.take(rows, axis=0),
         )
         if self.disagreement.due():
-            uncovered = smaller >= UNCOVERED * self.outlines
+            uncovered = smaller >= UNCOVERED * self.radii2
             self.disagreement.add(candidates, tracked & uncovered.take(rows, axis=0))
         return candidates
 
@@ -140,7 +144,7 @@ class Triangulate(Stage):
     def within(self, xyz: Array, pairs: Pairs, forecast: Forecast | None) -> Array:
         """Which points lie in which target's search sphere: (N, T) bool."""
         alike = self.alike if self.ambiguous else None
-        return in_search_spheres(xyz, pairs.labelled, forecast, self.sizes, self.reach, alike)
+        return in_search_spheres(xyz, pairs.labelled, forecast, self.radii, self.reach, alike)
 
     def reach(self, forecast: Forecast) -> Array:
         """Radius of each target's search sphere, (T,) m."""
@@ -150,7 +154,7 @@ class Triangulate(Stage):
         """Which targets could lie there without sinking into a plane: (N, T) bool."""
         height = xyz @ self.planes[:, :3].T + self.planes[:, 3]
         return np.asarray(
-            height.min(axis=1, initial=np.inf)[:, None] >= self.sizes - self.params.plane_tolerance
+            height.min(axis=1, initial=np.inf)[:, None] >= self.radii - self.params.plane_tolerance
         )
 
     def unclaimed(self, pairs: Pairs, forecast: Forecast | None) -> Array:
@@ -158,13 +162,13 @@ class Triangulate(Stage):
 
         An infrared blob at the forecast of a tracked target is that target, and no evidence of a lost one.
         """
-        count = len(self.sizes)
+        count = len(self.radii)
         lost, tracked = lost_targets(forecast, count), tracked_targets(forecast, count)
         if forecast is None or not (lost.any() and tracked.any()):
             return np.ones(pairs.targets.shape, bool)
         image = self.projection[:, :, :3] @ forecast.xyz[tracked].T + self.projection[:, :, 3:]
         depth = np.where(image[:, 2] > 0, image[:, 2], np.nan)
-        outline = self.params.claim_radius * self.focal[:, None] * self.sizes[tracked] / depth
+        outline = self.params.claim_radius * self.focal[:, None] * self.radii[tracked] / depth
         offset = pairs.xy[..., None] - (image[:, :2] / depth[:, None])[pairs.view]
         inside = np.hypot(offset[:, :, 0], offset[:, :, 1]) <= outline[pairs.view]
         claimed = (inside.any(axis=2) & self.infrared[pairs.view]).any(axis=1)
@@ -179,16 +183,16 @@ class Triangulate(Stage):
         distance2 = np.vecdot(offset, offset)
         return np.asarray(pairs.area * distance2 / self.unit_outline.take(pairs.view))
 
-    def plausible(self, sizes: Array, pairs: Pairs, sought: Array, whole: Array) -> Array:
+    def plausible(self, shares: Array, pairs: Pairs, sought: Array, whole: Array) -> Array:
         """Which pairs have the size of a sought target at that distance: (N, T) bool.
 
         A tracked ball may be partly hidden. A sought one must be visible, but only to two cameras: a blob
         that pairs with both blobs of an evident pair may be small.
-        sizes: (N, 2) unit shares; sought: (N, T) bool, pairs that may show a sought target; whole: (N, T)
-        bool, pairs of blobs that are both large enough for an evident pair.
+        shares: (N, 2), of :meth:`unit_shares`; sought: (N, T) bool, pairs that may show a sought target;
+        whole: (N, T) bool, pairs of blobs that are both large enough for an evident pair.
         """
-        sought = sought & (sizes.max(axis=1)[:, None] <= self.params.maximum_area * self.outlines)
-        large = sizes.min(axis=1)[:, None] >= self.params.minimum_area * self.outlines
+        sought = sought & (shares.max(axis=1)[:, None] <= self.params.maximum_area * self.radii2)
+        large = shares.min(axis=1)[:, None] >= self.params.minimum_area * self.radii2
         evident = sought & whole & pairs.evident[:, None]
         return np.asarray(sought & (large | threefold(pairs, sought, evident)))
 

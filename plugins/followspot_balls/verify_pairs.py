@@ -9,13 +9,20 @@ from typing import Any
 import numpy as np
 
 from followspot import Array, Camera, Field, Joined, Latest, Mistake, Room, Stage, StageParams
-from followspot.geometry import epipolar_distance, fundamental_matrix, plane_homography, transfer
+from followspot.geometry import epipolar_distance, transfer
 from followspot.tracking import Blobs, Forecast, Pairs
 from followspot_balls.alignment import aligned, delays
+from followspot_balls.blob_pairs import (
+    GatheredBlobs,
+    NearPairs,
+    candidate_pairs,
+    common_targets,
+    homography_test,
+)
 from followspot_balls.clutter_map import ClutterMap
 from followspot_balls.lying import LyingTargets
+from followspot_balls.pair_relations import fundamental_stack, homography_stack
 from followspot_balls.search import lost_targets
-from followspot_balls.strip import row_and_column
 
 SURE = 0.4
 """Part of the homography test's distance up to which a pair is light for sure: a ball that lies on a plane,
@@ -107,6 +114,17 @@ class VerifyPairs(Stage):
     def process(self, blobs: Joined[Blobs], forecast: Latest[Forecast] = None) -> Pairs:
         if not blobs:
             return self.nothing
+        frame = self.gathered(blobs, forecast)
+        near = self.near_epipolar_lines(frame)
+        off_plane = self.off_plane(near.order, near.ends)
+        keep = self.no_projections(near, off_plane, frame, forecast)
+        light = self.sure_light(near, off_plane, keep, len(frame.view))
+        if not (self.params.color_color and self.params.infrared_infrared):
+            keep &= self.of_wanted_kinds(near.color)
+        return self.pairs(frame, near, keep.nonzero()[0], light)
+
+    def gathered(self, blobs: Sequence[Blobs], forecast: Forecast | None) -> GatheredBlobs:
+        """The blobs of all cameras at one moment, with the clutter around them, which is learnt."""
         counts = [len(b.xy) for b in blobs]
         number = np.array([self.number[b.camera] for b in blobs], np.intp)
         self.heard[number] = True
@@ -115,48 +133,76 @@ class VerifyPairs(Stage):
         xy = np.concatenate([b.xy for b in blobs])
         area = np.concatenate([b.area for b in blobs])
         targets = np.concatenate([b.targets for b in blobs])
+        # Clutter stays where a picture shows it, so it is learnt before the blobs move with their targets.
         clutter = self.clutter_around(number, view, xy, targets, forecast)
         if forecast is not None and self.seen_apart(blobs):
             xy = self.at_one_moment(xy, view, targets, blobs, forecast)
-        pair = candidate_pairs(view, targets)
-        cameras, ends = view.take(pair), xy.take(pair, axis=0)
+        return GatheredBlobs(view, row, xy, area, targets, clutter, self.both_kinds())
+
+    def near_epipolar_lines(self, frame: GatheredBlobs) -> NearPairs:
+        """The pairs of blobs of different cameras that lie near their epipolar lines."""
+        pair = candidate_pairs(frame.view, frame.targets)
+        cameras, ends = frame.view.take(pair), frame.xy.take(pair, axis=0)
         order = cameras[:, 0] * len(self.cameras) + cameras[:, 1]
         distance = epipolar_distance(self.fundamental.take(order, axis=0), ends[:, 0], ends[:, 1])
         near = (distance < self.params.maximum_epipolar_distance).nonzero()[0]
-        pair, cameras, ends = (a.take(near, axis=0) for a in (pair, cameras, ends))
-        color = self.color.take(cameras)
-        off_plane = self.off_plane(order.take(near), ends)
-        both, sure_distance = self.both_kinds(), SURE * self.params.homography_tolerance
-        flat = off_plane < (self.params.homography_tolerance if both else sure_distance)
-        keep = homography_test(pair, color, flat, len(view))
-        if forecast is not None and len(forecast.state) and self.lying.clearance and not keep.all():
-            doubt = (~keep).nonzero()[0]
-            mine = targets.take(pair[doubt, 0], axis=0) & targets.take(pair[doubt, 1], axis=0)
-            keep[doubt] = self.lying.shown(ends[doubt], cameras[doubt], mine, forecast)
-        light = np.zeros(len(view), bool)
+        cameras = cameras.take(near, axis=0)
+        return NearPairs(
+            pair=pair.take(near, axis=0),
+            cameras=cameras,
+            ends=ends.take(near, axis=0),
+            distance=distance.take(near),
+            order=order.take(near),
+            color=self.color.take(cameras),
+        )
+
+    def no_projections(
+        self, near: NearPairs, off_plane: Array, frame: GatheredBlobs, forecast: Forecast | None
+    ) -> Array:
+        """Which pairs are no projections on planes, or show a ball that lies on one: (M,) bool."""
+        part = 1.0 if frame.both_kinds else SURE
+        flat = off_plane < part * self.params.homography_tolerance
+        keep = homography_test(near.pair, near.color, flat, len(frame.view))
+        doubt = (~keep).nonzero()[0]
+        if len(doubt) and self.lying.clearance and forecast is not None and len(forecast.state):
+            pair, cameras, ends = (a.take(doubt, axis=0) for a in (near.pair, near.cameras, near.ends))
+            keep[doubt] = self.lying.shown(ends, cameras, common_targets(frame.targets, pair), forecast)
+        return keep
+
+    def sure_light(self, near: NearPairs, off_plane: Array, keep: Array, blobs: int) -> Array:
+        """Which of all blobs are light for sure, by a pair that is a projection: (N,) bool."""
+        light = np.zeros(blobs, bool)
         if not keep.all():
-            sure = off_plane.min(axis=0, initial=np.inf) < sure_distance
-            light[pair[~keep & sure]] = True
+            sure = off_plane.min(axis=0, initial=np.inf) < SURE * self.params.homography_tolerance
+            light[near.pair[~keep & sure]] = True
+        return light
+
+    def of_wanted_kinds(self, color: Array) -> Array:
+        """Which pairs are of the kinds of cameras that the parameters ask for: (M, 2) bool -> (M,) bool."""
+        wanted = np.ones(len(color), bool)
         if not self.params.color_color:
-            keep &= ~color.all(axis=1)
+            wanted &= ~color.all(axis=1)
         if not self.params.infrared_infrared:
-            keep &= color.any(axis=1)
-        rows = keep.nonzero()[0]
-        pair, color = pair.take(rows, axis=0), color.take(rows, axis=0)
+            wanted &= color.any(axis=1)
+        return wanted
+
+    def pairs(self, frame: GatheredBlobs, near: NearPairs, rows: Array, light: Array) -> Pairs:
+        """The message with some pairs, and what each is evidence of. rows: of `near`; light: (N,) bool."""
+        pair, color = near.pair.take(rows, axis=0), near.color.take(rows, axis=0)
         dark = ~(light.take(pair[:, 0]) | light.take(pair[:, 1]))
-        confirmed = color[:, 0] != color[:, 1] if both else dark
+        confirmed = color[:, 0] != color[:, 1] if frame.both_kinds else dark
         return Pairs(
             cameras=self.cameras,
-            view=cameras.take(rows, axis=0).astype(np.int32),
-            blob=row.take(pair).astype(np.int32),
-            xy=ends.take(rows, axis=0),
-            area=area.take(pair),
-            epipolar=distance.take(near).take(rows),
+            view=near.cameras.take(rows, axis=0).astype(np.int32),
+            blob=frame.row.take(pair).astype(np.int32),
+            xy=near.ends.take(rows, axis=0),
+            area=frame.area.take(pair),
+            epipolar=near.distance.take(rows),
             labelled=color[:, 0] | color[:, 1],
             confirmed=confirmed,
             evident=confirmed & dark,
-            targets=targets.take(pair[:, 0], axis=0) & targets.take(pair[:, 1], axis=0),
-            clutter=clutter.take(pair),
+            targets=common_targets(frame.targets, pair),
+            clutter=frame.clutter.take(pair),
         )
 
     def clutter_around(
@@ -171,7 +217,7 @@ class VerifyPairs(Stage):
     def both_kinds(self) -> bool:
         """Whether cameras of both kinds have sent blobs, so that pairs of one kind prove nothing."""
         color = self.color[self.heard]
-        return bool(color.any() and not color.all())
+        return bool(0 < np.count_nonzero(color) < len(color))
 
     def state(self) -> Any:
         return {"heard": self.heard, "clutter": self.clutter.state()}
@@ -201,52 +247,3 @@ class VerifyPairs(Stage):
         """
         offset = transfer(self.homography.take(order, axis=1), ends[:, 0]) - ends[:, 1]
         return np.asarray(np.hypot(offset[..., 0], offset[..., 1]))
-
-
-def candidate_pairs(view: Array, targets: Array) -> Array:
-    """All pairs of blobs in different views that may belong to one target: (M, 2), the first view lower.
-
-    view: (N,) ascending; targets: (N, T) bool.
-    """
-    weights = targets.astype(np.float32)
-    common = (weights @ weights.T > 0) & (view[:, None] < view)
-    return np.array(row_and_column(common.reshape(-1).nonzero()[0], len(view))).T
-
-
-def homography_test(pair: Array, color: Array, on_plane: Array, blobs: int) -> Array:
-    """Which pairs are no projections.
-
-    A pair on a plane is one, unless a colour blob of it is in list B of that plane: the colour blobs
-    of colour-infrared pairs that satisfy the plane too, for an infrared camera sees no projection, so
-    there the ball itself lies on the plane.
-    pair: (M, 2) numbers of blobs, of `blobs`; color: (M, 2) bool; on_plane: (planes, M) bool. Returns (M,).
-    """
-    both = color[:, 0] & color[:, 1]
-    listed = np.zeros((len(on_plane), blobs), bool)
-    plane, row = (on_plane & (color[:, 0] != color[:, 1])).nonzero()
-    listed[plane, pair.take(row, axis=0)[color.take(row, axis=0)]] = True
-    excused = listed.take(pair[:, 0], axis=1) | listed.take(pair[:, 1], axis=1)
-    return np.asarray(~((on_plane & ~excused).any(axis=0) & both))
-
-
-def fundamental_stack(room: Room) -> Array:
-    """Fundamental matrices of all ordered pairs of cameras: (C, C, 3, 3); zero for a camera with itself."""
-    P = [camera.projection for camera in room.cameras.values()]
-    stack = np.zeros((len(P), len(P), 3, 3))
-    for i, j in _ordered_pairs(P):
-        stack[i, j] = fundamental_matrix(P[i], P[j])
-    return stack
-
-
-def homography_stack(room: Room) -> Array:
-    """Homographies over each plane for all ordered pairs of cameras: (planes, C, C, 3, 3)."""
-    cameras = list(room.cameras.values())
-    stack = np.zeros((len(room.planes), len(cameras), len(cameras), 3, 3))
-    for number, plane in enumerate(room.planes.values()):
-        for i, j in _ordered_pairs(cameras):
-            stack[number, i, j] = plane_homography(cameras[i], cameras[j], plane)
-    return stack
-
-
-def _ordered_pairs(items: Sequence[object]) -> list[tuple[int, int]]:
-    return [(i, j) for i in range(len(items)) for j in range(len(items)) if i != j]

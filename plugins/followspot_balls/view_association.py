@@ -14,9 +14,9 @@ from followspot_balls.evidence import appearing
 from followspot_balls.existence import Existence, Rules, followed, restored
 from followspot_balls.finite import finite_candidates, finite_forecast
 from followspot_balls.hypotheses import Hypotheses, MotionPrior, hypotheses
-from followspot_balls.likelihood import Model, ball_ratio, coincidences, information, precision
+from followspot_balls.likelihood import ball_ratio, coincidences, information, precision
 from followspot_balls.search import lost_targets, tracked_targets
-from followspot_balls.view_evidence import ViewEvidence, Views
+from followspot_balls.view_evidence import PlaceViews, ViewEvidence
 from followspot_balls.view_params import ViewParams
 from followspot_balls.visibility import predicted, updated
 
@@ -85,8 +85,7 @@ class ViewAssociation(Stage, ABC):
         self.color = np.array([c.kind == "color" for c in cameras], bool)
         self.colored = bool(self.color.any())
         self.depth = any(c.kind == "depth" for c in cameras)
-        model = Model(p.detection, p.clutter, p.neighbourhood, p.blob_sigma, p.relative_sigma, p.hidden_sigma)
-        self.evidence = ViewEvidence(self.room, model)
+        self.evidence = ViewEvidence(self.room, p)
         self.prior = MotionPrior(p.forecast_sigma, p.jump_sigma, p.jump_probability, p.reach)
         self.rules = Rules(p.memory, p.drift, p.largest_odds, p.silence_odds)
         self.existence = [Existence.unknown() for _ in self.room.targets]
@@ -167,7 +166,7 @@ class ViewAssociation(Stage, ABC):
         given_up = tracked & ~clear & (odds < self.rules.silent)
         return ExistenceOdds(odds=np.where(tracked, odds, np.nan), given_up=given_up)
 
-    def weighed(self, found: Hypotheses, views: Views, candidates: Candidates, lost: Array) -> Weighed:
+    def weighed(self, found: Hypotheses, views: PlaceViews, candidates: Candidates, lost: Array) -> Weighed:
         """The hypotheses with what speaks for them."""
         known = information(views.jacobian, precision(views.likely, views.ratio))
         chance = coincidences(known, self.color, 1 / found.variance)
@@ -180,7 +179,9 @@ class ViewAssociation(Stage, ABC):
             complete[begun] = appearing(candidates, lost)[found.row[begun], found.target[begun]]
         return Weighed(found.xyz, found.target, rank - found.improbability(), evidence, fit, complete)
 
-    def remembered(self, found: Weighed, views: Views, forecast: Forecast | None, tracked: Array) -> Array:
+    def remembered(
+        self, found: Weighed, views: PlaceViews, forecast: Forecast | None, tracked: Array
+    ) -> Array:
         """Probabilities that the views show the targets in the next frame: (T, C)."""
         shown = self.usually_shown()
         persistence = self.params.persistence ** self.steps(forecast)

@@ -13,7 +13,9 @@ from followspot_balls.bundle.points import Images, point_images
 from followspot_balls.bundle.sightings import Sightings, sightings
 from followspot_balls.bundle.trust import Outlines
 from followspot_balls.hypotheses import Hypotheses, jacobians, step
-from followspot_balls.likelihood import Likely, Model, Sight, densities, likeliest, precision, view_ratios
+from followspot_balls.likelihood import BallModel, Likely, Sight, densities, likeliest, precision, view_ratios
+from followspot_balls.search import target_radii
+from followspot_balls.view_params import ViewParams
 
 NEAREST = 1e-3
 """Smallest depth of a place that has an image, m."""
@@ -21,7 +23,7 @@ STEPS = 2
 """Gauss-Newton steps of a place."""
 
 
-class Views(NamedTuple):
+class PlaceViews(NamedTuple):
     """M places as C views show them."""
 
     likely: Likely
@@ -35,17 +37,17 @@ class Views(NamedTuple):
     error: Array
     """(M, C, 2) px, of the likeliest blobs from the images."""
 
-    def where(self, rows: Array) -> Views:
+    def where(self, rows: Array) -> PlaceViews:
         """Those of some places."""
         likely, *others = self
-        return Views(Likely(*(column[rows] for column in likely)), *(column[rows] for column in others))
+        return PlaceViews(Likely(*(column[rows] for column in likely)), *(column[rows] for column in others))
 
 
 class FrameBlobs(NamedTuple):
     """The blobs of one frame."""
 
     table: Sightings
-    """FrameBlobs of C cameras, up to K in each."""
+    """The blobs of C cameras, up to K in each."""
     sizes: Array
     """(C, K) areas over that of a ball of unit radius at unit depth."""
     rivals: Array
@@ -55,14 +57,17 @@ class FrameBlobs(NamedTuple):
 class ViewEvidence:
     """The cameras of a room, which tell how balls show to them."""
 
-    def __init__(self, room: Room, model: Model, remembering: bool = False) -> None:
+    def __init__(self, room: Room, params: ViewParams, remembering: bool = False) -> None:
         """remembering: whether there is less clutter where a view showed nothing while a target was lost."""
-        cameras = list(room.cameras.values())
-        self.model, self.remembering = model, remembering
+        p, cameras = params, list(room.cameras.values())
+        self.model = BallModel(
+            p.detection, p.clutter, p.neighbourhood, p.blob_sigma, p.relative_sigma, p.hidden_sigma
+        )
+        self.remembering = remembering
         self.P = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
         self.focal = np.array([c.matrix[0, 0] for c in cameras])
         self.size = np.array([c.size for c in cameras], float).reshape(-1, 2)
-        self.radii = np.array([t.radius for t in room.targets.values()])
+        self.radii = target_radii(room)
         self.outlines = Outlines(room)
 
     def blobs(self, candidates: Candidates, forecast: Forecast | None, tracked: Array) -> FrameBlobs:
@@ -96,21 +101,21 @@ class ViewEvidence:
         sight = Sight(np.vecdot(off, off), share, size, possible, inside, table.clutter)
         return sight, Images(seen.xy, depth)
 
-    def views(self, found: Hypotheses, blobs: FrameBlobs, shown: Array) -> Views:
+    def views(self, found: Hypotheses, blobs: FrameBlobs, shown: Array) -> PlaceViews:
         """The places as the views show them. shown: (T, C), probabilities that they show the targets."""
         sight, seen = self.sight(found.xyz, found.target, blobs)
         likely = likeliest(self.model, sight, blobs.rivals[found.target])
         ratio = view_ratios(shown[found.target], likely, sight.inside)
         error = blobs.table.xy[np.arange(len(self.P)), likely.slot] - seen.xy
-        return Views(likely, sight.inside, ratio, jacobians(self.P, seen.xy, seen.depth), error)
+        return PlaceViews(likely, sight.inside, ratio, jacobians(self.P, seen.xy, seen.depth), error)
 
-    def likeliest(self, found: Hypotheses, blobs: FrameBlobs, shown: Array) -> tuple[Hypotheses, Views]:
+    def likeliest(self, found: Hypotheses, blobs: FrameBlobs, shown: Array) -> tuple[Hypotheses, PlaceViews]:
         """The hypotheses at their likeliest places, and their views; shown as for :meth:`views`."""
         return self.refined(found, self.views(found, blobs, shown), blobs, shown)
 
     def refined(
-        self, found: Hypotheses, views: Views, blobs: FrameBlobs, shown: Array
-    ) -> tuple[Hypotheses, Views]:
+        self, found: Hypotheses, views: PlaceViews, blobs: FrameBlobs, shown: Array
+    ) -> tuple[Hypotheses, PlaceViews]:
         """As :meth:`likeliest`, from the views of the hypotheses as they are."""
         for _ in range(STEPS):
             weight = precision(views.likely, views.ratio)

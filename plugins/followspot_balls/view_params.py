@@ -20,8 +20,9 @@ class ViewParams(StageParams):
         ge=0,
         lt=1,
         unit="1",
-        description="correlation, over 1/30 s, of the detection of a ball by one camera; raising it lets a "
-        "view that was empty count for less, if it stays empty and if it shows a blob",
+        description="correlation of a camera's detections of a ball from frame to frame (frames that follow "
+        "each other within 1/30 s count in proportion); raising it lets both a view that stays empty and a "
+        "blob that appears in it count for less",
     )
     clutter: float = Field(
         0.015,
@@ -86,14 +87,16 @@ class ViewParams(StageParams):
         ge=0,
         lt=1,
         unit="1",
-        description="share of the log-odds of existence that remains after 1/30 s; raising it averages over "
+        description="share of the log-odds of existence that remains after a frame (while a target is "
+        "tracked, frames that follow each other within 1/30 s count in proportion); raising it averages over "
         "more frames",
     )
     drift: float = Field(
         0.2,
         ge=0,
         unit="nats",
-        description="decrease of the log-odds of existence in 1/30 s; raising it ends targets sooner",
+        description="decrease of the log-odds of existence in a frame (while a target is tracked, frames "
+        "that follow each other within 1/30 s count in proportion); raising it ends targets sooner",
     )
     largest_odds: float = Field(
         8.0,

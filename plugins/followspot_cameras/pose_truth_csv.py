@@ -17,7 +17,8 @@ class PoseTruthCsv(Stage):
     """Ground truth of persons from a CSV file, or from a folder with a file CAMERA_gt.csv for each camera.
 
     Columns: time (s), person, x, y, z_head_top, r (m), torso_heading_room, torso_heading, head_pan,
-    head_tilt (rad), visible_upper (0 to 1). A person is as visible as in the camera that sees most of him.
+    head_tilt (rad), visible_upper (0 to 1). A person is as visible as in the camera that sees most of the
+    person.
     """
 
     class Params(StageParams):

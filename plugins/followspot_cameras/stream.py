@@ -19,7 +19,14 @@ class Stream(CaptureCamera):
     class Params(StageParams):
         url: InputAddress = Field(max_length=2000, description=f"address, one of {', '.join(SCHEMES)}")
         open_timeout: float = Field(5.0, gt=0, le=60, unit="s", description="longest wait for a connection")
-        read_timeout: float = Field(2.0, gt=0, le=60, unit="s", description="longest wait for a picture")
+        read_timeout: float = Field(
+            2.0,
+            gt=0,
+            le=60,
+            unit="s",
+            description="time without a picture after which the camera counts as gone and is opened again; "
+            "raising it tolerates pauses, and notices a lost camera later",
+        )
 
         @field_validator("url")
         @classmethod

@@ -7,13 +7,13 @@ from typing import Any, Literal
 import numpy as np
 
 from followspot import Array, Field, Stage, StageParams
+from followspot.frame_times import NANOSECOND
 from followspot.inertial import Inertial, Orientation
 from followspot.messages import MAX_TIME
 from followspot.rotation import canonical
 from followspot_imu.attitude import GRAVITY, AttitudeFilter, Complementary
 from followspot_imu.versatile import Versatile
 
-NANOSECOND = 1e-9
 COUNTED = 32
 """Readings over which the rate is measured if the room does not say it."""
 FIRST_SPEED = 3.0
@@ -53,7 +53,11 @@ class FindOrientation(Stage):
             False, description="use the magnetometer for the heading (vqf): only where no iron is near"
         )
         inclination_sigma: float = Field(
-            0.02, gt=0, unit="rad", description="sigma of the inclination in motion, as it is sent"
+            0.02,
+            gt=0,
+            unit="rad",
+            description="sigma of the inclination in motion, which the stage sends with each orientation; "
+            "raising it lets receivers trust the inclination less",
         )
         maximum_gap: float = Field(
             0.5,

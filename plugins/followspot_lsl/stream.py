@@ -33,8 +33,12 @@ class Stream(Stage):
         """Which stream."""
 
         name: str = Field("", pattern=r"^[\w .:-]{0,100}$", description="name of the stream; empty: any")
-        type: str = Field("", pattern=r"^[\w .:-]{0,100}$", description="its type, such as EEG; empty: any")
-        source_id: str = Field("", pattern=r"^[\w .:-]{0,100}$", description="its source; empty: any")
+        type: str = Field(
+            "", pattern=r"^[\w .:-]{0,100}$", description="type of the stream, such as EEG; empty: any"
+        )
+        source_id: str = Field(
+            "", pattern=r"^[\w .:-]{0,100}$", description="source of the stream; empty: any"
+        )
         batch: int = Field(100, ge=1, le=10_000, unit="samples", description="most samples of a message")
 
     params: Params

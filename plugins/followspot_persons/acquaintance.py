@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from followspot import Array
+from followspot.frame_times import NANOSECOND
 from followspot_persons.color.model import ColorModel
 from followspot_persons.existence import Stirring
 from followspot_persons.floor_contact import Contact
@@ -91,6 +92,6 @@ def missed(
     trust = person.trust - MISS
     if person.number == 0 and trust <= 0:
         return None
-    absent = trust <= 0 or (now - person.seen) * 1e-9 > longest
+    absent = trust <= 0 or (now - person.seen) * NANOSECOND > longest
     track = coasted(person.track, seconds)
     return replace(person, track=track, trust=trust, absent=absent, left=left)

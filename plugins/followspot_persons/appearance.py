@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from followspot import Array, Stage
+from followspot.frame_times import NANOSECOND
 from followspot.people import Appearances, Boxes, Gradients
 from followspot.plain_values import from_plain, to_plain
 from followspot.tracking import Frame
@@ -16,7 +17,7 @@ from followspot_persons.appearance_params import AppearanceParams
 from followspot_persons.background import Background
 from followspot_persons.bodies import Bodies
 from followspot_persons.body_view import view
-from followspot_persons.box_assignment import FAR, NANOSECOND, NEAR, BoxAssignment
+from followspot_persons.box_assignment import FAR, NEAR, BoxAssignment
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.model import learnt
 from followspot_persons.condensation import Search

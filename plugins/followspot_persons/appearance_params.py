@@ -55,7 +55,11 @@ class AppearanceParams(StageParams):
         "person counts as a weak box of the detector; false if other things than people move there",
     )
     memory_time: float = Field(
-        120.0, gt=0, unit="s", description="time for which an absent person is remembered"
+        120.0,
+        gt=0,
+        unit="s",
+        description="time for which an absent person is remembered; raising it recognises persons who return "
+        "later, and takes more strangers for them",
     )
     specific_beats_generic: bool = Field(
         False,

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from followspot import Array, Camera
+from followspot.frame_times import NANOSECOND
 from followspot.people import Boxes
 from followspot_persons.acquaintance import Acquaintance
 from followspot_persons.association import box_offsets, carried, matched, on_body
@@ -19,7 +20,6 @@ from followspot_persons.fitness import Detection, Picture, sampled
 from followspot_persons.panorama import turn_of
 from followspot_persons.shape import ShapeModel
 
-NANOSECOND = 1e-9
 NEAR, FAR = 0.5, 1.5
 """Distance between the boxes of a person at which they may belong together, in heights: at once, and more for
 each second since the last one, for a body is 0.7 m high to the waist and people walk a metre a second."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from followspot import Array
+from followspot.frame_times import NANOSECOND
 from followspot_persons.floor_contact import Presence, presence
 from followspot_persons.scene import Scene
 
@@ -40,7 +41,7 @@ class Stirring:
 
     def furniture(self, now: int) -> bool:
         """Whether nothing has stirred for so long that it is no person."""
-        return self.since > 0 and (now - self.since) * 1e-9 >= PATIENCE and self.most < RIGID
+        return self.since > 0 and (now - self.since) * NANOSECOND >= PATIENCE and self.most < RIGID
 
 
 def stirred(scene: Scene, pose: Array, others: Array) -> bool:

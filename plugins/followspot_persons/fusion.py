@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from followspot import Array, Field, Joined, Stage, StageParams
+from followspot.frame_times import NANOSECOND
 from followspot.geometry import wrap
 from followspot.people import Poses
 from followspot.plain_values import from_plain, to_plain
@@ -16,7 +17,6 @@ from followspot_persons.association import matched
 from followspot_persons.place_filter import PlaceTrack
 from followspot_persons.sightings import Sightings, blended, sightings_of
 
-NANOSECOND = 1e-9
 FAMILIAR = 0.5
 """Factor on the distance to a camera's person that was assigned to this person before."""
 
@@ -77,7 +77,11 @@ class Fusion(Stage):
             description="time without a pose until a person is deleted; raising it bridges more",
         )
         memory_time: float = Field(
-            120.0, gt=0, unit="s", description="time for which a deleted person's numbers are remembered"
+            120.0,
+            gt=0,
+            unit="s",
+            description="time for which a deleted person's numbers are remembered; raising it gives persons "
+            "who return later their old number",
         )
 
     params: Params

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from followspot import Array, Latest, Stage
+from followspot.frame_times import NANOSECOND
 from followspot.people import Appearances, Boxes, Gradients, Poses
 from followspot.plain_values import from_plain, to_plain
 from followspot.tracking import PREDICTED, TRACKED, Frame
 from followspot_persons.association import box_distance, matched
 from followspot_persons.body_view import HEADING, view
-from followspot_persons.box_assignment import NANOSECOND
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.pairs import telling_pairs
 from followspot_persons.condensation import Search

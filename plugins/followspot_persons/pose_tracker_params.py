@@ -110,13 +110,15 @@ class PoseTrackerParams(StageParams):
         gt=0,
         lt=1,
         unit="1",
-        description="share of the usual likelihood below which a person is missed",
+        description="share of the person's usual likelihood below which a picture misses the person; raising "
+        "it deletes wrong poses sooner, and persons who are hard to see",
     )
     box_timeout: float = Field(
         0.6,
         gt=0,
         unit="s",
-        description="time without a box in which this share rises to 1; raising it keeps persons longer",
+        description="time without a box in which the share of the usual likelihood that a person needs "
+        "rises from `minimum_likelihood_share` to 1; raising it keeps persons longer",
     )
     maximum_missed_time: float = Field(
         0.5, gt=0, unit="s", description="time until a missed person is deleted; raising it bridges more"
@@ -125,7 +127,8 @@ class PoseTrackerParams(StageParams):
         2.0,
         gt=0,
         unit="s",
-        description="time until a person that the slow instance does not see is deleted",
+        description="time until a person that the slow instance does not see is deleted; raising it keeps "
+        "persons longer, also those who have left",
     )
     maximum_delay: float = Field(
         2.5,

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from followspot.frame_times import NANOSECOND
 from followspot_persons.acquaintance import Acquaintance
-from followspot_persons.box_assignment import NANOSECOND
 from followspot_persons.color.difference import ColorRelations
 from followspot_persons.identity import same_person
 from followspot_persons.stature import USUAL

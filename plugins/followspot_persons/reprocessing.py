@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from followspot.frame_times import NANOSECOND
 from followspot_persons.fitness import Picture
 from followspot_persons.track import Track
 from followspot_persons.trail import Trail
@@ -60,7 +61,7 @@ def reprocessed(
     """
     trail = Trail().longer(time, track.pose) if pictures else Trail()
     for past in pictures:
-        track = follow(track, (past.time - time) * 1e-9, past)
+        track = follow(track, (past.time - time) * NANOSECOND, past)
         time = past.time
         trail = trail.longer(time, track.pose)
     return track, trail

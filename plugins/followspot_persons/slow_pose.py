@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Array
+from followspot.frame_times import NANOSECOND
 from followspot_persons.condensation import scattered
 from followspot_persons.track import FASTEST
 
@@ -27,7 +28,7 @@ class SlowPose:
 
     def velocity(self, before: SlowPose | None) -> Array:
         """Velocity (2,) m/s since the previous report, 0 without one of the last seconds."""
-        apart = (self.time - before.time) * 1e-9 if before is not None else np.inf
+        apart = (self.time - before.time) * NANOSECOND if before is not None else np.inf
         if before is None or apart > LONG_AGO:
             return np.zeros(2)
         velocity = (self.pose[:2] - before.pose[:2]) / apart

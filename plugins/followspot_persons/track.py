@@ -30,7 +30,8 @@ HIDDEN = 0.4
 WHOLE = 0.95
 """Visible share of the outline from which the size of the body tells its distance."""
 HOLD, FREE = 0.3, 1.0
-"""Sigmas of the radial speed, m/s: about that of before of who is partly hidden, and about none of others."""
+"""Sigma of the speed along the line of sight, m/s: HOLD about the last speed if the person is partly hidden,
+FREE about 0 otherwise."""
 FASTEST = 2.0
 """Of a person in a room, m/s."""
 PERIOD = 1 / 15

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from followspot import Array, Camera, Field, InputPath, Stage, StageParams
+from followspot.frame_times import NANOSECOND
 from followspot.geometry import ray
 from followspot.people import Boxes, Gradients
 from followspot.tracking import Frame
 from followspot_persons.ascent import ascend
 from followspot_persons.association import ARMS
 from followspot_persons.body_view import HEADING, HEIGHT, view
-from followspot_persons.box_assignment import NANOSECOND
 from followspot_persons.condensation import systematic
 from followspot_persons.fitness import Fitness, Habits, Weights, pictured
 from followspot_persons.gradients import FindGradients

@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 
 from followspot import Message, Room
+from followspot.frame_times import SECOND
 from followspot.messages import Array
 from followspot.people import Poses, PoseTruth
 from followspot.room import Camera
@@ -187,7 +188,7 @@ def _pose(xyz: list[float], heading: float = 0.0) -> dict[str, Any]:
 
 
 def _time(time: int) -> dict[str, int]:
-    seconds, rest = divmod(max(0, time), 1_000_000_000)
+    seconds, rest = divmod(max(0, time), SECOND)
     return {"sec": seconds, "nsec": rest}
 
 

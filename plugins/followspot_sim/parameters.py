@@ -79,13 +79,17 @@ class DepthCameraParams(CameraParams):
         ge=0,
         le=1,
         unit="1/m",
-        description="growth of this deviation with the square of the depth, for light falls off with it",
+        description="growth of a depth's standard deviation with the square of the depth, as light falls off",
     )
     hole_share: float = Field(
         0.005, ge=0, le=1, unit="1", description="share of the pixels that measure nothing, anywhere"
     )
     edge_hole_share: float = Field(
-        0.5, ge=0, le=1, unit="1", description="the same of the pixels at a step of the depth"
+        0.5,
+        ge=0,
+        le=1,
+        unit="1",
+        description="share of the pixels at a step of the depth that measure nothing",
     )
     edge_step: float = Field(
         0.1, gt=0, unit="m", description="smallest step of the depth between neighbours that is an edge"

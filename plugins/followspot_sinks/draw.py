@@ -49,7 +49,10 @@ class Draw(Stage):
             10.0, gt=0, unit="px", description="smallest radius of a search region, as the detectors have it"
         )
         search_radius_scale: float = Field(
-            1.5, gt=0, unit="1", description="its radius over the expected travel, likewise"
+            1.5,
+            gt=0,
+            unit="1",
+            description="radius of a search region over the expected travel, as the detectors have it",
         )
 
     params: Params

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Field, StageParams
+from followspot.frame_times import SECOND
 from followspot.inertial import PosedTracks
 from followspot.messages import Array
 from followspot.people import Poses
 from followspot.rotation import canonical, rotation_vector
 from followspot.tracking import Tracks
 
-SECOND = 1_000_000_000
 FARTHEST = 1e6
 """Largest number (m, m/s, rad) that is sent; larger ones exceed the range of receivers."""
 LEAST = 1e-6

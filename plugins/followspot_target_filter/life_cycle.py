@@ -18,20 +18,16 @@ from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Positions
 
 @dataclass(frozen=True)
 class Evidence:
-    """What confirms a tentative target; a vague position of a lost one needs twice as many frames.
-
-    support: number of candidates that agree in one frame; two are enough if one of them is evident.
-    frames: number of frames with an evident candidate, each within `reach` (m) of the one before, that
-    confirm it otherwise: one colour-infrared pair may be a coincidence, several in a row hardly are. A
-    missing target near its last position needs one candidate less, and one alone where it was last measured:
-    one that is not confirmed within half of `back`. Elsewhere near its last position, to which one view may
-    have led it, a candidate is half of what confirms it. Both hold for targets with many measurements, for
-    others may be false.
-    """
+    """What confirms a tentative target: enough candidates in one frame, or evident ones in several."""
 
     support: int
+    """Candidates that confirm it if they agree in one frame."""
     frames: int
+    """Successive frames with an evident candidate that confirm it otherwise: one colour-infrared pair may be
+    a coincidence, several in a row hardly are."""
     reach: float
+    """m, largest distance of such a candidate from the one in the frame before; a position with a larger
+    sigma is vague."""
     apart: float
     """m; a position that is nearer than this to another target belongs to that target."""
     back: float
@@ -112,15 +108,20 @@ def confirmed(
     possible = (positions.support > 0) & (positions.confirmed | (status != LOST)) & ~positions.predicted
     possible &= ~occupied(xyz, known, evidence.apart)
     again = np.linalg.norm(xyz - life.place[target], axis=1) <= evidence.reach
+    # Two candidates are enough if one of them is evident; a target missing nearby needs one less.
     near_by = (status == MISSING) & (life.status.take(target) == MISSING)
     agreeing = positions.support >= np.where(positions.evident, 2, evidence.support) - near_by
+    # One candidate alone confirms a target where it was last measured, an unconfirmed one within half of
+    # `back`. Only targets with many measurements come back so easily: the others may be false.
     stayed = evidence.back * np.where(positions.confirmed, 1.0, 0.5)
     back = near_by & (life.hits.take(target) >= evidence.many)
     agreeing |= back & close(xyz, left.measured[target], stayed)
+    # One view alone may have led it to its last position: a candidate there is half of what confirms it.
     there = back & close(xyz, left.last[target], evidence.back)
     shown = np.where(there, (evidence.frames + 1) // 2, positions.evident)
     shown = np.where(agreeing, evidence.frames, shown)
     row = np.where(possible, np.where(again, life.streak[target], 0) + shown, 0)
+    # A vague position of a lost target needs twice as many frames.
     doubted = (status == LOST) & vague(positions, evidence)
     strong = possible & (shown > 0) & (row >= evidence.frames * (1 + doubted))
     place = life.place.copy()

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from followspot.errors import Mistake
+from followspot.frame_times import NANOSECOND
 from followspot.messages import Array
 from followspot.room import Camera, Member, Room
 from followspot.stage import Stage
@@ -19,7 +20,6 @@ from followspot_target_filter.life_cycle import Evidence, Left, LifeCycle, coast
 from followspot_target_filter.marks import marked, untold
 from followspot_target_filter.motion_model import MotionModel
 
-NANOSECOND = 1e-9
 DEFAULT_PERIOD = 1 / 30
 """Frame interval before the second frame, s."""
 
@@ -59,8 +59,9 @@ class TargetFilter(Stage, ABC):
             4,
             ge=0,
             unit="frames",
-            description="frames of these in which a target is sought near its last position only, then "
-            "everywhere in every second frame; raising it finds targets later that reappear elsewhere",
+            description="frames without measurement in which a target is sought near its last position only, "
+            "before it is sought everywhere in every second frame; raising it finds targets later that "
+            "reappear elsewhere",
         )
         maximum_predicted_sigma: float = Field(
             0.1,
@@ -84,8 +85,8 @@ class TargetFilter(Stage, ABC):
             0.3,
             gt=0,
             unit="m",
-            description="largest step between these frames, and sigma of a position from which on it needs "
-            "twice as many; raising it confirms faster targets, and vague ones",
+            description="largest step of a tentative target between evident frames, and sigma from which on "
+            "its position needs twice as many of these; raising it confirms faster targets, and vague ones",
         )
         return_distance: float = Field(
             0.1,

@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 
 from followspot import Array, Field, Joined, Stage, StageParams
+from followspot.frame_times import NANOSECOND
 from followspot.tracking import PREDICTED, TRACKED, Tracks
 from followspot_tracking.estimates import Estimates, confidence, gathered, intersection, of_room
-
-NANOSECOND = 1e-9
 
 
 class Merge(Stage):

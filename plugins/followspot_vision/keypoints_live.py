@@ -44,7 +44,12 @@ class KeypointsLive(Stage):
             0.02, ge=0.001, le=10, unit="s", description="time between two looks into the folder"
         )
         read_timeout: float = Field(
-            1.0, ge=0, le=60, unit="s", description="time after which a file that cannot be read is left out"
+            1.0,
+            ge=0,
+            le=60,
+            unit="s",
+            description="time after which a file that cannot be read is left out; raising it tolerates "
+            "networks that write slowly, and delays the pictures after a broken file",
         )
 
     params: Params

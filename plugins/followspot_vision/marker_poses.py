@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from followspot import Array, Field, Joined, Stage, StageParams
+from followspot.frame_times import NANOSECOND
 from followspot.points import Points3D
 from followspot_vision.marker_messages import MarkerPoses, Markers
 from followspot_vision.square_pose import Pose, poses, quaternion
 
-NANOSECOND = 1e-9
 TURN_SIGMA = 0.1
 """Sigma of the angle between two faces of a marker that does not turn, rad."""
 LEAST_LIKELY = -40.0

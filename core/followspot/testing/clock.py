@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TypeVar
 
+from followspot.frame_times import SECOND
 from followspot.messages import Header, InvalidMessage, Message, seal, stamped
 from followspot.transport.codec import pack, unpack
 
 M = TypeVar("M", bound=Message)
-SECOND = 1_000_000_000
 
 
 class VirtualClock:

@@ -80,7 +80,7 @@ def read_poses_csv(path: Path, viewpoint: Viewpoint) -> PoseTable:
 def read_pose_truth_csv(*paths: Path) -> PoseTruthTable:
     """True poses, of one camera or of several that see the same persons. Raises InputError.
 
-    A person is as visible as in the camera that sees most of him. The viewpoint is the camera's, of
+    A person is as visible as in the camera that sees most of the person. The viewpoint is the camera's, of
     several the origin. A file may tell places alone (`PLACES`): the rest of a pose is NaN then, and the
     persons are in full view, as seen from the origin.
     """

@@ -19,7 +19,7 @@ GONE = 0.05
 
 @dataclass(frozen=True)
 class Visit:
-    """Frames of one stay: from the first in which the person is seen to the first in which he is gone."""
+    """Frames of one stay: from the first in which the person is seen to the first after the person left."""
 
     start: int
     end: int

@@ -11,20 +11,6 @@ import numpy as np
 from followspot.messages import Array
 
 
-def nearest_planes(planes: Array, xyz: Array, radius: Array) -> tuple[Array, Array]:
-    """The planes nearest to balls: normals towards them, (M, 3), and their clearances, (M,) m.
-
-    planes: (N, 4); xyz: (M, 3) m; radius: (M,) m. Without planes the clearances are infinite.
-    """
-    if not len(planes):
-        return np.zeros(xyz.shape), np.full(len(xyz), np.inf)
-    distance = xyz @ planes[:, :3].T + planes[:, 3]
-    nearest = np.abs(distance).argmin(axis=1)
-    above = distance[np.arange(len(xyz)), nearest]
-    normal = planes[nearest, :3] * np.sign(above)[:, None]
-    return normal, np.maximum(np.abs(above) - radius, 0.0)
-
-
 def glow_sigma(clearance: Array, touching: float, reach: float) -> Array:
     """Sigma of the shift, m: `touching` for a ball that touches the plane, 0 at the clearance `reach`, m.
 

@@ -26,7 +26,7 @@ class Images(NamedTuple):
     """(M, C) m; BEHIND for points that have no image."""
 
 
-class Model(NamedTuple):
+class Projection(NamedTuple):
     """The projection of M points into C views: x ~ matrix p + offset for parameters p."""
 
     matrix: Array
@@ -81,20 +81,20 @@ class Equations(NamedTuple):
     """(M,) sum of weighted squared errors."""
 
 
-def glowing_model(P: Array, normal: Array, color: Array) -> Model:
-    """The model of points whose images in colour cameras are shifted by their glow along a normal.
+def glowing_projection(P: Array, normal: Array, color: Array) -> Projection:
+    """The projection of points whose images in colour cameras are shifted by their glow along a normal.
 
     P: (C, 3, 4); normal: (M, 3); color: (C,) bool.
     """
     matrix = np.empty((len(normal), len(P), 3, PARAMETERS))
     matrix[..., :3] = P[:, :, :3]
     matrix[..., 3] = (P[:, :, :3] @ normal[:, None, :, None])[..., 0] * color[:, None]
-    return Model(matrix, P[:, :, 3])
+    return Projection(matrix, P[:, :, 3])
 
 
-def images(model: Model, parameters: Array) -> Images:
+def images(projection: Projection, parameters: Array) -> Images:
     """(M, 4) -> images in all views."""
-    x = (model.matrix @ parameters[:, None, :, None])[..., 0] + model.offset
+    x = (projection.matrix @ parameters[:, None, :, None])[..., 0] + projection.offset
     return _flattened(x)
 
 
@@ -108,9 +108,9 @@ def _flattened(x: Array) -> Images:
     return Images(x[..., :2] / depth[..., None], depth)
 
 
-def linearised(model: Model, seen: Images, views: Views) -> Array:
+def linearised(projection: Projection, seen: Images, views: Views) -> Array:
     """Jacobian of the images and, in a last column, the errors of the views: (M, 2C, 5), px."""
-    A = model.matrix
+    A = projection.matrix
     design = np.empty((*A.shape[:2], 2, PARAMETERS + 1))
     design[..., :PARAMETERS] = A[:, :, :2] - seen.xy[..., None] * A[:, :, 2:]
     design[..., :PARAMETERS] /= seen.depth[..., None, None]

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from followspot import Array
+from followspot.frame_times import NANOSECOND
 from followspot_balls.inertial.beginning import is_lost
 from followspot_balls.inertial.checkpoint import CONTRADICTIONS, GATE, Checkpoint
-from followspot_balls.inertial.history import NANOSECOND
 from followspot_balls.inertial.navigation import TURN, oriented, sighted
 from followspot_balls.inertial.process_noise import UNREAD_ACCELERATION
 from followspot_balls.inertial.turns import quaternion_of

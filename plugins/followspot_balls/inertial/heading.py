@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from followspot import Array
-from followspot_balls.inertial.history import NANOSECOND
+from followspot.frame_times import NANOSECOND
 from followspot_balls.inertial.process_noise import SWING, UNREAD_ACCELERATION, UNREAD_TURN_RATE
 from followspot_balls.inertial.sensor_errors import GRAVITY, SensorErrors
 

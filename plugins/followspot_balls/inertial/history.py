@@ -11,7 +11,6 @@ from followspot import Array
 from followspot.inertial import Inertial, Orientation
 from followspot.messages import MAX_TIME
 
-NANOSECOND = 1e-9
 MOST_ROWS = 8192
 """Rows that are kept at most, whatever the rate."""
 FASTEST = 100.0

@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from followspot import Array
+from followspot.frame_times import NANOSECOND
 from followspot.rotation import from_rotation_vector, multiply, turned
 from followspot_balls.inertial.beginning import begun, less_sure, turned_away
 from followspot_balls.inertial.checkpoint import CONTRADICTIONS, GATE, Checkpoint, Frame
@@ -18,7 +19,7 @@ from followspot_balls.inertial.heading import (
     search_coasted,
     search_corrected,
 )
-from followspot_balls.inertial.history import NANOSECOND, Rows
+from followspot_balls.inertial.history import Rows
 from followspot_balls.inertial.sensor_errors import SensorErrors
 
 PROVISIONAL = np.radians(15.0)

@@ -12,10 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from followspot.frame_times import NANOSECOND
 from followspot_balls.inertial.beginning import doubted, is_lost
 from followspot_balls.inertial.checkpoint import CONTRADICTIONS, GATE, Checkpoint, Frame
 from followspot_balls.inertial.heading import HeadingSearch
-from followspot_balls.inertial.history import NANOSECOND, Rows, levelled
+from followspot_balls.inertial.history import Rows, levelled
 from followspot_balls.inertial.learning import navigated, search_from, searched
 from followspot_balls.inertial.navigation import Navigation, carried, coasted, corrected, sighted
 from followspot_balls.inertial.sensor_errors import SensorErrors

@@ -12,7 +12,6 @@ from followspot import Camera, Field, Mistake, Room, Window
 from followspot.inertial import Inertial, Orientation, PosedTracks
 from followspot.messages import stamped
 from followspot.tracking import PREDICTED, TRACKED, Forecast, Positions, Tracks
-from followspot_balls.bridge import with_predicted
 from followspot_balls.inertial.checkpoint import Frame
 from followspot_balls.inertial.fix import Fix, fix_at
 from followspot_balls.inertial.history import orientations_of, readings_of
@@ -20,6 +19,7 @@ from followspot_balls.inertial.messages import Fixes, foreseen, posed, unplaced
 from followspot_balls.inertial.navigator import Navigator
 from followspot_balls.inertial.sensor_errors import SensorErrors
 from followspot_balls.kalman import Kalman
+from followspot_balls.predicted_positions import with_predicted
 from followspot_target_filter import stage as target_filter
 
 WELL_KNOWN = 0.03
@@ -48,28 +48,40 @@ class InertialFilter(Kalman):
         """The life cycle, the motion of targets without readings, and the errors of the sensors."""
 
         gyroscope_noise: float = Field(
-            2e-4, gt=0, unit="rad/s/sqrt(Hz)", description="noise density; raising it trusts turn rates less"
+            2e-4,
+            gt=0,
+            unit="rad/s/sqrt(Hz)",
+            description="noise density of the gyroscope; raising it trusts turn rates less",
         )
         accelerometer_noise: float = Field(
-            4e-3, gt=0, unit="m/s^2/sqrt(Hz)", description="noise density; raising it trusts forces less"
+            4e-3,
+            gt=0,
+            unit="m/s^2/sqrt(Hz)",
+            description="noise density of the accelerometer; raising it trusts forces less",
         )
         gyroscope_scale: float = Field(
             0.002,
             ge=0,
             unit="1",
-            description="sigma of its relative errors; raising it trusts fast turns less",
+            description="sigma of the gyroscope's relative errors; raising it trusts fast turns less",
         )
         accelerometer_scale: float = Field(
             0.002,
             ge=0,
             unit="1",
-            description="sigma of its relative errors; raising it trusts strong forces less",
+            description="sigma of the accelerometer's relative errors; raising it trusts strong forces less",
         )
         gyroscope_bias: float = Field(
-            0.02, gt=0, unit="rad/s", description="sigma of its bias at first; raising it learns larger ones"
+            0.02,
+            gt=0,
+            unit="rad/s",
+            description="sigma of the gyroscope's bias at first; raising it learns larger biases",
         )
         accelerometer_bias: float = Field(
-            0.1, gt=0, unit="m/s^2", description="sigma of its bias at first; raising it learns larger ones"
+            0.1,
+            gt=0,
+            unit="m/s^2",
+            description="sigma of the accelerometer's bias at first; raising it learns larger biases",
         )
         lever_arm: float = Field(
             0.03,

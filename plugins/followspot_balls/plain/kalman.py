@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from followspot import Array, Field, Stage, StageParams
+from followspot.frame_times import NANOSECOND
 from followspot.tracking import LOST, MISSING, TRACKED, Forecast, Positions, Tracks
 from followspot_balls.motion import Motion, initiated, predict, update
 
-NANOSECOND = 1e-9
 DEFAULT_PERIOD = 1 / 30
 """Frame interval before the second frame, s."""
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from followspot import Array, Field, Latest, Stage, StageParams
-from followspot.geometry import back_projection, triangulate_pairs
 from followspot.tracking import Candidates, Forecast, Pairs
+from followspot_balls.pair_rays import PairRays
 from followspot_balls.search import lost_targets, search_spheres
 
 
@@ -33,15 +33,10 @@ class PlainTriangulate(Stage):
     params: Params
 
     def setup(self) -> None:
-        cameras = self.room.cameras.values()
-        self.centers = np.array([c.center for c in cameras]).reshape(-1, 3)
-        self.back = np.array([back_projection(c) for c in cameras]).reshape(-1, 3, 3)
+        self.rays = PairRays(self.room)
 
     def process(self, pairs: Pairs, forecast: Latest[Forecast] = None) -> Candidates:
-        back, xy = self.back.take(pairs.view, axis=0), pairs.xy[..., None]
-        rays = back[..., 0] * xy[:, :, 0] + back[..., 1] * xy[:, :, 1] + back[..., 2]
-        rays /= np.sqrt(np.vecdot(rays, rays))[..., None]
-        xyz = triangulate_pairs(self.centers.take(pairs.view, axis=0), rays)
+        xyz = self.rays.points(pairs)
         targets = pairs.targets & self.within(xyz, pairs.confirmed, forecast)
         rows = np.flatnonzero(targets.any(axis=1))
         return Candidates(

@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from followspot import Array
+from followspot.frame_times import NANOSECOND
 from followspot.tracking import Tracks
 from followspot_balls.motion import Motion, initiated, manoeuvred, predict, transition, update
 from followspot_balls.smooth.step import Observation, Step, of_room
 
-NANOSECOND = 1e-9
 LEAST_SIGMA = 1e-4
 """Lower limit of a tracker's sigma, m."""
 

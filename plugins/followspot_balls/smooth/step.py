@@ -49,7 +49,11 @@ def observation(
 
 @dataclass(frozen=True)
 class Step:
-    """time: ns; seq: number of the tracks, -1 without; tracks: None if there are only positions."""
+    """What one moment contributes to the smoother: the tracks of its frame, and what was observed then.
+
+    time: ns; seq: number of the tracks, -1 without; tracks: None if there are only positions; observed: the
+    positions of each fusion.
+    """
 
     time: int
     seq: int = -1

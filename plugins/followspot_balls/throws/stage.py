@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from followspot import Array, Field, Stage, StageParams
+from followspot.frame_times import NANOSECOND
 from followspot.plain_values import from_plain, to_plain
 from followspot.tracking import Blobs, ImageTracks
 from followspot_balls.throws.motion import Paths, assigned, initiated, predicted, updated
@@ -103,7 +104,7 @@ class Throws(Stage):
     def process(self, blobs: Blobs) -> ImageTracks:
         row, target = np.nonzero(blobs.targets & self.whole(blobs)[:, None])
         xy = blobs.xy[row]
-        path, blob = self.followed(blobs.header.time * 1e-9, target, xy)
+        path, blob = self.followed(blobs.header.time * NANOSECOND, target, xy)
         shape = np.array([self.judged(number) for number in self.paths.number[path].tolist()])
         thrown = np.flatnonzero(np.isfinite(shape))
         path, blob = path[thrown], blob[thrown]

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
+from followspot.frame_times import SECOND
 from followspot_cameras.genicam.camera_clock import Reading
 
 LATCHES = (
@@ -16,7 +17,6 @@ LATCHES = (
 )
 """Command that latches the clock and the feature that tells it: of SFNC 2, of GigE Vision 1, of both, of USB3
 Vision before SFNC 2."""
-SECOND = 1_000_000_000
 FREQUENCY = "GevTimestampTickFrequency"
 
 

@@ -52,7 +52,12 @@ class Genicam(LiveCamera):
             "", max_length=100, description="own address that faces the camera; empty: as the system routes"
         )
         read_timeout: float = Field(
-            2.0, gt=0, le=3600, unit="s", description="a camera without a picture for longer is gone"
+            2.0,
+            gt=0,
+            le=3600,
+            unit="s",
+            description="time without a picture after which the camera counts as gone and is opened again; "
+            "raising it tolerates pauses, and notices a lost camera later",
         )
 
     params: Params

@@ -42,7 +42,14 @@ class Rtsp(LiveCamera):
             max_length=2000, description="address, rtsp:// or rtsps://, with user and password if need be"
         )
         open_timeout: float = Field(5.0, gt=0, le=60, unit="s", description="longest wait for a connection")
-        read_timeout: float = Field(2.0, gt=0, le=60, unit="s", description="longest wait for a picture")
+        read_timeout: float = Field(
+            2.0,
+            gt=0,
+            le=60,
+            unit="s",
+            description="time without a picture after which the camera counts as gone and is opened again; "
+            "raising it tolerates pauses, and notices a lost camera later",
+        )
         wait_for_report: float = Field(
             6.0,
             ge=0,

@@ -49,7 +49,12 @@ class Device(LiveCamera):
             "example {auto_exposure: Manual Mode, exposure_time_absolute: 100}",
         )
         read_timeout: float = Field(
-            5.0, gt=0, le=3600, unit="s", description="a camera without a picture for longer is gone"
+            5.0,
+            gt=0,
+            le=3600,
+            unit="s",
+            description="time without a picture after which the camera counts as gone and is opened again; "
+            "raising it tolerates pauses, and notices a lost camera later",
         )
 
         @field_validator("device")

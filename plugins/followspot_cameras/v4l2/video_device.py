@@ -10,6 +10,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from followspot.errors import Guess, InputError, Mistake
+from followspot.frame_times import SECOND
 from followspot.messages import Array
 from followspot_cameras.v4l2 import layout
 from followspot_cameras.v4l2.kernel import Kernel
@@ -183,7 +184,7 @@ class VideoDevice:
 
 def capture_time(buffer: Buffer) -> int:
     """When the driver had the picture's first or last data, ns since 1970; the present if it does not say."""
-    told = buffer.timestamp.seconds * 1_000_000_000 + buffer.timestamp.microseconds * 1000
+    told = buffer.timestamp.seconds * SECOND + buffer.timestamp.microseconds * 1000
     steady, now = time.monotonic_ns(), time.time_ns()
     clock = buffer.flags & layout.CLOCK
     if clock not in (layout.UNKNOWN, layout.MONOTONIC):

@@ -10,6 +10,7 @@ import numpy as np
 
 from followspot import Array
 from followspot.assignment import assigned
+from followspot.frame_times import NANOSECOND
 from followspot_persons.associate import looks
 from followspot_persons.associate.contraction import clusters
 from followspot_persons.associate.existence import (
@@ -25,7 +26,6 @@ from followspot_persons.associate.rows import Rows
 from followspot_persons.associate.torso_colors import log_ratios
 from followspot_persons.associate.views import View, Views
 
-NANOSECOND = 1e-9
 APART = 0.3
 """Distance within which a new body is one that is tracked already, m."""
 GIVEN_UP = -3.0

@@ -54,10 +54,18 @@ class AssociateParams(StageParams):
         "persons, and reports later",
     )
     maximum_missed_time: float = Field(
-        1.0, gt=0, unit="s", description="time without a detection after which a person is deleted"
+        1.0,
+        gt=0,
+        unit="s",
+        description="time without a detection after which a person is deleted; raising it bridges longer "
+        "gaps, and keeps false persons longer",
     )
     maximum_sigma: float = Field(
-        0.15, gt=0, unit="m", description="sigma beyond which a joint is left out of the skeleton"
+        0.15,
+        gt=0,
+        unit="m",
+        description="sigma beyond which a joint is left out of skeleton and pose; raising it gives more "
+        "joints, also inexact ones",
     )
     area: tuple[float, float, float, float] | None = Field(
         None, unit="m", description="part of the floor where people are sought: x0, y0, x1, y1; none: all"

@@ -7,12 +7,13 @@ from dataclasses import replace
 from pydantic import field_validator
 
 from followspot import Field, OutputHost
+from followspot.frame_times import SECOND
 from followspot.people import Poses
 from followspot.rotation import signed_axes
 from followspot.tracking import Tracks
 from followspot_sinks.datagrams import DatagramSink
 from followspot_sinks.psn.packets import data_packets, info_packets
-from followspot_sinks.slots import SECOND, PersonSlotParams, PersonSlots, Slots, with_tracks
+from followspot_sinks.slots import PersonSlotParams, PersonSlots, Slots, with_tracks
 
 
 class PsnSink(DatagramSink):

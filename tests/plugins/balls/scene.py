@@ -12,6 +12,7 @@ from followspot.messages import Array, Header, seal, stamped
 from followspot.room import Camera, Room, Target
 from followspot.tracking import TRACKED, Blobs, Candidates, Forecast, Frame, Positions
 from followspot_balls.fusion import Fusion
+from followspot_balls.strip import Strip
 from followspot_balls.template import color_spots, color_template
 
 AnyFusion = TypeVar("AnyFusion", bound=Fusion)
@@ -67,6 +68,11 @@ def picture(camera: Camera, balls: dict[str, Array], white_core: bool = False) -
             disc(pixels, center, radius * 0.5, (255, 255, 255))
     kept = pixels if camera.kind == "color" else np.ascontiguousarray(pixels[..., :1])
     return seal(Frame(camera=camera.name, pixels=kept))
+
+
+def whole_strip(width: int) -> Strip:
+    """A strip with the whole picture as its only part."""
+    return Strip(np.zeros(width, int), np.zeros((1, 2), int))
 
 
 def disc(pixels: Array, center: Array, radius: float, color: tuple[int, int, int]) -> None:

@@ -17,7 +17,8 @@ from followspot.messages import Array, seal
 from followspot.room import Room
 from followspot.stage import Context
 from followspot.tracking import Candidates, Forecast, Positions
-from followspot_balls.bundle.glow import glow_sigma, nearest_planes
+from followspot_balls.bounding_planes import nearest_planes
+from followspot_balls.bundle.glow import glow_sigma
 from followspot_balls.bundle.sightings import sightings
 from followspot_balls.bundle.trust import variance
 from followspot_balls.bundle_fusion import Bundle
@@ -321,3 +322,4 @@ def test_the_normal_of_the_nearest_plane_points_to_the_ball_on_either_side() -> 
     normal, clearance = nearest_planes(planes, places, np.array([0.1, 0.1]))
     assert normal == pytest.approx(np.array([[0.6, 0.0, 0.8], [-0.6, 0.0, -0.8]]))
     assert clearance == pytest.approx([0.4, 0.2])
+    assert nearest_planes(planes, places, np.array([0.6, 0.1]))[1] == pytest.approx([-0.1, 0.2])

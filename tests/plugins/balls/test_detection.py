@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.plugins.balls.scene import SIZE, disc, forecast_at, learn_color, make_room, picture
+from tests.plugins.balls.scene import SIZE, disc, forecast_at, learn_color, make_room, picture, whole_strip
 
 from followspot.geometry import project
 from followspot.messages import Array, seal
@@ -16,7 +16,6 @@ from followspot_balls.color_blobs import ColorBlobs
 from followspot_balls.components import MOST, above_local_peak, components, of_size
 from followspot_balls.hue import BIT, bhattacharyya, hue_bits, normalised
 from followspot_balls.ir_blobs import IrBlobs
-from followspot_balls.strip import whole_strip
 from followspot_balls.template import learn_infrared
 from followspot_balls.votes import SEPARATE, agreement, disc_centers, own_area
 

@@ -8,8 +8,8 @@ import pytest
 from followspot.messages import Array
 from followspot_balls.likelihood import (
     RARE,
+    BallModel,
     Likely,
-    Model,
     Sight,
     ball_ratio,
     clutter_density,
@@ -22,7 +22,7 @@ from followspot_balls.likelihood import (
     view_ratios,
 )
 
-MODEL = Model(0.6, 0.015, 3.0, 0.8, 0.12, 0.6)
+MODEL = BallModel(0.6, 0.015, 3.0, 0.8, 0.12, 0.6)
 COLOR = np.array([True, True, False, False])
 NO_CHANCE = np.zeros((3, 1))
 

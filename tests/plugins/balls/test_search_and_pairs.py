@@ -11,12 +11,14 @@ from followspot.messages import Array, seal
 from followspot.room import Room
 from followspot.stage import Context
 from followspot.tracking import LOST, TRACKED, Blobs, Forecast, Pairs
+from followspot_balls.blob_pairs import homography_test
 from followspot_balls.bounding_planes import facing_planes
+from followspot_balls.pair_relations import fundamental_stack
 from followspot_balls.search import search_circles, search_radius, search_spheres
 from followspot_balls.search_gate import SearchGate
 from followspot_balls.three_views import threefold
 from followspot_balls.triangulate import Triangulate
-from followspot_balls.verify_pairs import VerifyPairs, fundamental_stack, homography_test
+from followspot_balls.verify_pairs import VerifyPairs
 
 ROOM = make_room()
 BALL = (0.1, 0.2, 1.0)

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.plugins.balls.scene import whole_strip
 
 from followspot.messages import Array
 from followspot_balls.components import above_local_peak, components, of_size
-from followspot_balls.strip import Strip, abreast, clusters, cut, scattered, whole_strip, window_strip
+from followspot_balls.strip import Strip, abreast, clusters, cut, scattered, window_strip
 from followspot_balls.votes import disc_centers
 
 SMALLEST, LARGEST = 3, 60

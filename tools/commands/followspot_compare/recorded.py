@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from followspot.files import open_text
+from followspot.frame_times import NANOSECOND
 from followspot.messages import Array
 from followspot.room import Camera
 from followspot.tracking import TRACKED
@@ -23,7 +24,6 @@ CANDIDATES = "candidates.jsonl"
 """Messages `Candidates`, likewise."""
 PAIRS = "pairs.jsonl"
 """Messages `Pairs`, likewise."""
-SECONDS = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ def read_fused(folder: Path, tracks: TrackTable, objects: Sequence[str]) -> Fuse
     kept = np.isin(keys(stamp, number), track_keys(tracks, objects))
     table = TrackTable(
         tuple(objects),
-        stamp[kept] * SECONDS,
+        stamp[kept] * NANOSECOND,
         number[kept],
         np.full(int(kept.sum()), TRACKED, "u1"),
         np.array(xyz, "f8")[kept],
@@ -102,7 +102,7 @@ def pair_counts(folder: Path, tracks: TrackTable, objects: Sequence[str]) -> dic
 def track_keys(tracks: TrackTable, objects: Sequence[str]) -> Array:
     """One number for time and target of each row of the tracks. Targets are numbered like `objects`."""
     number = np.array([objects.index(name) for name in tracks.objects], "i8")
-    return keys(np.rint(tracks.time / SECONDS).astype("i8"), number[tracks.target])
+    return keys(np.rint(tracks.time / NANOSECOND).astype("i8"), number[tracks.target])
 
 
 def keys(time: Array, target: Array) -> Array:
