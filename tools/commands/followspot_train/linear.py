@@ -25,6 +25,8 @@ EACH = 40
 """Most of them from one background in one size."""
 PASSING = 0.99
 """Share of the persons' windows that the detector must propose."""
+SPARE = 0.4
+"""By how much the finished detector passes what is below its bar of learning, for legs may tell a person."""
 SIZES = (0.4, 2.2)
 """Smallest and largest scale of a background."""
 STEP = 1.15
@@ -61,6 +63,22 @@ def train(
         weights = _fitted(persons, negatives, rng)
     weights[-1] -= np.quantile(persons @ weights[:-1] + weights[-1], 1 - PASSING)
     return weights, windows
+
+
+def finished(weights: Array) -> Array:
+    """The weights of the detector in use, which passes more than it learnt with: (FEATURES + 1,)."""
+    return _moved(weights, SPARE)
+
+
+def learning(weights: Array) -> Array:
+    """The inverse of :func:`finished`: at this bar, what passes deceives."""
+    return _moved(weights, -SPARE)
+
+
+def _moved(weights: Array, by: float) -> Array:
+    moved = weights.copy()
+    moved[-1] += by
+    return moved
 
 
 def _fitted(persons: Array, negatives: Array, rng: np.random.Generator) -> Array:

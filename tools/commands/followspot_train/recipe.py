@@ -118,7 +118,7 @@ def learn(material: Material, split: Split, rng: np.random.Generator, tell: Tell
     trees = boosting.train(np.hstack([examples.looks.astype(np.float16), seen]), examples.person, rng, tell)
     none = np.zeros(0, np.float32)
     grown = trees.feature, trees.threshold, trees.leaf
-    model = HogModel(weights, none, none, none, none, UNKNOWN, *grown, RAW)
+    model = HogModel(linear.finished(weights), none, none, none, none, UNKNOWN, *grown, RAW)
     return network.train(model, examples, rng, tell)
 
 

@@ -19,7 +19,7 @@ from followspot_persons.hog.whole import LAYOUT, save, windows, within
 from followspot_persons.hog.window import cut
 from followspot_train import boosting
 from followspot_train.command import teller
-from followspot_train.linear import places
+from followspot_train.linear import learning, places
 from followspot_train.pictures import Background, Person, read_folder
 from followspot_train.recipe import Tell
 from followspot_train.windows import as_found, as_missed, mirrored, relit
@@ -55,13 +55,16 @@ def learn(
 ) -> Trees:
     """Trees whose sum is the log-odds of a whole person, if as many windows show one as do not.
 
-    linear: weights of the proposing detector, whose windows of backgrounds are learnt from.
+    linear: weights of the proposing detector in use; what passes its bar of learning in backgrounds is
+    learnt from.
     """
     tell("describing whole people")
     true = _described([window for person in whole(persons) for window in _found(person, rng)])
     missed = [window for person in whole(persons) for window in _missed(person, rng)]
     missed += [window for person in persons for window in _parts(person, rng)]
-    others = [window for background in backgrounds for window in _deceiving(background, linear, rng)]
+    others = [
+        window for background in backgrounds for window in _deceiving(background, learning(linear), rng)
+    ]
     if not len(true) or not others:
         raise InputError.of("whole people, or places without people, are missing", "give pictures of both")
     false = _described(missed + others)
