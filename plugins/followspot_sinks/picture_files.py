@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Protocol
@@ -15,6 +16,8 @@ from followspot.messages import Array
 
 SMALLEST = 16
 """Smallest width and height for the codec, px; it needs even ones."""
+LEAST_SPACE = 1 << 20
+"""Bytes that must be free on the disk: a video that is cut off cannot be played at all."""
 SLOWEST, FASTEST = 1.0, 240.0
 """Smallest and largest frame rate of a video, 1/s."""
 
@@ -30,7 +33,7 @@ class PictureFile(Protocol):
 
 
 class VideoFile:
-    """An .mp4 with the frame rate of the first two pictures."""
+    """An .mp4 with the frame rate of the first two pictures. It can be played once it is complete."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -40,6 +43,7 @@ class VideoFile:
     def write(self, picture: Array, seq: int, time: int) -> None:
         """Add a picture; the first waits for the second, which gives the rate. Raises FollowspotError."""
         picture = fitted(picture)
+        require_space(self.path)
         if self.writer is not None:
             self.writer.write(picture)
         elif self.first is None:
@@ -52,7 +56,8 @@ class VideoFile:
         if self.writer is None and self.first is not None:
             self._open(self.first[0], SLOWEST)
         if self.writer is not None:
-            self.writer.release()
+            self.writer.release()  # it tells no errors
+            require_space(self.path)
 
     def _open(self, first: Array, rate: float) -> cv2.VideoWriter:
         height, width = first.shape[:2]
@@ -64,6 +69,13 @@ class VideoFile:
             )
         self.writer.write(first)
         return self.writer
+
+
+def require_space(path: Path) -> None:
+    """Raises FollowspotError if the disk is full, which the writer of videos does not tell."""
+    found = os.statvfs(path.parent)
+    if found.f_bavail * found.f_frsize < LEAST_SPACE:
+        raise FollowspotError(f"{path} cannot be written: No space left on device")
 
 
 def fitted(picture: Array) -> Array:

@@ -34,7 +34,7 @@ def running(out: Path) -> bool:
     return path.exists() and path.stat().st_size > 0
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 @pytest.mark.parametrize(
     "options",
     [*PLACEMENTS[:2], pytest.param(PLACEMENTS[2], marks=pytest.mark.thorough)],

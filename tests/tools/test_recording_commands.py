@@ -11,6 +11,7 @@ import pytest
 from mcap.reader import make_reader
 from mcap.writer import Writer
 
+import followspot as fs
 from followspot.cli.main import main
 from followspot.graph.output_ports import chosen_ports
 from followspot.graph.plan import Plan, PlannedStage, PlannedWorker
@@ -192,6 +193,22 @@ def test_verify_says_up_to_where_a_damaged_recording_is_good(
     told = capsys.readouterr().out
     assert "read up to there" in told
     assert "the same, byte for byte" in told
+
+
+def test_a_recording_that_is_cut_short_is_told_to_scripts_and_by_export(
+    show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    half, start = tmp_path / "half.mcap", tmp_path / "start.mcap"
+    half.write_bytes(show.read_bytes()[: show.stat().st_size // 2])
+    start.write_bytes(show.read_bytes()[:4000])
+    with fs.open_recording(half) as recording:
+        with pytest.warns(UserWarning, match=r"half\.mcap: .*byte"):
+            found = [*recording["track.tracks"]]
+        assert 0 < len(found) < FRAMES
+    with pytest.warns(UserWarning, match=r"start\.mcap"):
+        fs.open_recording(start).close()
+    assert main(["export", str(start), str(tmp_path / "out"), "--to", "csv"]) == 2
+    assert "start.mcap: " in capsys.readouterr().err.replace(f"{start} has no such ports", "")
 
 
 def test_the_last_line_of_verify_counts_the_ports_that_are_not_repeated() -> None:

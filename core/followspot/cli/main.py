@@ -6,6 +6,7 @@ Exit codes: 0 done, 1 the run failed, 2 the input is wrong.
 from __future__ import annotations
 
 import argparse
+import errno
 import gc
 import os
 import sys
@@ -33,6 +34,14 @@ CORE = (
 )
 """Commands of the core, in the order of `followspot --help`."""
 
+_OF_FILES = frozenset(
+    {
+        *(errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM),
+        *(errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.ENAMETOOLONG),
+    }
+)
+"""Errors of files and disks that a user can mend, whichever command meets them; they are no defects."""
+
 _ABOUT = """Compose tracking graphs from stage plugins and run them in one process or many.
 
   followspot run graphs/glowballs.yaml          track glowing balls in a simulated room
@@ -43,6 +52,15 @@ _ABOUT = """Compose tracking graphs from stage plugins and run them in one proce
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Entry of the console script."""
+    try:
+        return _obeyed(argv)
+    except KeyboardInterrupt:
+        print("\nfollowspot: interrupted", file=sys.stderr)
+        return 130
+
+
+def _obeyed(argv: Sequence[str] | None) -> int:
+    """Read and run a command; its exit code."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # workers are the parallelism; same bits everywhere
     gc.set_threshold(20_000, 20)  # imports make no garbage: to look for it took 5 % of a short run
     if "_ARGCOMPLETE" in os.environ:
@@ -68,11 +86,14 @@ def main(argv: Sequence[str] | None = None) -> int:
         _trace(args)
         print(f"followspot: {error}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        print("\nfollowspot: interrupted", file=sys.stderr)
-        return 130
     except BrokenPipeError:
         sys.stderr.close()
+        return 1
+    except OSError as error:
+        if error.errno not in _OF_FILES:
+            raise
+        _trace(args)
+        print(f"followspot: {error.filename or 'the output'}: {error.strerror}", file=sys.stderr)
         return 1
 
 

@@ -118,6 +118,7 @@ class ForkServerProcess:
                 module_command("followspot.host.fork_server", str(theirs.fileno()), *self._stages),
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
+                process_group=0,  # Ctrl-C and a closed terminal reach the operator, which ends the workers
             )
         self._orders = ours
 

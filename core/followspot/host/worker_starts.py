@@ -36,6 +36,7 @@ class WorkerStarts:
             module_command("followspot.worker.main", str(end.fileno())),
             pass_fds=[end.fileno()],
             stdin=subprocess.DEVNULL,
+            process_group=0,  # as the fork server
         )
 
     def close(self) -> None:

@@ -44,7 +44,7 @@ class Recording(Protocol):
 
     @property
     def problem(self) -> str:
-        """Why the file ends early; empty if it is whole as far as it was read."""
+        """Why the file ends early; empty if it is whole as far as it was read. A Python warning says it."""
 
     def __getitem__(self, port: str) -> RecordedPort:
         """A port by its name. Raises FollowspotError if it was not recorded."""

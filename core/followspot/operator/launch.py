@@ -108,7 +108,8 @@ def _run_served(run: Coordinator, on_progress: OnProgress | None, surroundings: 
 
 
 def interruptible(run: Run, on_progress: OnProgress | None = None) -> RunReport:
-    """Execute the run; on Ctrl-C or SIGTERM its sources end, and its outputs are still complete.
+    """Execute the run; on Ctrl-C, SIGTERM or when the terminal closes its sources end, and its outputs are
+    still complete. `nohup` keeps it running.
 
     A second Ctrl-C raises KeyboardInterrupt. Call this from the main thread.
     """
@@ -118,7 +119,10 @@ def interruptible(run: Run, on_progress: OnProgress | None = None) -> RunReport:
             raise KeyboardInterrupt
         run.stop()
 
-    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
+    ends = [signal.SIGINT, signal.SIGTERM]
+    if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
+        ends.append(signal.SIGHUP)
+    before = {number: signal.signal(number, stop) for number in ends}
     try:
         return run.execute(on_progress)
     finally:

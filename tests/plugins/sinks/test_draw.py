@@ -235,6 +235,18 @@ def test_a_video_that_cannot_be_written_names_the_remedy(
         file.close()
 
 
+def test_a_disk_that_gets_full_is_told_and_not_left_to_the_video(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = VideoFile(tmp_path / "left.mp4")
+    for number in range(4):
+        file.write(np.zeros((48, 64, 3), "u1"), number, number * 10**8)
+    monkeypatch.setattr("followspot_sinks.picture_files.LEAST_SPACE", 1 << 60)
+    for step in (lambda: file.write(np.zeros((48, 64, 3), "u1"), 4, 4 * 10**8), file.close):
+        with pytest.raises(FollowspotError, match=r"left\.mp4 cannot be written: No space left"):
+            step()
+
+
 def test_infrared_picture_is_drawn_on_in_color(tmp_path: Path) -> None:
     image = picture(drawn(tmp_path, ROOM, (frame(channels=1),), (poses(),)))
     assert (image.max(axis=2) != image.min(axis=2)).any()

@@ -40,7 +40,7 @@ def export_command(args: argparse.Namespace) -> int:
             left_out = HEAVY if form.pictures else (*HEAVY, PICTURES)
             names = tuple(name for name in names if recording.ports[name].schema not in left_out)
         if not names:
-            remedy = f"recorded: {', '.join(recording.ports) or 'none'}"
+            remedy = recording.problem or f"recorded: {', '.join(recording.ports) or 'none'}"
             raise InputError.of(f"{recording.path} has no such ports", remedy)
         folder.mkdir(parents=True, exist_ok=True)
         room = recorded_room(recording)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,9 @@ class RecordedPort:
         self._recording = recording
 
     def __iter__(self) -> Iterator[Message]:
-        return iter(decoded(self._recording, self.name, self.type))
+        """Messages; a Python warning at the end says if the file ends early or is damaged."""
+        yield from decoded(self._recording, self.name, self.type)
+        _warn_of(self._recording)
 
     def to_pandas(self) -> Any:
         """A DataFrame with a row for each row of each message. Raises ImportError without pandas."""
@@ -49,6 +52,8 @@ class RecordedRun(Closing):
         """Raises FollowspotError if the file is no recording."""
         self._recording = Recording(path)
         self.path = path
+        if not self._recording.ports:
+            _warn_of(self._recording)
 
     @property
     def ports(self) -> tuple[str, ...]:
@@ -89,3 +94,9 @@ class RecordedRun(Closing):
 
     def __repr__(self) -> str:
         return f"<recording {self.path}: {', '.join(self.ports) or 'no ports'}>"
+
+
+def _warn_of(recording: Recording) -> None:
+    """Warn of what is missing in a file, as far as it is known by now."""
+    if recording.problem:
+        warnings.warn(recording.problem, stacklevel=3)

@@ -1,0 +1,49 @@
+"""Ctrl-C reaches all processes of a terminal: at any moment of the start it ends a run quietly."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from tests.integration.running import children, wait_until
+
+GRAPH = Path(__file__).parents[2] / "graphs/glowballs.yaml"
+
+
+@pytest.mark.parametrize("later", [0, 1, 7])
+def test_ctrl_c_while_workers_start_is_an_interruption(tmp_path: Path, later: int) -> None:
+    """later: processes that are there beside the first one of the workers."""
+    command = [
+        sys.executable,
+        "-m",
+        "followspot.cli.main",
+        "run",
+        GRAPH,
+        "--placement",
+        "camera",
+        "--out",
+        "out",
+    ]
+    process = subprocess.Popen(
+        [*command, "--frames", "2000", "-q"],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,  # the group of a terminal
+    )
+
+    def started() -> int:
+        own = children(process.pid)
+        return len(own) + sum(len(children(pid)) for pid in own)
+
+    assert wait_until(lambda: started() > later or process.poll() is not None)
+    os.killpg(process.pid, signal.SIGINT)
+    out, errors = process.communicate(timeout=60)
+    assert process.returncode in (0, 130), errors + out
+    assert "Traceback" not in errors
+    assert "died" not in errors + out
