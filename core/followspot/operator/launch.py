@@ -16,6 +16,7 @@ from followspot.graph.plan import Plan
 from followspot.host.local_host import LocalHost
 from followspot.log.run_log import OnLog
 from followspot.operator.coordinator import Coordinator, order_of
+from followspot.operator.output_folder import reserved
 from followspot.operator.reporting.report import RunReport
 from followspot.operator.run_dispatcher import run_dispatcher
 from followspot.operator.run_requests import Surroundings
@@ -70,20 +71,21 @@ def prepared(
     """A run that has not begun, and its surroundings; see `run_plan` and `Surroundings`.
 
     in_process: workers of this host that run as threads of this process; a plan's only worker always does.
-    Raises InputError if an agent is missing.
+    Raises InputError if an agent is missing, FollowspotError if another run writes to the output folder.
     """
     restart = restart or plan.live
-    if network.public or any(worker.host for worker in plan.workers):
-        from followspot.operator.discovery import discovered_hosts
+    with reserved(options.out):
+        if network.public or any(worker.host for worker in plan.workers):
+            from followspot.operator.discovery import discovered_hosts
 
-        order = order_of(plan, options, restart=restart)
-        with discovered_hosts(plan, network, media, in_process) as (hosts, others):
-            near = network.for_worker(network.connect)
-            around = Surroundings(options.out.resolve(), near, plan.written, time.time())
-            yield Coordinator(plan, hosts, order, on_log, others), around
-            return
-    run = local_run(plan, options, on_log, restart=restart, in_process=in_process)
-    yield run, Surroundings(options.out.resolve(), None, plan.written, time.time())
+            order = order_of(plan, options, restart=restart)
+            with discovered_hosts(plan, network, media, in_process) as (hosts, others):
+                near = network.for_worker(network.connect)
+                around = Surroundings(options.out.resolve(), near, plan.written, time.time())
+                yield Coordinator(plan, hosts, order, on_log, others), around
+                return
+        run = local_run(plan, options, on_log, restart=restart, in_process=in_process)
+        yield run, Surroundings(options.out.resolve(), None, plan.written, time.time())
 
 
 def local_run(

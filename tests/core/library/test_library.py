@@ -236,6 +236,18 @@ def test_a_composed_graph_is_saved_checked_drawn_and_run_with_a_class_of_this_pr
         fs.run(graph, placement="camera", out=tmp_path)
 
 
+def test_two_runs_do_not_mix_their_files_in_one_folder(tmp_path: Path) -> None:
+    (tmp_path / "endless.yaml").write_text(ENDLESS)
+    graph, out = tmp_path / "endless.yaml", tmp_path / "out"
+    with fs.run(graph, out=out, plugin_files=[TICKS]) as run:
+        with pytest.raises(FollowspotError, match=r"(?s)another run writes to .*out.*choose another"):
+            fs.run(graph, out=out, plugin_files=[TICKS]).wait()
+        run.stop()
+    with fs.run(graph, out=out, plugin_files=[TICKS]) as run:
+        run.stop()
+        assert run.wait().ok
+
+
 def test_numbers_of_numpy_are_parameters_and_another_value_is_named() -> None:
     graph = fs.Graph("mine", room=ROOM)
     graph.add("camera", "room.source", each="cameras")

@@ -1,0 +1,39 @@
+"""The output folder of a run, which one run at a time writes to."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from followspot.errors import FollowspotError
+
+
+@contextmanager
+def reserved(folder: Path) -> Iterator[None]:
+    """Keep other runs out of a folder while the block runs. Raises FollowspotError if one writes there.
+
+    The lock ends with the process, however that ends. A disk without locks keeps nobody out. The present
+    folder is not reserved: it is that of runs without outputs.
+    """
+    if folder == Path():
+        yield
+        return
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        with suppress(OSError):
+            _lock(descriptor, folder)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _lock(descriptor: int, folder: Path) -> None:
+    """Raises FollowspotError if another run has the lock, OSError if the disk has none."""
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        text = f"another run writes to {folder}: two would mix their files\n    choose another with --out"
+        raise FollowspotError(text) from None
