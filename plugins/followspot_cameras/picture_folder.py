@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Self, TypeVar
 
+import numpy as np
 from pydantic import model_validator
 
 from followspot import Field, InputPath, Message, Source, Stage, at
@@ -19,6 +20,12 @@ from followspot_cameras.recorded_times.params import TimesParams, read_times
 
 M = TypeVar("M", bound=Message)
 SUFFIXES = frozenset({".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp"})
+
+
+FEWEST, STEADY = 5, 0.9
+"""Pictures whose names are numbers that rise evenly, and share of the steps between them that are alike."""
+MOST_STEP = 1000
+"""Largest step between numbers of pictures that are no times."""
 
 
 class FolderParams(TimesParams):
@@ -68,6 +75,8 @@ class PictureFolder(Stage):
         """List the folder. Raises InputError if it has no such pictures, or no times for them."""
         pictures = pictures_of(self.params, self.suffixes, self.camera.name)
         self.files, self.times = list(pictures), list(pictures.values())
+        if gap := gap_of(self.params, self.files):
+            self.context.warn(f"{gap}, and all later ones are played too early: give their times")
 
     def length(self) -> int:
         """Number of pictures."""
@@ -126,3 +135,17 @@ def natural_order(folder: Path, pattern: str, suffixes: frozenset[str] = SUFFIXE
     inside = folder.iterdir() if folder.is_dir() else ()
     files = (p for p in inside if p.suffix.lower() in suffixes and fnmatchcase(p.name, pattern))
     return sorted(files, key=lambda p: [int(t) if t.isdigit() else t for t in re.split(r"([0-9]+)", p.name)])
+
+
+def gap_of(params: FolderParams, files: Sequence[Path]) -> str:
+    """Where the numbers in the names of pictures that come at a rate leave some out; "" if they do not."""
+    named = [re.findall(r"\d+", path.stem)[-1:] for path in files]
+    if params.name_time or params.times is not None or len(files) < FEWEST or not all(named):
+        return ""
+    step = np.diff([int(number[0][:18]) for number in named])
+    usual = np.bincount(np.clip(step, 0, MOST_STEP)).argmax()
+    beyond = np.flatnonzero(step > usual)
+    if not usual or not len(beyond) or np.mean(step == usual) < STEADY:
+        return ""
+    row = int(beyond[0])
+    return f"between {files[row].name} and {files[row + 1].name} pictures are missing"

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
+from collections.abc import Iterable
 from typing import Any
 
-from followspot import Field, Message, OutputHost, OutputPath, Stage, StageParams
+from followspot import Field, Message, Mistake, OutputHost, OutputPath, Room, Stage, StageParams
 from followspot.errors import FollowspotError
 from followspot.files import unused_path
+from followspot.room import Member
 from followspot_sinks.line_sink import below
 from followspot_sinks.rerun.layout import layout_of
 from followspot_sinks.rerun.scene import entity_of, log_cameras, parts_of, shape_of
 
 APPLICATION = "followspot"
 TIMELINE = "capture"
+REMEDY = 'pip install "followspot[rerun]"'
 
 
 class Rerun(Stage):
@@ -38,13 +42,22 @@ class Rerun(Stage):
     params: Params
     stream: Any = None
 
+    @classmethod
+    def check_files(cls, params: Any, room: Room, member: Member | None) -> Iterable[Mistake]:
+        """Warn if this host lacks rerun-sdk; that of the stage may have it."""
+        try:
+            if importlib.util.find_spec("rerun") is not None:
+                return ()
+        except ValueError:  # it is known to be missing
+            pass
+        return [Mistake(None, "rerun-sdk is not installed", REMEDY, warning=True)]
+
     def setup(self) -> None:
         """Open the file or connect. Raises FollowspotError if rerun-sdk is missing."""
         try:
             self.rerun = importlib.import_module("rerun")
         except ImportError as error:
-            remedy = 'pip install "followspot[rerun]"'
-            raise FollowspotError(f"sinks.rerun needs rerun-sdk: {error}\n    {remedy}") from None
+            raise FollowspotError(f"sinks.rerun needs rerun-sdk: {error}\n    {REMEDY}") from None
         run = str(self.context.out.absolute())
         self.stream = self.rerun.RecordingStream(APPLICATION, recording_id=run)
         if self.params.viewer:

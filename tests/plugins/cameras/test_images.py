@@ -41,6 +41,18 @@ def test_pattern_and_range_choose_pictures(folder: Path) -> None:
     assert [f.header.seq for f in play(folder, start_frame=3, frames=2)] == [3, 4]
 
 
+def test_numbers_that_are_missing_in_the_names_are_told(folder: Path) -> None:
+    warnings: list[str] = []
+    (folder / "shot5.png").unlink()
+    assert len(play(folder, warnings)) == 11
+    (warning,) = warnings
+    assert warning.startswith("between shot4.png and shot6.png pictures are missing")
+    for number in range(0, 12, 2):
+        (folder / f"shot{number}.png").unlink()
+    assert len(play(folder, warnings)) == 5, "every second one was never there"
+    assert len(warnings) == 1
+
+
 def test_unreadable_picture_leaves_a_gap_and_is_reported(folder: Path) -> None:
     (folder / "shot4.png").write_bytes(b"broken")
     warnings: list[str] = []

@@ -45,6 +45,9 @@ def test_without_the_package_it_says_what_to_install(tmp_path: Path, monkeypatch
     monkeypatch.setitem(sys.modules, "rerun", None)
     with pytest.raises(FollowspotError, match=r"pip install .followspot\[rerun\]"):
         Rerun(Context("show", ROOM, out=tmp_path)).setup()
+    (mistake,) = Rerun.check_files(Rerun.Params(), ROOM, None)
+    assert mistake.warning
+    assert "followspot[rerun]" in mistake.remedy
 
 
 def test_the_viewer_opens_with_the_room_beside_its_cameras() -> None:
