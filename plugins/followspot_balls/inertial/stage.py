@@ -22,6 +22,8 @@ from followspot_balls.kalman import Kalman
 from followspot_balls.predicted_positions import with_predicted
 from followspot_target_filter import stage as target_filter
 
+SILENT = 3_000_000_000
+"""Time without a reading of the present after which a user is told, ns."""
 WELL_KNOWN = 0.03
 """Sigma of a hidden target up to which it is sought near its forecast only, m."""
 
@@ -128,6 +130,8 @@ class InertialFilter(Kalman):
             sensor: Navigator(errors, p.history, p.maximum_reading_gap) for sensor in self.carriers
         }
         self.told: set[tuple[str, str]] = set()
+        self.newest: dict[str, int] = {}
+        """Time of the newest reading of each sensor, or at first that of the first positions, ns."""
         self.wide = False
 
     def process(
@@ -138,7 +142,9 @@ class InertialFilter(Kalman):
     ) -> Outputs:
         time = positions.header.time
         for sensor, navigator in self.navigators.items():
-            navigator.receive(readings_of(readings, sensor), orientations_of(orientations, sensor))
+            rows = readings_of(readings, sensor)
+            navigator.receive(rows, orientations_of(orientations, sensor))
+            self.newest[sensor] = max(self.newest.get(sensor, time), rows.time.max(initial=0))
             self.tell(sensor, navigator, time)
         bridges = self.fixes(time)
         trusted = self.trusted(positions, bridges)
@@ -213,7 +219,13 @@ class InertialFilter(Kalman):
             self.navigators[sensor].add(Frame(time, seen))
 
     def tell(self, sensor: str, navigator: Navigator, time: int) -> None:
-        """Warn, once of each sensor, about readings that come too late, and that contradict the positions."""
+        """Warn, once of each sensor, of readings that are missing, come too late or contradict positions."""
+        if time - self.newest[sensor] > SILENT:
+            self.tell_once(
+                sensor,
+                "are missing for 3 s: look whether the sensor sends, and compare its clock, or `start_time`, "
+                "with the cameras'",
+            )
         if navigator.late:
             self.tell_once(
                 sensor,

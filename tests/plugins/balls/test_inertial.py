@@ -87,6 +87,21 @@ def test_readings_that_are_too_late_are_left_out_and_told() -> None:
     assert np.nanmax(run.error[run.time > 1.0]) < 0.05
 
 
+@pytest.mark.parametrize(
+    ("delay", "late", "missing"),
+    [(0.0, 0.0, False), (-100.0, 0.0, True), (0.0, 1000.0, True)],
+    ids=["in time", "of another clock", "stopped after a second"],
+)
+def test_a_sensor_without_readings_of_the_present_is_told_once(
+    delay: float, late: float, missing: bool
+) -> None:
+    told: list[str] = []
+    stage = InertialFilter(Context(name="track", room=ROOM, warn=told.append))
+    stage.setup()
+    tracked(stage, Motion(1), 4.6, errors=Errors(delay=delay), late=lambda t: late if t > 1 else 0.0)
+    assert len([text for text in told if "readings of imu are missing for 3 s" in text]) == missing
+
+
 @pytest.mark.parametrize(("delay", "believed"), [(0.05, True), (0.2, False), (-0.2, False)])
 def test_sensor_that_the_positions_contradict_again_and_again_is_told_and_not_believed(
     delay: float, believed: bool
