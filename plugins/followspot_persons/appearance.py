@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -28,6 +29,7 @@ from followspot_persons.foreground_box import STEP, foreground_box, shares, with
 from followspot_persons.foreground_people import completed
 from followspot_persons.girth import girths_of
 from followspot_persons.illumination import Illumination
+from followspot_persons.observation import Observation
 from followspot_persons.occlusion import Shades
 from followspot_persons.panorama import turn_of
 from followspot_persons.part_box import stood
@@ -80,6 +82,25 @@ class Appearance(Stage):
         self.pixels = np.empty((0, 0, 3), np.uint8)
 
     def process(self, frame: Frame, gradients: Gradients, boxes: Boxes) -> Appearances:
+        seen = self.observed(frame, gradients, boxes)
+        present = [p for p in self.people if not p.absent]
+        pairs = self.assignment.pairs(
+            present, seen.detections, seen.still, seen.upright, seen.picture, seen.now
+        )
+        known, shades = self.with_boxes(present, pairs, seen)
+        kept = [p for _, p in sorted(known.items()) if p is not None]
+        unboxed, rest = self.without_boxes(present, known, kept, shades, seen)
+        kept += rest
+        kept += self.newcomers(pairs, kept, unboxed, seen)
+        memory = self.params.memory_time
+        kept += [p for p in self.people if p.absent and (seen.now - p.seen) * NANOSECOND <= memory]
+        self.people, self.numbers = self.recognition.applied(kept, self.numbers)
+        self.background = self.background.after(self.pixels, seen.now, self.people_here())
+        relations = self.relations if self.params.predict_colors else None
+        return reported(self.people, frame.camera, len(self.shape.names), relations, self.illumination)
+
+    def observed(self, frame: Frame, gradients: Gradients, boxes: Boxes) -> Observation:
+        """What a picture shows beside the background: the detector's boxes, and those of the foreground."""
         now = frame.header.time
         seconds = max(now - self.time, 0) * NANOSECOND if self.time >= 0 else 0.0
         self.time = now
@@ -93,48 +114,71 @@ class Appearance(Stage):
             boxes = completed(boxes, self.scene, mask, before)
         upright = np.arange(len(boxes.box)) >= detected
         shown = np.ones(len(boxes.box)) if mask is None else shares(self.camera, mask, boxes.box)
-        still = shown < STILL
         detections = [Detection.row(boxes, row) for row in range(len(boxes.box))]
         detections[detected:] = [replace(d, certainty=0.0) for d in detections[detected:]]
-        present = [p for p in self.people if not p.absent]
-        pairs = self.assignment.pairs(present, detections, still, upright, picture, now)
-        shades, known = Shades(picture, picture), dict[int, Acquaintance | None]()
+        return Observation(picture, mask, boxes, detections, shown < STILL, upright, seconds, now)
+
+    def with_boxes(
+        self, present: Sequence[Acquaintance], pairs: list[tuple[int, int]], seen: Observation
+    ) -> tuple[dict[int, Acquaintance | None], Shades]:
+        """The people that have boxes, by row, None if the box was none; and what they hide.
+
+        Nearest first, because the nearer ones hide the others. pairs: rows of people and boxes.
+        """
+        shades, known = Shades(seen.picture, seen.picture), dict[int, Acquaintance | None]()
         for i, box in sorted(pairs, key=lambda pair: self.bodies.distance(present[pair[0]])):
             person, taken = present[i], [j for k, j in pairs if known.get(k)]
             known[i] = None
-            if person.number == 0 and self.assignment.on_others(boxes, box, taken):
+            if person.number == 0 and self.assignment.on_others(seen.boxes, box, taken):
                 continue
-            others, seen = self.bodies.nearer(present, person), shades.of(person.number)
-            found = detections[box], float(boxes.score[box])
-            after = self.updated(person, *found, seen, others, seconds, now)
+            others, uncovered = self.bodies.nearer(present, person), shades.of(person.number)
+            found = seen.detections[box], float(seen.boxes.score[box])
+            after = self.updated(person, *found, uncovered, others, seen.seconds, seen.now)
             if after is not None and not after.absent:
                 body = with_girth(self.shape, after.track.girth.mean)
                 shades = shades.behind(after.number, body, after.track.pose)
             known[i] = after
-        boxless = set(range(len(present))) - known.keys()
-        kept = [p for _, p in sorted(known.items()) if p is not None]
-        boxed, unboxed = self.bodies.boxes(kept), list[Acquaintance]()
-        for i in sorted(boxless):
+        return known, shades
+
+    def without_boxes(
+        self,
+        present: Sequence[Acquaintance],
+        known: Collection[int],
+        boxed: Sequence[Acquaintance],
+        shades: Shades,
+        seen: Observation,
+    ) -> tuple[list[Acquaintance], list[Acquaintance]]:
+        """The people without boxes that the foreground shows, and all of them that remain.
+
+        known: rows of those that have boxes; boxed: these people.
+        """
+        covered, shown, rest = self.bodies.boxes(boxed), list[Acquaintance](), list[Acquaintance]()
+        for i in sorted(set(range(len(present))) - set(known)):
             after, left = None, False
-            if mask is not None:
-                free = without_others(mask, boxed, self.camera)
+            if seen.mask is not None:
+                free = without_others(seen.mask, covered, self.camera)
                 others = self.bodies.nearer(present, present[i])
-                after = self.prolonged(present[i], free, shades.numbered, others, seconds, now)
-                left = after is None and self.left(present[i], mask, free, seconds)
-            unboxed += [after] if after else []
-            after = after or missed(present[i], seconds, now, self.params.maximum_missed_time, left=left)
-            kept += [after] if after else []
-        least = self.params.minimum_score + EVIDENCE * still
-        new = self.assignment.unclaimed(boxes, pairs, self.bodies.boxes(unboxed), least)
-        boxed = self.bodies.boxes(kept)
-        initiated = [self.initiated(detections[i], float(boxes.score[i]), boxed, now) for i in new]
-        kept += [person for person in initiated if person is not None]
-        memory = self.params.memory_time
-        kept += [p for p in self.people if p.absent and (now - p.seen) * NANOSECOND <= memory]
-        self.people, self.numbers = self.recognition.applied(kept, self.numbers)
-        self.background = self.background.after(self.pixels, now, self.people_here())
-        relations = self.relations if self.params.predict_colors else None
-        return reported(self.people, frame.camera, len(self.shape.names), relations, self.illumination)
+                after = self.prolonged(present[i], free, shades.numbered, others, seen.seconds, seen.now)
+                left = after is None and self.left(present[i], seen.mask, free, seen.seconds)
+            shown += [after] if after else []
+            longest = self.params.maximum_missed_time
+            after = after or missed(present[i], seen.seconds, seen.now, longest, left=left)
+            rest += [after] if after else []
+        return shown, rest
+
+    def newcomers(
+        self,
+        pairs: list[tuple[int, int]],
+        kept: Sequence[Acquaintance],
+        unboxed: Sequence[Acquaintance],
+        seen: Observation,
+    ) -> list[Acquaintance]:
+        """Tentative people at boxes that are nobody's. unboxed: people whom the foreground alone shows."""
+        least = self.params.minimum_score + EVIDENCE * seen.still
+        new = self.assignment.unclaimed(seen.boxes, pairs, self.bodies.boxes(unboxed), least)
+        covered, score = self.bodies.boxes(kept), seen.boxes.score
+        found = [self.initiated(seen.detections[i], float(score[i]), covered, seen.now) for i in new]
+        return [person for person in found if person is not None]
 
     def state(self) -> Any:
         people = [person for person in self.people if person.number]
