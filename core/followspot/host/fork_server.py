@@ -25,7 +25,7 @@ import cv2  # noqa: F401 - its threads are not those of stages
 import numpy as np
 
 from followspot.host.forked_worker import EXIT_CODE, PID
-from followspot.own_process import module_command
+from followspot.own_process import ignore_terminal, module_command
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.worker.main import run_worker
 
@@ -101,8 +101,8 @@ def _import(stages: Sequence[str]) -> bool:
 
 def main() -> int:
     """Entry of the process."""
-    for number in (signal.SIGINT, signal.SIGTERM):  # the host decides when the server ends
-        signal.signal(number, signal.SIG_IGN)
+    ignore_terminal()
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # the host decides when the server ends
     server = ForkServer(socket.socket(fileno=int(sys.argv[1])))
     threaded = _import(sys.argv[2:])
     warnings.filterwarnings("ignore", "This process .* is multi-threaded", DeprecationWarning)

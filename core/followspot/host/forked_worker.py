@@ -11,7 +11,7 @@ import subprocess
 from collections.abc import Iterable
 from contextlib import suppress
 
-from followspot.own_process import module_command
+from followspot.own_process import module_command, start_apart
 
 PID = struct.Struct("=q")
 """The server's answer to an order."""
@@ -114,12 +114,9 @@ class ForkServerProcess:
     def _start_server(self) -> None:
         ours, theirs = socket.socketpair(type=socket.SOCK_SEQPACKET)
         with theirs:
-            self._server = subprocess.Popen(
-                module_command("followspot.host.fork_server", str(theirs.fileno()), *self._stages),
-                pass_fds=[theirs.fileno()],
-                stdin=subprocess.DEVNULL,
-                process_group=0,  # Ctrl-C and a closed terminal reach the operator, which ends the workers
-            )
+            number = theirs.fileno()
+            command = module_command("followspot.host.fork_server", str(number), *self._stages)
+            self._server = start_apart(command, number)
         self._orders = ours
 
 

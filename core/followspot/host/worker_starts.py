@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import socket
-import subprocess
 from collections.abc import Collection, Iterable
 
 from followspot.host.forked_worker import ForkServerProcess
 from followspot.host.worker_process import Process
-from followspot.own_process import module_command
+from followspot.own_process import module_command, start_apart
 from followspot.plugins.registry import ours
 
 
@@ -32,12 +31,7 @@ class WorkerStarts:
             return WorkerThread(name, end)
         if self._fork_server is not None:
             return self._fork_server.start(end)
-        return subprocess.Popen(
-            module_command("followspot.worker.main", str(end.fileno())),
-            pass_fds=[end.fileno()],
-            stdin=subprocess.DEVNULL,
-            process_group=0,  # as the fork server
-        )
+        return start_apart(module_command("followspot.worker.main", str(end.fileno())), end.fileno())
 
     def close(self) -> None:
         """End the fork server, if there is one; its workers go on."""

@@ -13,15 +13,21 @@ from followspot.errors import FollowspotError
 
 @contextmanager
 def reserved(folder: Path) -> Iterator[None]:
-    """Keep other runs out of a folder while the block runs. Raises FollowspotError if one writes there.
+    """Make a folder and keep other runs out of it while the block runs.
 
     The lock ends with the process, however that ends. A disk without locks keeps nobody out. The present
-    folder is not reserved: it is that of runs without outputs.
+    folder is not reserved: it is that of runs without outputs. Raises FollowspotError if a run writes there
+    or the folder cannot be made.
     """
     if folder == Path():
         yield
         return
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    except OSError as error:
+        text = f"cannot make the output folder {folder}: {error.strerror}; choose one with --out"
+        raise FollowspotError(text) from None
     try:
         with suppress(OSError):
             _lock(descriptor, folder)

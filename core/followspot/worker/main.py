@@ -32,6 +32,7 @@ from followspot.control.worker_orders import (
 from followspot.errors import FollowspotError
 from followspot.graph.plan_data import plan_from_data
 from followspot.log.collector import LogCollector, collecting
+from followspot.own_process import ignore_terminal
 from followspot.plugins.registry import use_plugin_files
 from followspot.worker.blas_limit import ONE_BLAS_THREAD
 from followspot.worker.build import build_worker
@@ -264,7 +265,7 @@ def _shared_words(fd: int) -> memoryview:
 
 def run_worker(descriptor: int) -> int:
     """Be a worker, and return the exit code of its process. descriptor: of its control channel."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal sends Ctrl-C to all processes; the host decides
+    ignore_terminal()  # the host decides when the worker ends
     channel = Channel(socket.socket(fileno=descriptor), ORDERS)
     worker = WorkerMain(channel)
     try:
