@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from tests.integration.running import balanced, run, write_graph
 
 CHAIN = """
@@ -29,6 +30,45 @@ def test_a_stage_that_raises_in_another_worker_ends_the_run_too(tmp_path: Path) 
     assert any("stage b failed at a#7" in error for error in finished.summary["errors"])
     assert finished.edge("a.", "b.")["delivered"] == 8
     assert finished.values() == list(range(1, 8))
+
+
+QUITS = """
+import sys
+from followspot import Message, Source, Stage, at
+
+class Number(Message):
+    value: int
+
+class Give(Stage):
+    def process(self) -> Source[Number]:
+        yield from (at(10_000_000 * n, Number(n)) for n in range(20))
+
+class Quit(Stage):
+    def process(self, number: Number) -> Number:
+        if number.value == 7:
+            sys.exit("the licence has expired")
+        return number
+
+class Keep(Stage):
+    def process(self, number: Number) -> None: ...
+"""
+
+
+@pytest.mark.parametrize("placement", [(), ("--placement", "stage")], ids=["one", "stages"])
+def test_a_library_that_ends_the_process_is_an_error_of_its_stage(
+    tmp_path: Path, placement: tuple[str, ...]
+) -> None:
+    (tmp_path / "quits.py").write_text(QUITS)
+    stages = (
+        "a: {uses: quits.give}\nb: {uses: quits.quit, in: {number: a}}\n"
+        "c: {uses: quits.keep, in: {number: b}}"
+    )
+    finished = run(write_graph(tmp_path, stages), "--plugin", str(tmp_path / "quits.py"), *placement)
+    assert finished.code == 1
+    assert any(
+        "stage b failed at a#7, 0.070000 s: SystemExit: the licence has expired" in error
+        for error in finished.summary["errors"]
+    )
 
 
 def test_policy_skip_leaves_the_message_out_and_counts_it(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from followspot.outputs import WrongOutput
 from followspot.stage import Stage
 from followspot.transport.token import UNKNOWN
 from followspot.worker.runners.answer_pool import AnswerPool
-from followspot.worker.runners.error_policy import recover
+from followspot.worker.runners.error_policy import RAISED, recover
 from followspot.worker.runners.stage_runner import StageRunner
 
 _PATIENCE = 5.0
@@ -126,7 +126,7 @@ class DeferredRunner(StageRunner):
                 recover(self, header, FollowspotError("the answer was cancelled"))
             else:
                 self._skip(header, "was cancelled at the stop")
-        except Exception as error:
+        except RAISED as error:
             recover(self, header, error)
         return None
 

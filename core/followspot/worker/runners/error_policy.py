@@ -13,6 +13,8 @@ from followspot.messages import Header
 from followspot.stage import Stage
 from followspot.worker.runners.runner_count import RunnerCount
 
+RAISED = (Exception, SystemExit)
+"""What a stage may raise: some libraries call `sys.exit`, which would end the worker without a word."""
 RESTARTS = 5
 """How often a stage with policy `restart` is rebuilt before the run fails."""
 FIRST_BACK_OFF = 0.1
@@ -38,7 +40,7 @@ class Failing(Protocol):
     count: RunnerCount
 
 
-def recover(runner: Failing, header: Header, error: Exception) -> None:
+def recover(runner: Failing, header: Header, error: BaseException) -> None:
     """Apply the error policy of the stage. Raises StageError if the run is to fail.
 
     header: of the message that the stage was given.
@@ -51,7 +53,7 @@ def recover(runner: Failing, header: Header, error: Exception) -> None:
     if policy == "restart":
         try:
             _restart(runner)
-        except Exception as second:
+        except RAISED as second:
             raise StageError(runner.name, header, second) from error
 
 

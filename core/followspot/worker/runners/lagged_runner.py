@@ -9,7 +9,7 @@ from typing import Any
 from followspot.messages import UNSTAMPED, Header, in_range
 from followspot.outputs import WrongOutput, check_one_of_several
 from followspot.transport.token import END
-from followspot.worker.runners.error_policy import recover
+from followspot.worker.runners.error_policy import RAISED, recover
 from followspot.worker.runners.outputs_runner import OutputsRunner
 
 
@@ -82,7 +82,7 @@ class LaggedRunner(OutputsRunner):
         firing, self._last = self._last, None
         try:
             self._unsent.extend(self._stamped(tuple(self.stage.remaining()), firing))
-        except Exception as error:
+        except RAISED as error:
             recover(self, firing, error)
         self._send_waiting()
 

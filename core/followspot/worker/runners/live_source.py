@@ -16,6 +16,7 @@ from followspot.messages import UNSTAMPED, Header
 from followspot.stage import Stage
 from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.output_port import OutputPort
+from followspot.worker.runners.error_policy import RAISED
 from followspot.worker.runners.source import NOTHING, SourceRunner
 from followspot.worker.runners.stage_runner import Changed
 
@@ -87,7 +88,7 @@ class LiveSourceRunner(SourceRunner):
         return sum(output in self._outputs_of(item) for item, _, _ in self._newest)
 
     def _begin(self) -> None:
-        self._error: Exception | None = None
+        self._error: BaseException | None = None
         self._over = False
         self._thread = threading.Thread(target=self._grab, args=(self.stage,), name=self.name, daemon=True)
         self._thread.start()
@@ -110,7 +111,7 @@ class LiveSourceRunner(SourceRunner):
                 if not self._keep(item, stage):
                     break
                 self.notify()
-        except Exception as error:
+        except RAISED as error:
             if self.stage is stage:
                 self._error = error
         if self.stage is stage:

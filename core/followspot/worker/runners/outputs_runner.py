@@ -11,7 +11,7 @@ from typing import Any
 from followspot.messages import UNSTAMPED, Header, in_range
 from followspot.outputs import WrongOutput, check_one_of_several
 from followspot.transport.token import END
-from followspot.worker.runners.error_policy import recover
+from followspot.worker.runners.error_policy import RAISED, recover
 from followspot.worker.runners.stage_runner import Firing, StageRunner
 
 MAX_OUTPUTS = 10_000
@@ -42,7 +42,7 @@ class OutputsRunner(StageRunner):
             items = tuple(islice(result, MAX_OUTPUTS + 1))
             if len(items) > MAX_OUTPUTS:
                 raise WrongOutput(f"gave more than {MAX_OUTPUTS} messages for one")
-        except Exception as error:
+        except RAISED as error:
             recover(self, firing.header, error)
             items = ()
         self.count.busy_ns += time.monotonic_ns() - started
@@ -53,7 +53,7 @@ class OutputsRunner(StageRunner):
         self.count.fired += 1
         try:
             self._unsent.extend(self._stamped(result, header))
-        except Exception as error:
+        except RAISED as error:
             recover(self, header, error)
         self._send_waiting()
         self.note_budget(header)

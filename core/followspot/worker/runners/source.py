@@ -12,7 +12,7 @@ from typing import Any
 from followspot.messages import Header, InvalidMessage, in_range
 from followspot.outputs import WrongOutput, check_yielded
 from followspot.transport.token import END
-from followspot.worker.runners.error_policy import recover
+from followspot.worker.runners.error_policy import RAISED, recover
 from followspot.worker.runners.stage_runner import StageRunner
 
 NOTHING = object()
@@ -129,7 +129,7 @@ class SourceRunner(StageRunner):
         except StopIteration:
             self.finish()
             return NOTHING
-        except Exception as error:
+        except RAISED as error:
             self._failed(error)
             return NOTHING
         finally:
@@ -140,7 +140,7 @@ class SourceRunner(StageRunner):
         self.count.busy_ns += self.made_in
         return item
 
-    def _failed(self, error: Exception) -> None:
+    def _failed(self, error: BaseException) -> None:
         """Apply the error policy: `restart` opens another generator, `skip` ends the stream."""
         recover(self, Header(self.name, self.yielded, max(0, self.watermark)), error)
         if self.on_error == "skip":

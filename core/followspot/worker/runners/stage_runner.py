@@ -21,7 +21,7 @@ from followspot.worker.inputs.join import Join
 from followspot.worker.journal import Journal
 from followspot.worker.latency import PathLatencies
 from followspot.worker.output_port import OutputPort
-from followspot.worker.runners.error_policy import StageError, recover
+from followspot.worker.runners.error_policy import RAISED, StageError, recover
 from followspot.worker.runners.runner_count import RunnerCount
 
 _capture_time = attrgetter("time")
@@ -68,7 +68,7 @@ class StageRunner:
         self.build = build
         try:
             self.stage = build()
-        except Exception as error:
+        except RAISED as error:
             raise StageError(name, None, error) from error
         self._declare()
         self.join = join
@@ -102,7 +102,7 @@ class StageRunner:
         self.open = True
         try:
             self.stage.setup()
-        except Exception as error:
+        except RAISED as error:
             raise StageError(self.name, None, error) from error
         self.ready = True
 
@@ -154,7 +154,7 @@ class StageRunner:
         self.working = True
         try:
             result = self.stage.process(*firing.arguments)
-        except Exception as error:
+        except RAISED as error:
             recover(self, firing.header, error)
             result = None
         self.working = False
@@ -229,7 +229,7 @@ class StageRunner:
         """Close the stage that was replaced."""
         try:
             stage.close()
-        except Exception as error:
+        except RAISED as error:
             stage.context.warn(f"the stage that was replaced did not close: {type(error).__name__}: {error}")
 
     def leave(self) -> None:
@@ -278,7 +278,7 @@ class StageRunner:
         self.open = False
         try:
             self.stage.close()
-        except Exception as error:
+        except RAISED as error:
             if self.ready:  # else `setup` has raised already
                 raise StageError(self.name, None, error) from error
 
