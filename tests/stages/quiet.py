@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from followspot import Field, Joined, Latest, Source, Stage, StageParams, at
@@ -39,6 +41,15 @@ class Drop(Stage):
 
     def process(self, blobs: Blobs) -> Blobs:
         return blobs.where(slice(0))
+
+
+class Broken(Stage):
+    """Gives messages of the wrong shape, and the last one without rows."""
+
+    def process(self, blobs: Blobs) -> Blobs:
+        if blobs.header.time == 10:
+            return blobs.where(slice(0))
+        return replace(blobs, area=np.zeros(7))
 
 
 class Never(Stage):

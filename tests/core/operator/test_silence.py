@@ -28,6 +28,11 @@ SOURCE = "  a: {uses: quiet.emit}\n"
 SAVED = "  save: {uses: quiet.save, in: {blobs: c}}\n"
 
 
+def test_messages_that_broke_their_contract_are_not_called_empty(tmp_path: Path) -> None:
+    (told,) = silences(tmp_path, SOURCE + "  c: {uses: quiet.broken, in: {blobs: a}}\n" + SAVED)
+    assert "; 9 that it gave broke their contract, see the warnings; all 1 others were empty" in told
+
+
 @pytest.mark.parametrize("placement", [None, "stage"])
 def test_the_first_stage_that_gives_nothing_is_named_and_not_those_after_it(
     tmp_path: Path, placement: str | None

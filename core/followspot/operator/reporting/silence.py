@@ -22,7 +22,8 @@ class Silence:
 
     stage: as in the graph file; instances: those of it that were silent, empty if all were; after: stages
     that gave it something; got, unused: messages that came to its inputs, and those that no firing used;
-    gave: its messages, all of them empty; sinks: those that got nothing for that reason; advice: what helps.
+    gave: its messages, all of them empty or refused; refused: those that broke their contract; sinks: those
+    that got nothing for that reason; advice: what helps.
     """
 
     stage: str
@@ -33,6 +34,7 @@ class Silence:
     got: int
     unused: int
     gave: int
+    refused: int
     sinks: tuple[str, ...]
     advice: str
 
@@ -43,8 +45,17 @@ class Silence:
         if self.after:
             text += f": {_quoted(self.after)} gave it {self.got + self.unused} messages"
             text += f", of which {self.unused} were late or unmatched" if self.unused else ""
-            text += f"; all {self.gave} that it gave were empty" if self.gave else "; it gave none"
+            text += self._given()
         return text + (f". So {_quoted(self.sinks)} got nothing" if self.sinks else "")
+
+    def _given(self) -> str:
+        """What became of the messages that it gave."""
+        refused = (
+            f"; {self.refused} that it gave broke their contract, see the warnings" if self.refused else ""
+        )
+        if empty := self.gave - self.refused:
+            return f"{refused}; all {empty} {'others' if refused else 'that it gave'} were empty"
+        return refused or "; it gave none"
 
 
 def silences(plan: Plan, edges: Sequence[Counted]) -> tuple[Silence, ...]:
@@ -106,6 +117,7 @@ class _Run:
         ]
         after = (self.stages[edge.from_stage].group for edge, count in into if count.filled)
         given = {edge.from_stage: count.produced for edge, count in out}
+        refused = {edge.from_stage: count.invalid for edge, count in out}
         return Silence(
             stage=first.group,
             uses=first.uses,
@@ -115,6 +127,7 @@ class _Run:
             got=sum(count.delivered for _, count in into),
             unused=sum(count.late + count.unmatched for _, count in into),
             gave=sum(given.values()),
+            refused=sum(refused.values()),
             sinks=self.starved([(stage.name, port) for stage in stages]),
             advice=self.advice(first.uses, bool(into)),
         )
