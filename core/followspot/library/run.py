@@ -96,7 +96,7 @@ def run(
     cameras: Sequence[str] = (),
     set: Mapping[str, Any] | None = None,  # noqa: A002  # as --set is called
     placement: str | Path | None = None,
-    ports: Sequence[str] = (),
+    ports: str | Sequence[str] = (),
     out: str | Path | None = None,
     frames: int | None = None,
     seed: int | None = None,
@@ -109,13 +109,16 @@ def run(
 ) -> OwnRun:
     """Start a graph and return a handle on the run; use it in a ``with`` block, which ends the run.
 
-    ports: STAGE.PORT of subscriptions that miss nothing: ``run["track.tracks"]`` iterates over the messages
-    from the first one on; in a replay a slow loop holds up the run, in a live run it misses messages, which
-    are counted. set: parameters and stages, ``{"fuse.uses": "balls.mean"}``; out: folder for outputs, by
-    default a new one below ``runs``; frames: of each source; keep: a flight recorder holds so many seconds
+    ports: STAGE.PORT, one or several, of subscriptions that miss nothing: ``run["track.tracks"]`` iterates
+    over the messages from the first one on; in a replay a slow loop holds up the run, in a live run it misses
+    messages, which are counted. set: parameters and stages, ``{"fuse.uses": "balls.mean"}``; out: folder for
+    outputs, by default a new one below ``runs``; frames: of each source; keep: a flight recorder holds so many seconds
     (``"30s"``), and `OwnRun.mark` saves them; the others: as the options of `followspot run`.
     Raises InputError with every mistake.
     """
+    ports = (ports,) if isinstance(ports, str) else ports
+    if frames is not None and (not isinstance(frames, int) or frames < 1):
+        raise InputError.of(f"frames is {frames!r}", "give a whole number from 1, or nothing for all")
     plan = plan_of(
         graph,
         set,

@@ -248,6 +248,17 @@ def test_two_runs_do_not_mix_their_files_in_one_folder(tmp_path: Path) -> None:
         assert run.wait().ok
 
 
+@pytest.mark.parametrize("frames", [0, -1, 1.5])
+def test_a_number_of_frames_that_is_none_is_refused_before_the_run(tmp_path: Path, frames: int) -> None:
+    with pytest.raises(fs.InputError, match=r"(?s)frames is .*whole number from 1"):
+        fs.run(GRAPH, out=tmp_path, frames=frames)
+
+
+def test_a_single_port_needs_no_list(tmp_path: Path) -> None:
+    with fs.run(GRAPH, out=tmp_path, frames=3, ports="track.tracks") as run:
+        assert len([*run["track.tracks"]]) == 3
+
+
 def test_numbers_of_numpy_are_parameters_and_another_value_is_named() -> None:
     graph = fs.Graph("mine", room=ROOM)
     graph.add("camera", "room.source", each="cameras")
