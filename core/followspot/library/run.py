@@ -112,8 +112,8 @@ def run(
     ports: STAGE.PORT, one or several, of subscriptions that miss nothing: ``run["track.tracks"]`` iterates
     over the messages from the first one on; in a replay a slow loop holds up the run, in a live run it misses
     messages, which are counted. set: parameters and stages, ``{"fuse.uses": "balls.mean"}``; out: folder for
-    outputs, by default a new one below ``runs``; frames: of each source; keep: a flight recorder holds so many seconds
-    (``"30s"``), and `OwnRun.mark` saves them; the others: as the options of `followspot run`.
+    outputs, by default a new one below ``runs``; frames: of each source; keep: a flight recorder holds so
+    many seconds (``"30s"``), and `OwnRun.mark` saves them; the others: as the options of `followspot run`.
     Raises InputError with every mistake.
     """
     ports = (ports,) if isinstance(ports, str) else ports
