@@ -1,6 +1,7 @@
 """`room import`, `calibrate targets` and `score` as a user types them."""
 
 import json
+import re
 from pathlib import Path
 
 import cv2
@@ -205,6 +206,23 @@ def test_score_prints_a_table_or_json(tmp_path: Path, capsys: pytest.CaptureFixt
     assert main(["score", str(tracks), str(truth), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["red"]["median_mm"] == pytest.approx(5)
     assert main(["score", str(tracks), str(tmp_path / "none.csv")]) == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "time", "told"), [("rot", 0, "red has|has rot"), ("red", 100, "has 100 to 100 s.*0 to 0.1 s")]
+)
+def test_tracks_and_truth_that_have_nothing_in_common_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, time: float, told: str
+) -> None:
+    tracks, truth = tmp_path / "tracks.csv", tmp_path / "truth.csv"
+    tracks.write_text(f"frame,time,object,state,x,y,z\n0,{time},{name},tracked,1,2,3\n")
+    truth.write_text(
+        "frame,time,object,x,y,z,hidden,trackable,pair\n0,0,red,1,2,3,0,1,1\n1,0.1,red,1,2,3,0,1,1\n"
+    )
+    assert main(["score", str(tracks), str(truth)]) == 2
+    assert re.search(told, capsys.readouterr().err)
+    tracks.write_text("frame,time,object,state,x,y,z\n")
+    assert main(["score", str(tracks), str(truth)]) == 0, "a run that tracks nothing has a score"
 
 
 @needs_recordings

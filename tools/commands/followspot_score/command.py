@@ -11,6 +11,8 @@ from followspot.errors import InputError
 from followspot.messages import Array
 from followspot.room_file import load
 from followspot_accuracy import (
+    TrackTable,
+    TruthTable,
     persons_table,
     persons_to_json,
     read_pose_truth_csv,
@@ -52,6 +54,7 @@ def score_files(
         text = f"{reported} has tracks of targets, which are scored against one file"
         raise InputError.of(text, "several files of truth are for poses of persons")
     tracks, true = read_tracks_csv(reported), read_truth_csv(truth[0])
+    _require_common(reported, truth[0], tracks, true)
     scores = score(tracks, true, load(room) if room else None)
     drawn = draw_trajectories(tracks, true, plots, span) if plots is not None else ""
     if as_json:
@@ -77,3 +80,17 @@ def score_poses(
     if as_json:
         return json.dumps(persons_to_json(scores))
     return persons_table(scores) + (f"\n\n{drawn}" if drawn else "")
+
+
+def _require_common(reported: Path, truth: Path, tracks: TrackTable, true: TruthTable) -> None:
+    """Raises InputError if tracks and truth have no target or no time in common: no figure would say that."""
+    if not len(tracks.time) or not len(true.time):
+        return
+    named = {tracks.objects[number] for number in set(tracks.target.tolist())}
+    if not named & set(true.objects):
+        text = f"{reported} has {', '.join(sorted(named))}, {truth} has {', '.join(true.objects)}"
+        raise InputError.of(text, "give the same targets the same names")
+    if tracks.time.max() < true.time[0] or tracks.time.min() > true.time[-1]:
+        spans = (f"{t.min():g} to {t.max():g} s" for t in (tracks.time, true.time))
+        text = f"{reported} has {next(spans)}, {truth} {next(spans)}"
+        raise InputError.of(text, "take both times from one clock")
