@@ -113,7 +113,7 @@ class Graph:
             return self._add_file(name, Path(uses), each, arguments)
         used = uses if isinstance(uses, str) else offer_stage(uses)
         inputs = set() if used == ROOM_SOURCE else _inputs(load_stage(used), arguments)
-        feeds, params = _sorted(name, arguments, inputs)
+        feeds, params = _inputs_and_params(name, arguments, inputs)
         entry = {
             "uses": used,
             "each": each,
@@ -131,7 +131,7 @@ class Graph:
     def _add_file(self, name: str, file: Path, each: str | None, arguments: dict[str, Any]) -> StageOf:
         """Add a sub-graph. cameras among the arguments: a selector of cameras. Raises InputError."""
         cameras = arguments.pop("cameras", None)
-        feeds, params = _sorted(name, arguments, input_names(file))
+        feeds, params = _inputs_and_params(name, arguments, input_names(file))
         entry = {
             "graph": str(file.absolute()),
             "cameras": cameras,
@@ -189,7 +189,7 @@ def _inputs(stage: type[Stage], names: Collection[str]) -> set[str]:
     return {name for name in names if name not in taken and found.input(name) is not None}
 
 
-def _sorted(
+def _inputs_and_params(
     stage: str, arguments: Mapping[str, Any], inputs: Collection[str]
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """The inputs and the parameters among a stage's arguments, in the form of a graph file.
