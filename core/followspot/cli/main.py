@@ -9,6 +9,7 @@ import argparse
 import errno
 import gc
 import os
+import select
 import sys
 import traceback
 from collections.abc import Sequence
@@ -87,6 +88,8 @@ def _obeyed(argv: Sequence[str] | None) -> int:
         print(f"followspot: {error}", file=sys.stderr)
         return 1
     except BrokenPipeError:
+        if not _reader_has_gone():
+            raise
         sys.stderr.close()
         return 1
     except OSError as error:
@@ -95,6 +98,16 @@ def _obeyed(argv: Sequence[str] | None) -> int:
         _trace(args)
         print(f"followspot: {error.filename or 'the output'}: {error.strerror}", file=sys.stderr)
         return 1
+
+
+def _reader_has_gone() -> bool:
+    """Whether what is printed cannot be read any more, as behind `| head`."""
+    output = select.poll()
+    try:
+        output.register(sys.stdout.fileno(), select.POLLOUT)
+    except (OSError, ValueError):  # it is no file
+        return False
+    return any(event & select.POLLERR for _, event in output.poll(0))
 
 
 def build_parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 from pathlib import Path
 
@@ -30,4 +31,13 @@ def test_a_full_disk_behind_the_output_is_told() -> None:
         done = subprocess.run([*COMMAND, "plugins"], stdout=full, stderr=subprocess.PIPE, text=True)
     assert done.returncode == 1
     assert "No space left on device" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_reader_that_has_gone_ends_a_command_quietly() -> None:
+    read, write = os.pipe()
+    os.close(read)
+    with os.fdopen(write, "w") as gone:
+        done = subprocess.run([*COMMAND, "plugins"], stdout=gone, stderr=subprocess.PIPE, text=True)
+    assert done.returncode in (1, 120), "120 is Python's own"
     assert "Traceback" not in done.stderr
