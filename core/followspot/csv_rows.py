@@ -22,6 +22,8 @@ LONGEST_NAME = 100
 LARGEST = 2**31 - 1
 DECIMALS = {"s": 9, "ms": 6, "us": 3, "ns": 0}
 """Digits after the point of a time in ns, by its unit."""
+SEPARATORS = {";": "semicolons", "\t": "tabs"}
+"""What spreadsheets write in place of commas."""
 FLAGS = {"0": False, "1": True, "false": False, "true": True}
 
 
@@ -130,7 +132,7 @@ def read_rows(
 def header_of(path: Path) -> tuple[str, ...]:
     """The names in the first line of a CSV file. Raises InputError."""
     with _lines(path) as lines:
-        return tuple(cell.strip() for cell in next(lines, []))
+        return tuple(_head(str(path), lines))
 
 
 @contextmanager
@@ -144,6 +146,16 @@ def _lines(path: Path) -> Iterator[Iterator[list[str]]]:
         raise InputError([Mistake(None, f"{path} is not a CSV file: {error}")]) from None
 
 
+def _head(file: str, lines: Iterator[list[str]]) -> list[str]:
+    """The names in the first line. Raises InputError if something else than commas separates them."""
+    head = [cell.strip() for cell in next(lines, [])]
+    for separator, name in SEPARATORS.items():
+        if len(head) == 1 and separator in head[0]:
+            text = f"columns are separated by {name}"
+            raise InputError([Mistake(Place(file, 1, 1), text, "separate them by commas")])
+    return head
+
+
 def _rows(
     file: str,
     lines: Iterator[list[str]],
@@ -151,7 +163,7 @@ def _rows(
     optional: Sequence[str],
     named: Mapping[str, str],
 ) -> Iterator[Row]:
-    head = [cell.strip() for cell in next(lines, [])]
+    head = _head(file, lines)
     wanted = {name: named.get(name, name) for name in (*columns, *optional)}
     absent = [wanted[name] for name in columns if wanted[name] not in head]
     absent += [word for name, word in named.items() if name in optional and word not in head]

@@ -63,6 +63,15 @@ def test_a_file_with_none_of_the_optional_columns_has_rows(tmp_path: Path) -> No
     assert [row.has("z") for row in read_rows(path, [], ["z"])] == [False]
 
 
+@pytest.mark.parametrize(("text", "name"), [("x;y\n1;2\n", "semicolons"), ("x\ty\n1\t2\n", "tabs")])
+def test_other_separators_than_commas_are_named(tmp_path: Path, text: str, name: str) -> None:
+    path = tmp_path / "tracks.csv"
+    path.write_text(text)
+    for read in (header_of, lambda file: next(read_rows(file, ["x", "y"]))):
+        with pytest.raises(InputError, match=f"(?s)tracks.csv:1:1: columns are separated by {name}.*commas"):
+            read(path)
+
+
 def test_a_quote_that_is_not_closed_is_told_by_its_line(tmp_path: Path) -> None:
     path = tmp_path / "readings.csv"
     path.write_text('x,note\n1,fine\n2,"open\n3,more\n4,more\n')
