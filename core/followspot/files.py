@@ -14,6 +14,8 @@ from io import TextIOWrapper
 from pathlib import Path
 from typing import BinaryIO
 
+RUN_LOG = "log.jsonl"
+"""The log in the output folder of each run."""
 DOCUMENT = 1_000_000
 """Largest graph, room, placement, model, plugin, certificate or list of hosts, bytes."""
 DATA = 64_000_000

@@ -8,6 +8,7 @@ from typing import Any
 
 from followspot.document import Node, child
 from followspot.errors import Mistake, Place, did_you_mean
+from followspot.files import RUN_LOG
 from followspot.graph.camera_kind import gives_picture
 from followspot.graph.checks.files import check_files
 from followspot.graph.checks.left_out import unserved_wires
@@ -175,13 +176,18 @@ def check_inputs(
 
 
 def _check_outputs(stages: Sequence[CheckedStage], mistakes: list[Mistake]) -> None:
-    """Two stages must not write one file."""
+    """Two stages must not write one file, nor the log of the run."""
     writers: dict[str, list[Instance]] = {}
     for checked in stages:
         for path in output_paths(checked.stage.Params, checked.params):
             found = writers.setdefault(path, [])
             found += [checked.instance] if checked.instance not in found else []
     for path, (first, *others) in writers.items():
+        if path == RUN_LOG:
+            node = next((n for n in first.params.values() if n.value == path), None)
+            place = first.declared.place if node is None else node.place
+            text = f'stage "{first.name}" writes {path}, which is the log of the run'
+            mistakes.append(Mistake(place, text, "give it another path"))
         if not others:
             continue
         node = next((n for n in others[0].params.values() if n.value == path), None)

@@ -8,10 +8,9 @@ from contextlib import suppress
 from pathlib import Path
 
 from followspot.errors import InputError, Mistake
-from followspot.files import open_text
+from followspot.files import RUN_LOG, open_text
 from followspot.log.record import LogRecord, records_from_data
 
-NAME = "log.jsonl"
 MAX_BYTES = 64 << 20
 """Largest file, bytes; further records are not written."""
 
@@ -23,7 +22,7 @@ class LogFile:
     """
 
     def __init__(self, folder: Path, *, again: bool = False) -> None:
-        self.path = folder / NAME
+        self.path = folder / RUN_LOG
         self._left = MAX_BYTES
         with suppress(OSError):
             if again:
@@ -46,7 +45,7 @@ class LogFile:
 
 def read_log(folder: Path) -> Iterator[LogRecord]:
     """The records in a run's output folder. Raises InputError if there is no log, or a line is no record."""
-    path = folder / NAME
+    path = folder / RUN_LOG
     try:
         with open_text(path, errors="replace") as file:
             for number, line in enumerate(iter(lambda: file.readline(MAX_BYTES), ""), 1):

@@ -218,6 +218,13 @@ PORTS = [
     Broken(
         "graph",
         "  save: {uses: toy.save, in: {tracks: track}, with: {path: tracks.csv}}",
+        "  save: {uses: toy.save, in: {tracks: track}, with: {path: ¦log.jsonl}}",
+        'stage "save" writes log.jsonl, which is the log of the run',
+        "give it another path",
+    ),
+    Broken(
+        "graph",
+        "  save: {uses: toy.save, in: {tracks: track}, with: {path: tracks.csv}}",
         "  again: {uses: toy.save, in: {tracks: track}}\n"
         "  save: {uses: toy.save, in: {tracks: track}, with: {path: ¦tracks.csv}}",
         'stages "again" and "save" write the same file tracks.csv',
