@@ -12,7 +12,8 @@ import pytest
 
 from followspot.csv_rows import read_rows
 from followspot.errors import FollowspotError
-from followspot.log.file import NAME, read_log
+from followspot.files import RUN_LOG
+from followspot.log.file import read_log
 from followspot.plugins.one_file import load_file
 from followspot.room_file import load, update
 from followspot.transport.host_registry import read_host_registry
@@ -30,7 +31,7 @@ from followspot_train.pictures import read_folder
 
 
 def log(path: Path) -> object:
-    path.rename(path.with_name(NAME))
+    path.rename(path.with_name(RUN_LOG))
     return list(read_log(path.parent))
 
 
