@@ -75,11 +75,11 @@ def angle_between(p: Array, q: Array) -> Array:
 
 
 def signed_axes(text: str) -> Array:
-    """Matrix (3, 3) whose rows are new axes in terms of the old ones, from a text such as "y -x z".
+    """Matrix (3, 3) whose rows are new axes in terms of the old ones, from a text as "y -x z" or "+y -x +z".
 
     Raises ValueError if an axis is named twice.
     """
-    if sorted(text.replace("-", "").split()) != ["x", "y", "z"]:
+    if sorted(word.lstrip("+-") for word in text.split()) != ["x", "y", "z"]:
         raise ValueError("each of x, y and z must be named once")
     axes = np.zeros((3, 3))
     for row, word in enumerate(text.split()):

@@ -15,7 +15,7 @@ def check_system() -> None:
         "memfd_create, for memory that workers share": hasattr(os, "memfd_create"),
         "eventfd, which wakes a worker": hasattr(os, "eventfd"),
         "abstract Unix sockets, by which commands find a run": Path("/proc/net/unix").exists(),
-        "fcntl and pwd, for seals of memory and owners of runs": all(map(_imports, ("fcntl", "pwd"))),
+        "fcntl and pwd, for seals of memory and owners of runs": all(map(is_importable, ("fcntl", "pwd"))),
     }
     if missing := [what for what, there in needed.items() if not there]:
         listed = "".join(f"\n    {what}" for what in missing)
@@ -23,7 +23,8 @@ def check_system() -> None:
         raise FollowspotError(f"runs need Linux; this system has no{listed}\n  {remedy}")
 
 
-def _imports(name: str) -> bool:
+def is_importable(name: str) -> bool:
+    """Whether a module is installed here; it is not imported."""
     try:
         return find_spec(name) is not None
     except ValueError:  # it is known to be missing

@@ -110,7 +110,7 @@ def sought(
 ) -> tuple[Existence, int]:
     """A sought target one frame later, and the candidate at its place, -1 unless that is certain.
 
-    around: (3,) m where it was searched, None for everywhere; alike: see :func:`certain`.
+    around: (3,) m, the place near which it was searched, None for everywhere; alike: see :func:`certain`.
     """
     searched = np.ones(len(before.places.odds), bool)
     if around is not None:

@@ -15,6 +15,11 @@ from followspot.tracking import Frame
 FIRST_WAIT, LONGEST_WAIT = 0.2, 1.0
 """Pause before connecting again, s; it doubles with every failure."""
 T = TypeVar("T")
+READ_TIMEOUT = (
+    "time without a picture after which the camera counts as gone and is opened again; raising it tolerates "
+    "pauses, and notices a lost camera later"
+)
+"""Description of the parameter `read_timeout` of live cameras."""
 
 
 class LiveCamera(Stage, ABC):

@@ -9,6 +9,7 @@ from pydantic import field_validator
 
 from followspot import Field, InputAddress, StageParams
 from followspot_cameras.live import Capture, CaptureCamera
+from followspot_cameras.reconnection import READ_TIMEOUT
 
 SCHEMES = ("rtsp", "rtsps", "http", "https", "udp", "tcp")
 
@@ -24,8 +25,7 @@ class Stream(CaptureCamera):
             gt=0,
             le=60,
             unit="s",
-            description="time without a picture after which the camera counts as gone and is opened again; "
-            "raising it tolerates pauses, and notices a lost camera later",
+            description=READ_TIMEOUT,
         )
 
         @field_validator("url")

@@ -74,7 +74,7 @@ def converted(values: Array, scale: Array, axes: str) -> tuple[Array, Array, Arr
 
 def doubt_of_force(force: Array) -> str:
     """Why readings (N, 3) m/s^2 are hardly in the unit that was said, "" if they may be."""
-    size = float(np.median(np.linalg.norm(force, axis=1))) if len(force) else np.nan
-    if not size or FORCE_AT_REST[0] <= size <= FORCE_AT_REST[1] or np.isnan(size):
+    size = float(np.median(np.linalg.norm(force, axis=1))) if len(force) else 0.0
+    if not size or FORCE_AT_REST[0] <= size <= FORCE_AT_REST[1]:  # zeros are those of a gyroscope alone
         return ""
     return f"the accelerometer reads {size:.3g} m/s^2 at the median, where a sensor at rest reads 9.8"

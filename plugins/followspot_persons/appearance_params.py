@@ -58,8 +58,8 @@ class AppearanceParams(StageParams):
         120.0,
         gt=0,
         unit="s",
-        description="time for which an absent person is remembered; raising it recognises persons who return "
-        "later, and takes more strangers for them",
+        description="time for which an absent person is remembered; raising it recognises persons "
+        "after longer absences, and takes more strangers for them",
     )
     specific_beats_generic: bool = Field(
         False,

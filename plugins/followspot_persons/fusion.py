@@ -81,7 +81,7 @@ class Fusion(Stage):
             gt=0,
             unit="s",
             description="time for which a deleted person's numbers are remembered; raising it gives persons "
-            "who return later their old number",
+            "their old numbers after longer absences",
         )
 
     params: Params

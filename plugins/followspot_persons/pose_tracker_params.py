@@ -111,7 +111,7 @@ class PoseTrackerParams(StageParams):
         lt=1,
         unit="1",
         description="share of the person's usual likelihood below which a picture misses the person; raising "
-        "it deletes wrong poses sooner, and persons who are hard to see",
+        "it deletes wrong poses sooner, and persons that are hard to see",
     )
     box_timeout: float = Field(
         0.6,
@@ -128,7 +128,7 @@ class PoseTrackerParams(StageParams):
         gt=0,
         unit="s",
         description="time until a person that the slow instance does not see is deleted; raising it keeps "
-        "persons longer, also those who have left",
+        "persons longer, also after they have left",
     )
     maximum_delay: float = Field(
         2.5,

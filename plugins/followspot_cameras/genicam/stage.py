@@ -20,7 +20,7 @@ from followspot_cameras.genicam.picture import as_frame
 from followspot_cameras.genicam.ptp import ptp_problem
 from followspot_cameras.genicam.trigger_times import trigger_times
 from followspot_cameras.genicam.triggers import COMMAND, ActionCommands, firing, trigger_features
-from followspot_cameras.reconnection import LiveCamera
+from followspot_cameras.reconnection import READ_TIMEOUT, LiveCamera
 
 LONGEST_LOOK = 0.2
 """Longest wait for a picture before the stage looks whether the run ends, s."""
@@ -56,8 +56,7 @@ class Genicam(LiveCamera):
             gt=0,
             le=3600,
             unit="s",
-            description="time without a picture after which the camera counts as gone and is opened again; "
-            "raising it tolerates pauses, and notices a lost camera later",
+            description=READ_TIMEOUT,
         )
 
     params: Params

@@ -13,7 +13,7 @@ from pydantic import field_validator, model_validator
 from followspot import Field, InputAddress, Source, StageParams, at
 from followspot.tracking import Frame
 from followspot_cameras.picture import as_frame
-from followspot_cameras.reconnection import LiveCamera
+from followspot_cameras.reconnection import READ_TIMEOUT, LiveCamera
 from followspot_cameras.rtsp.access_units import AccessUnit, AccessUnits
 from followspot_cameras.rtsp.connection import PORTS, ConnectionLost, RtspConnection
 from followspot_cameras.rtsp.datagrams import Datagrams
@@ -47,8 +47,7 @@ class Rtsp(LiveCamera):
             gt=0,
             le=60,
             unit="s",
-            description="time without a picture after which the camera counts as gone and is opened again; "
-            "raising it tolerates pauses, and notices a lost camera later",
+            description=READ_TIMEOUT,
         )
         wait_for_report: float = Field(
             6.0,

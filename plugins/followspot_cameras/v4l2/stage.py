@@ -18,7 +18,7 @@ from followspot.room import Member, Room
 from followspot.tracking import Frame
 from followspot_cameras.frame_numbers import FrameNumbers
 from followspot_cameras.picture import check_size
-from followspot_cameras.reconnection import LiveCamera
+from followspot_cameras.reconnection import READ_TIMEOUT, LiveCamera
 from followspot_cameras.v4l2.controls import set_controls
 from followspot_cameras.v4l2.kernel import Kernel, Linux
 from followspot_cameras.v4l2.pixels import Damaged, frame_of
@@ -53,8 +53,7 @@ class Device(LiveCamera):
             gt=0,
             le=3600,
             unit="s",
-            description="time without a picture after which the camera counts as gone and is opened again; "
-            "raising it tolerates pauses, and notices a lost camera later",
+            description=READ_TIMEOUT,
         )
 
         @field_validator("device")

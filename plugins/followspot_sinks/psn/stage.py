@@ -31,7 +31,7 @@ class PsnSink(DatagramSink):
         )
         axes: str = Field(
             "x z y",
-            pattern=r"^-?[xyz] -?[xyz] -?[xyz]$",
+            pattern=r"^[+-]?[xyz] [+-]?[xyz] [+-]?[xyz]$",
             description="the room's axes that are PSN's x (right), y (up) and z (depth)",
         )
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
 from collections.abc import Iterable
 from typing import Any
 
@@ -11,6 +10,7 @@ from followspot import Field, Message, Mistake, OutputHost, OutputPath, Room, St
 from followspot.errors import FollowspotError
 from followspot.files import unused_path
 from followspot.room import Member
+from followspot.system import is_importable
 from followspot_sinks.line_sink import below
 from followspot_sinks.rerun.layout import layout_of
 from followspot_sinks.rerun.scene import entity_of, log_cameras, parts_of, shape_of
@@ -45,11 +45,8 @@ class Rerun(Stage):
     @classmethod
     def check_files(cls, params: Any, room: Room, member: Member | None) -> Iterable[Mistake]:
         """Warn if this host lacks rerun-sdk; that of the stage may have it."""
-        try:
-            if importlib.util.find_spec("rerun") is not None:
-                return ()
-        except ValueError:  # it is known to be missing
-            pass
+        if is_importable("rerun"):
+            return ()
         return [Mistake(None, "rerun-sdk is not installed", REMEDY, warning=True)]
 
     def setup(self) -> None:

@@ -170,6 +170,7 @@ def test_many_trackers_are_split_into_packets_that_fit_an_ethernet_frame(receive
 def test_a_heading_turns_about_the_axis_that_is_up_on_stage(receiver: socket.socket) -> None:
     for axes, turned in (
         ("x z y", [0.0, -0.5, 0.0]),
+        ("+x +z +y", [0.0, -0.5, 0.0]),
         ("x z -y", [0.0, 0.5, 0.0]),
         ("x y z", [0.0, 0.0, 0.5]),
     ):
