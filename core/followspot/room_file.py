@@ -14,12 +14,14 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from followspot.document import Node, node_of, parse, plain, read, resolve
+from followspot.document import Node, node_of, plain
 from followspot.errors import InputError, Place
 from followspot.files import DOCUMENT, read_text
 from followspot.messages import Array
 from followspot.room import Camera, Room, Sensor, StageUse, Sync, Tags, Target
 from followspot.room_form import room_of
+from followspot.yaml_reader import parse, read
+from followspot.yaml_scalars import resolve
 
 _LINE = 100
 """Longest mapping that is written on one line, in characters."""

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from followspot import Array
-from followspot.document import plain, read
+from followspot.document import plain
 from followspot.errors import InputError, Mistake
+from followspot.yaml_reader import read
 
 SHIPPED = Path(__file__).with_name("shape.yaml")
 MAX_FEATURES = 1000

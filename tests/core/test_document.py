@@ -12,8 +12,10 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from followspot import files
-from followspot.document import LARGEST_INT, MAX_DEPTH, Node, child, node_of, parse, plain, read
+from followspot.document import MAX_DEPTH, Node, child, node_of, plain
 from followspot.errors import InputError, Mistake, Place
+from followspot.yaml_reader import parse, read
+from followspot.yaml_scalars import LARGEST_INT
 
 
 def value(text: str) -> Any:

@@ -20,7 +20,6 @@ from followspot.control.move import MoveOrder
 from followspot.control.observation import GetHostStatus
 from followspot.control.swap import ChangeOrder
 from followspot.control.tapping import PlaceTaps
-from followspot.document import parse
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.load import load
 from followspot.graph.plan_data import plan_from_data
@@ -30,6 +29,7 @@ from followspot.security.request_guard import Asked, Rejected, RequestGuard
 from followspot.tracking import Blobs, Frame, Pairs, Tracks
 from followspot.transport.wire import ALIGN, PREFIX
 from followspot.transport.zenoh.codec import pack_as, unpack_as
+from followspot.yaml_reader import parse
 
 KINDS: tuple[type[Message], ...] = (Frame, Blobs, Pairs, Tracks)
 SCALARS = st.none() | st.booleans() | st.integers(-(2**63), 2**64 - 1) | st.floats() | st.text() | st.binary()

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
 
-from followspot.document import Node, read
+from followspot.document import Node
 from followspot.errors import InputError, Mistake, Place
 from followspot.form import kind_of
 from followspot.graph.compose.compose import Composed, compose
@@ -19,6 +19,7 @@ from followspot.graph.room_part import part_of
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.room import Room
 from followspot.room_form import room_of
+from followspot.yaml_reader import read
 
 MAX_STAGES = 1000
 

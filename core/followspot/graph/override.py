@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from followspot.document import MAX_DEPTH, Node, child, parse
+from followspot.document import MAX_DEPTH, Node, child
 from followspot.errors import InputError, Mistake, Place
 from followspot.graph.declaration import ENVELOPE
+from followspot.yaml_reader import parse
 
 SUBGRAPH = ("graph", "cameras", "each", "optional", "with", "in")
 """Keys of a stage that is a sub-graph."""

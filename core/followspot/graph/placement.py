@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
-from followspot.document import Node, child, read
+from followspot.document import Node, child
 from followspot.errors import InputError, Mistake, Place, did_you_mean
 from followspot.form import Form, is_name, kind_of
 from followspot.graph.auto_placement.costs import MEASURE, read_costs
@@ -20,6 +20,7 @@ from followspot.graph.names import enclosing
 from followspot.graph.plan import PlannedWorker
 from followspot.graph.scheduling import KEYS, Scheduling, read_scheduling
 from followspot.room import Member
+from followspot.yaml_reader import read
 
 MAIN = "main"
 """The worker of all stages that the placement assigns to no other."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from followspot.document import parse
 from followspot.errors import Mistake
 from followspot.graph.parameters import validated
 from followspot.plugins.registry import catalogue, load_stage
 from followspot.plugins.renamed import renamed
 from followspot.stage import Stage
 from followspot.stage_params import StageParams
+from followspot.yaml_reader import parse
 
 NAMES = [name for name, entry in catalogue().items() if entry.distribution == "followspot"]
 
