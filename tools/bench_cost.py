@@ -30,8 +30,8 @@ import cv2
 import numpy as np
 
 from benching.memory import measure, shots
-from followspot.geometry import IDENTITY
 from followspot.graph.compile import compile_graph
+from followspot.lens import IDENTITY
 from followspot.room import Camera, Room, StageUse, Target
 from followspot.room_file import load, save
 from scripting import shown, table_options

@@ -2,26 +2,18 @@
 
 All functions are pure and vectorised over points. `pixel` names points in the picture, with lens distortion;
 `xy` names undistorted points, images of a pinhole camera with the same matrix K. A point without an image
-(behind the camera) is NaN.
+(behind the camera) is NaN. The lens models themselves stand in `followspot.lens`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 import numpy as np
 
+from followspot.lens import POLYNOMIAL, PROJECT, local_rays, normalise, pinhole_image, undistort_polynomial
 from followspot.messages import Array
 from followspot.room import Camera
-
-MAX_ITERATIONS = 100
-"""Most iterations of the inversion of a lens model; it needs 5 to 20."""
-TOLERANCE = 1e-12
-"""Step at which the inversion of a lens model stops, in focal lengths (fisheye) or px (pinhole)."""
-POLYNOMIAL = ("pinhole", "rational")
-"""Models with distortions that are polynomials of OpenCV, or quotients of them."""
-IDENTITY = np.eye(3)
-ORIGIN = np.zeros(3)
 
 
 def project(camera: Camera, points: Array) -> Array:
@@ -34,7 +26,7 @@ def project(camera: Camera, points: Array) -> Array:
 
 def project_local(camera: Camera, local: Array) -> Array:
     """Images of points in camera coordinates, x_cam = R X + t: (N, 3) m -> (N, 2) px with distortion."""
-    return _PROJECT[camera.model](camera, local)
+    return PROJECT[camera.model](camera, local)
 
 
 class Views:
@@ -80,19 +72,19 @@ def undistort(camera: Camera, pixel: Array) -> Array:
     NaN for a pixel whose ray does not point forward (wide fisheye, panorama).
     """
     if camera.model in POLYNOMIAL:
-        return _undistort_pinhole(camera, pixel)
-    return _flatten(camera, _local_rays(camera, pixel))
+        return undistort_polynomial(camera, pixel)
+    return pinhole_image(camera, local_rays(camera, pixel))
 
 
 def distort(camera: Camera, xy: Array) -> Array:
     """Inverse of :func:`undistort`: (N, 2) px without distortion -> (N, 2) px in the picture."""
-    normalised = _normalise(camera, xy)
-    return _PROJECT[camera.model](camera, np.column_stack([normalised, np.ones(len(xy))]))
+    normalised = normalise(camera, xy)
+    return PROJECT[camera.model](camera, np.column_stack([normalised, np.ones(len(xy))]))
 
 
 def ray(camera: Camera, pixel: Array) -> Array:
     """Viewing directions in the room: (N, 2) px with distortion -> (N, 3) unit vectors from the centre."""
-    directions = _local_rays(camera, pixel) @ camera.rotation
+    directions = local_rays(camera, pixel) @ camera.rotation
     return np.asarray(directions / np.linalg.norm(directions, axis=1, keepdims=True))
 
 
@@ -220,94 +212,3 @@ def cross_matrix(v: Array) -> Array:
 def _times(matrix: Array, xy: Array) -> Array:
     """M (x, y, 1), (..., 3), as a sum of columns, because numpy multiplies many small matrices slowly."""
     return np.asarray(matrix[..., 0] * xy[..., :1] + matrix[..., 1] * xy[..., 1:] + matrix[..., 2])
-
-
-def _normalise(camera: Camera, pixel: Array) -> Array:
-    """K^-1 (x, y, 1) without its last entry."""
-    K = camera.matrix
-    y = (pixel[:, 1] - K[1, 2]) / K[1, 1]
-    return np.column_stack([(pixel[:, 0] - K[0, 2] - K[0, 1] * y) / K[0, 0], y])
-
-
-def _denormalise(camera: Camera, x: Array, y: Array) -> Array:
-    K = camera.matrix
-    return np.column_stack([K[0, 0] * x + K[0, 1] * y + K[0, 2], K[1, 1] * y + K[1, 2]])
-
-
-def _flatten(camera: Camera, local: Array) -> Array:
-    """Image of points in camera coordinates without distortion; NaN where z <= 0."""
-    z = np.where(local[:, 2] > 0, local[:, 2], np.nan)
-    return _denormalise(camera, local[:, 0] / z, local[:, 1] / z)
-
-
-def _project_pinhole(camera: Camera, local: Array) -> Array:
-    import cv2
-
-    if len(local) == 0:
-        return np.empty((0, 2))
-    pixel = cv2.projectPoints(local, IDENTITY, ORIGIN, camera.matrix, camera.distortion)[0][:, 0]
-    pixel[local[:, 2] <= 0] = np.nan
-    return np.asarray(pixel)
-
-
-def _project_fisheye(camera: Camera, local: Array) -> Array:
-    across = np.hypot(local[:, 0], local[:, 1])
-    angle = _fisheye_angle(camera.distortion, np.arctan2(across, local[:, 2]))
-    scale = np.divide(angle, across, out=np.zeros_like(across), where=across > 0)
-    return _denormalise(camera, scale * local[:, 0], scale * local[:, 1])
-
-
-def _project_cylinder(camera: Camera, local: Array) -> Array:
-    around = np.arctan2(local[:, 0], local[:, 2])
-    return _denormalise(camera, around, local[:, 1] / np.hypot(local[:, 0], local[:, 2]))
-
-
-_PROJECT: dict[str, Callable[[Camera, Array], Array]] = {
-    "pinhole": _project_pinhole,
-    "rational": _project_pinhole,
-    "fisheye": _project_fisheye,
-    "cylinder": _project_cylinder,
-}
-
-
-def _local_rays(camera: Camera, pixel: Array) -> Array:
-    """Directions in camera coordinates, of any length: (N, 3)."""
-    if camera.model not in POLYNOMIAL:
-        x, y = _normalise(camera, pixel).T
-        if camera.model == "cylinder":
-            return np.column_stack([np.sin(x), y, np.cos(x)])
-        return _fisheye_rays(camera.distortion, x, y)
-    normalised = _normalise(camera, _undistort_pinhole(camera, pixel))
-    return np.column_stack([normalised, np.ones(len(pixel))])
-
-
-def _undistort_pinhole(camera: Camera, pixel: Array) -> Array:
-    import cv2
-
-    if len(pixel) == 0:
-        return np.empty((0, 2))
-    stop = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, MAX_ITERATIONS, TOLERANCE)
-    K = camera.matrix
-    return np.asarray(cv2.undistortPointsIter(pixel[:, None], K, camera.distortion, IDENTITY, K, stop)[:, 0])
-
-
-def _fisheye_angle(distortion: Array, theta: Array) -> Array:
-    """Distorted angle theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)."""
-    k1, k2, k3, k4 = distortion
-    t2 = theta * theta
-    return np.asarray(theta * (1 + t2 * (k1 + t2 * (k2 + t2 * (k3 + t2 * k4)))))
-
-
-def _fisheye_rays(distortion: Array, x: Array, y: Array) -> Array:
-    k1, k2, k3, k4 = distortion
-    distorted = np.hypot(x, y)
-    theta = np.minimum(distorted, np.pi / 2)
-    for _ in range(MAX_ITERATIONS):
-        t2 = theta * theta
-        slope = 1 + t2 * (3 * k1 + t2 * (5 * k2 + t2 * (7 * k3 + t2 * 9 * k4)))
-        step = (_fisheye_angle(distortion, theta) - distorted) / slope
-        theta = theta - step
-        if not (np.abs(step) > TOLERANCE).any():
-            break
-    scale = np.divide(np.sin(theta), distorted, out=np.ones_like(theta), where=distorted > 0)
-    return np.column_stack([scale * x, scale * y, np.cos(theta)])
