@@ -21,12 +21,12 @@ from typing import Any
 import numpy as np
 
 from followspot import Array, Room
+from followspot.context import Context
 from followspot.messages import Header, Message, stamped
 from followspot.people import BONES
 from followspot.plugins.registry import load_stage
 from followspot.room import Member
 from followspot.room_file import load
-from followspot.stage import Context
 from followspot_accuracy import PoseTable, pose_truth_of, score_persons
 from followspot_accuracy.persons.parts import correct_parts
 from followspot_sim.actor.landmarks import NAMES, landmarks

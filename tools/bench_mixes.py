@@ -26,8 +26,8 @@ import numpy as np
 import followspot as fs
 from benching.performed import performed
 from followspot import room_file
+from followspot.context import Context
 from followspot.room import Room, Target
-from followspot.stage import Context
 from followspot_sim.truth import SimTruth
 
 ROOT = Path(__file__).parent.parent

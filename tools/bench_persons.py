@@ -24,13 +24,13 @@ import cv2
 import numpy as np
 
 from followspot import Room, Stage
+from followspot.context import Context
 from followspot.graph.parameters import path_parameters
 from followspot.messages import Message, stamped
 from followspot.people import Appearances, Boxes
 from followspot.plugins.registry import load_stage
 from followspot.room import StageUse
 from followspot.room_file import load
-from followspot.stage import Context
 from followspot.stage_params import PathIn
 from followspot.tracking import Frame
 from scripting import options_of

@@ -14,6 +14,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from followspot.context import Context
     from followspot.errors import FollowspotError, InputError, Mistake
     from followspot.library.connect import ConnectedRun, connect
     from followspot.library.graph import Graph
@@ -24,19 +25,9 @@ if TYPE_CHECKING:
     from followspot.library.subscription import Subscription
     from followspot.library.table import Table
     from followspot.messages import Array, Header, Message, at, column
+    from followspot.port_marks import Deferred, Joined, Lagged, Latest, Nearest, Outputs, Source, Window
     from followspot.room import Camera, Member, Room, Sensor, Target
-    from followspot.stage import (
-        Context,
-        Deferred,
-        Joined,
-        Lagged,
-        Latest,
-        Nearest,
-        Outputs,
-        Source,
-        Stage,
-        Window,
-    )
+    from followspot.stage import Stage
     from followspot.stage_params import (
         Field,
         InputAddress,
@@ -76,23 +67,23 @@ _HOME = {
     "Room": "room",
     "Sensor": "room",
     "Target": "room",
-    "Context": "stage",
-    "Deferred": "stage",
+    "Context": "context",
+    "Deferred": "port_marks",
     "Field": "stage_params",
     "InputAddress": "stage_params",
     "InputDevice": "stage_params",
     "InputPath": "stage_params",
-    "Joined": "stage",
-    "Lagged": "stage",
-    "Latest": "stage",
-    "Nearest": "stage",
+    "Joined": "port_marks",
+    "Lagged": "port_marks",
+    "Latest": "port_marks",
+    "Nearest": "port_marks",
     "OutputHost": "stage_params",
     "OutputPath": "stage_params",
-    "Outputs": "stage",
-    "Source": "stage",
+    "Outputs": "port_marks",
+    "Source": "port_marks",
     "Stage": "stage",
     "StageParams": "stage_params",
-    "Window": "stage",
+    "Window": "port_marks",
 }
 
 __all__ = [

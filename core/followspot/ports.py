@@ -14,7 +14,7 @@ from typing import Any, Literal, get_args, get_origin
 from followspot.errors import FollowspotError
 from followspot.firing import FIRINGS, Firing
 from followspot.messages import Message
-from followspot.stage import (
+from followspot.port_marks import (
     DeferredOutput,
     JoinedInput,
     LaggedOutputs,
@@ -22,9 +22,9 @@ from followspot.stage import (
     NearestInput,
     SeveralOutputs,
     Source,
-    Stage,
     WindowInput,
 )
+from followspot.stage import Stage
 
 InputKind = Literal["plain", "latest", "joined", "nearest", "window"]
 _MARKS: dict[type, InputKind] = {

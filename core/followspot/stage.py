@@ -19,156 +19,19 @@ from __future__ import annotations
 
 import hashlib
 import logging
-import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Future
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
-from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Protocol, TypeVar
+from typing import Any, ClassVar
 
 import numpy as np
 
+from followspot.context import Context
 from followspot.errors import Mistake
-from followspot.messages import Array, Message
 from followspot.room import SETS, Camera, Member, Room, Sensor, Target
 from followspot.stage_params import StageParams
 
-T = TypeVar("T")
-SourceLoss = Literal["packet_loss", "device_overrun", "gap"]
-"""How a frame of a device is lost before its source has it."""
 LOGGER = "followspot.stage"
 """Prefix of the names of the stages' loggers."""
-
-
-class LatestInput:
-    """Marks an input that samples and holds: it never fires."""
-
-
-class JoinedInput:
-    """Marks an input that collects one message from each connected edge."""
-
-
-class NearestInput:
-    """Marks an input that gives the message nearest in time to the firing: it never fires."""
-
-
-class WindowInput:
-    """Marks an input that gives every message since the last firing: it never fires."""
-
-
-class SeveralOutputs:
-    """Marks a result that is several messages for one firing."""
-
-
-class DeferredOutput:
-    """Marks a result that comes later."""
-
-
-class LaggedOutputs:
-    """Marks a result that is messages for earlier firings."""
-
-
-Latest = Annotated[T | None, LatestInput()]
-"""The newest message, or None before the first."""
-Joined = Annotated[tuple[T, ...], JoinedInput()]
-"""One message per connected camera that has one at this time, in the order of the room's cameras."""
-Nearest = Annotated[T | None, NearestInput()]
-"""The message nearest in capture time to the firing, before or after it, or None if none lies within the
-tolerance of the edge or the stage."""
-Window = Annotated[tuple[T, ...], WindowInput()]
-"""Every message since the last firing up to the capture time of this one, in the order of capture times."""
-Outputs = Annotated[Iterable[T], SeveralOutputs()]
-"""Return type of a stage that gives any number of messages for one firing. Their capture times rise, from
-that of the firing on: `at(time, message)` says them; the first may leave its time to the runtime."""
-Deferred = Annotated[Future[T | None] | Callable[[], T | None] | None, DeferredOutput()]
-"""Return type of a stage without a state that answers later: a future, or a function that a thread of the
-runtime calls. Answers are sent in the order of the firings, with their capture times; at most as many are
-under way as the graph says (`concurrency`, 1 if it says nothing)."""
-Lagged = Annotated[Iterable[T], LaggedOutputs()]
-"""Return type of a stage that waits for later inputs: messages for firings up to this one, any number for one
-firing. Each has the capture time of its firing (`at(time, message)`), and the times rise. `Stage.remaining`
-gives those that are left when the inputs have ended."""
-
-
-def _no_warning(text: str) -> None:
-    """Drop the warning: outside a run, none is shown."""
-
-
-def _no_loss(kind: SourceLoss, number: int) -> None:
-    """Count nothing: outside a run there is no ledger."""
-
-
-def _fresh(shape: tuple[int, ...], dtype: str) -> Array:
-    return np.empty(shape, dtype)
-
-
-def _sleep(seconds: float) -> bool:
-    time.sleep(seconds)
-    return True
-
-
-class Post(Protocol):
-    """Non-blocking channel from a tap to observers on other hosts."""
-
-    @property
-    def wanted(self) -> bool:
-        """True if an observer subscribes."""
-
-    def send(self, packet: bytes) -> None:
-        """Send a packet, or drop it if the network is congested."""
-
-    def close(self) -> None:
-        """Close the channel."""
-
-
-@dataclass(frozen=True)
-class Context:
-    """The stage's view of its run. Every field has a default, for tests without a run."""
-
-    name: str = "stage"
-    room: Room = Room()
-    member: Member | None = None
-    """The camera, sensor, target or value of a tag that this instance serves, if the graph says `each`."""
-    out: Path = Path()
-    """The run's output folder."""
-    seed: int = 0
-    receives: tuple[type[Message], ...] = ()
-    """Types of the messages that the edges bring, each once."""
-    warn: Callable[[str], None] = _no_warning
-    """Report a problem that does not stop the run; the user sees it with the stage's name, now and at the
-    end."""
-    loan: Callable[[tuple[int, ...], str], Array] = _fresh
-    """An array (shape, dtype) to compute the output into, in shared memory if a reader on this host uses
-    it."""
-    pause: Callable[[float], bool] = _sleep
-    """Wait (s), for a live source, which has a thread of its own. Returns False at once if the run is ending:
-    the source should return then. With another source its whole worker waits: it says when a message is due
-    (`at`)."""
-    resumed: bool = False
-    """True if an earlier instance of the stage has worked in this run: a sink keeps what that one wrote."""
-    lost: Callable[[SourceLoss, int], None] = _no_loss
-    """Count frames that the device made and that did not come, for a live source: with packets missing
-    (`packet_loss`), given up because they were not taken in time (`device_overrun`), or left out in the
-    numbers of the frames (`gap`). The ledger shows them as lost at the source."""
-    run_begun: Callable[[], int] = time.monotonic_ns
-    """When the stages of this host began together, ns of `time.monotonic_ns`."""
-    post: Post | None = None
-    """Channel to the observers of a tap on another host than the operator's."""
-
-    def begun(self) -> int:
-        """Since when a source that plays at a pace counts, ns of `time.monotonic_ns`.
-
-        That is when all sources of this host began, in whichever workers they are; for one that comes later
-        (`resumed`) it is now.
-        """
-        return time.monotonic_ns() if self.resumed else self.run_begun()
-
-    @classmethod
-    def serving(cls, camera: Camera, room: Room | None = None, **rest: Any) -> Context:
-        """The context of an instance that serves a camera; without a room, in one of that camera alone."""
-        found = Room(cameras={camera.name: camera}) if room is None else room
-        return cls(room=found, member=Member("cameras", camera.name), **rest)
 
 
 class Stage:
@@ -341,7 +204,3 @@ class Stage:
 
         If a swap takes a moment, the worker calls it again with a newer checkpoint before the first message.
         """
-
-
-Source = Iterator
-"""Return type of a source's `process`: a generator of messages made with :func:`followspot.at`."""

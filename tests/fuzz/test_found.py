@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from followspot.context import Context
 from followspot.errors import InputError
 from followspot.graph.compile import compile_graph
 from followspot.room import Camera
-from followspot.stage import Context
 from followspot_calibrate.points_file.reading import read_points
 from followspot_cameras.images import Images
 from followspot_sim.parameters import SimParams

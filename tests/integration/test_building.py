@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import followspot as fs
+from followspot.context import Context
 from followspot.messages import Array
 from followspot.plugins.registry import load_stage
 from followspot.room_file import load
-from followspot.stage import Context
 from followspot.tracking import Truth
 
 GRAPHS = Path(__file__).parents[2] / "graphs"

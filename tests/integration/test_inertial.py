@@ -16,8 +16,8 @@ from tests.integration.running import balanced
 
 import followspot as fs
 from followspot import room_file
+from followspot.context import Context
 from followspot.plugins.registry import load_stage
-from followspot.stage import Context
 from followspot_accuracy import TargetScore, TruthTable, read_tracks_csv, score, truth_of
 
 ROOT = Path(__file__).parents[2]

@@ -10,8 +10,8 @@ import yaml
 
 import followspot as fs
 from followspot import room_file
+from followspot.context import Context
 from followspot.plugins.registry import load_stage
-from followspot.stage import Context
 from followspot_accuracy import read_tracks_csv, score, truth_of
 
 ROOT = Path(__file__).parents[2]

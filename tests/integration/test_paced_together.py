@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tests.integration.running import run, write_graph
 
-from followspot.stage import Context
+from followspot.context import Context
 
 PACED = Path(__file__).parents[1] / "stages" / "paced.py"
 GRAPH = """

@@ -16,7 +16,8 @@ from benching.peers import followspot_graph
 from benching.peers.contender import Stalled, told
 from benching.peers.parts import READY, RESULT, START, Camera, Fusion, Order
 from benching.peers.peer_stages import Played
-from followspot.stage import Context, Member
+from followspot.context import Context
+from followspot.stage import Member
 
 ROOT = Path(__file__).parent.parent.parent
 FRAMES = 13

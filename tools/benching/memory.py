@@ -15,11 +15,13 @@ from typing import Any
 
 import numpy as np
 
+from followspot.context import Context
 from followspot.graph.plan import Plan
 from followspot.messages import at
 from followspot.plugins.registry import load_stage
+from followspot.port_marks import Source
 from followspot.ports import ports
-from followspot.stage import Context, Source, Stage
+from followspot.stage import Stage
 from followspot.tracking import LOST, Forecast, Frame, Positions, Tracks
 from followspot.worker.build import build_worker
 from followspot.worker.ledger import Ledger

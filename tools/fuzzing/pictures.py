@@ -13,9 +13,9 @@ from typing import Any
 import cv2
 import numpy as np
 
+from followspot.context import Context
 from followspot.errors import FollowspotError
 from followspot.room import Camera
-from followspot.stage import Context
 from followspot_cameras.images import Images
 from followspot_cameras.video.stage import Video
 from fuzzing.mutation import broken_bytes

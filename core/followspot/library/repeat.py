@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pydantic
 
+from followspot.context import Context
 from followspot.control.checkpoint import state_from_data
 from followspot.errors import FollowspotError
 from followspot.firing import Firing
@@ -18,7 +19,7 @@ from followspot.graph.plan import Plan, PlannedStage
 from followspot.messages import Header, InvalidMessage, Message, seal
 from followspot.plugins.registry import load_stage
 from followspot.ports import InputSpec, ports
-from followspot.stage import Context, Stage
+from followspot.stage import Stage
 from followspot.transport.codec import unpack
 from followspot.worker.build import RUNNERS
 from followspot.worker.inputs.recorded_join import RecordedFiring, RecordedJoin

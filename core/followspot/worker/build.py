@@ -11,12 +11,12 @@ from typing import Protocol
 import numpy as np
 
 from followspot.belonging import misfit
+from followspot.context import Context, SourceLoss
 from followspot.firing import FIRINGS
 from followspot.graph.frame_count import accompanying_sources
 from followspot.graph.plan import AHEAD, EdgeKind, PlannedEdge, PlannedStage
 from followspot.messages import Array, Message, seal
 from followspot.ports import Giving, InputSpec
-from followspot.stage import Context, SourceLoss
 from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.token import ABSENT
 from followspot.worker.inputs.input_queue import UNCHANGED, InputQueue

@@ -6,8 +6,8 @@ from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from threading import Lock
 
+from followspot.context import SourceLoss
 from followspot.messages import Array, Header, InvalidMessage, Message, seal, stamped
-from followspot.stage import SourceLoss
 from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.edge import PortWriter
 from followspot.transport.token import ABSENT, END, UNKNOWN, Watermark

@@ -7,12 +7,13 @@ from pathlib import Path
 import pytest
 from tests.core.graph.files import ROOM, TOY, write
 
+from followspot.context import Context
 from followspot.errors import InputError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_from_data, plan_to_data
 from followspot.room import Member
-from followspot.stage import Context, Stage
+from followspot.stage import Stage
 
 ZONES = (
     ROOM.replace("    kind: color\n", "    kind: color\n    tags: {zone: hall}\n")

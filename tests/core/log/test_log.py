@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from followspot.context import Context
 from followspot.control.dispatch import Request, answer_from_wire, verb
 from followspot.control.observation import GetLog
 from followspot.errors import InputError
@@ -16,7 +17,7 @@ from followspot.log.file import LogFile, read_log
 from followspot.log.merged import MergedLog
 from followspot.log.record import MAX_TEXT, LogRecord, records_from_data
 from followspot.log.run_log import KEPT, RunLog
-from followspot.stage import Context, Stage
+from followspot.stage import Stage
 from followspot.worker.main import WorkerMain
 from followspot.worker.reporting.report import Warnings
 

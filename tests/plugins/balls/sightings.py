@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from tests.plugins.balls.scene import blobs_of, make_room
 
+from followspot.context import Context
 from followspot.messages import Array, seal
-from followspot.stage import Context
 from followspot.tracking import Blobs, Candidates, Forecast
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs

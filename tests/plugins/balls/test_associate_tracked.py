@@ -18,8 +18,8 @@ from tests.plugins.balls.sightings import (
     views,
 )
 
+from followspot.context import Context
 from followspot.messages import seal
-from followspot.stage import Context
 from followspot.tracking import MISSING, TRACKED
 from followspot_balls.associate import Associate
 from followspot_balls.associate_tracked import AssociateTracked

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from tests.plugins.balls.scene import RADIUS, blobs_of, forecast_at, make_room, positions_at
 
+from followspot.context import Context
 from followspot.messages import Array
-from followspot.stage import Context
 from followspot.tracking import Blobs, Forecast, Positions
 from followspot_balls.bridge import Bridge
 from followspot_balls.single_view import images

@@ -12,10 +12,10 @@ from tests.datasets import needs_data
 from tests.plugins.balls.scene import RADIUS, forecast_at, make_room, unweighed
 from tests.plugins.balls.test_tracker import RECORDINGS, recorded_frames, recorded_room, track
 
+from followspot.context import Context
 from followspot.geometry import back_projection, triangulate_pairs
 from followspot.messages import Array, seal
 from followspot.room import Room
-from followspot.stage import Context
 from followspot.tracking import Candidates, Forecast, Positions
 from followspot_balls.bounding_planes import nearest_planes
 from followspot_balls.bundle.glow import glow_sigma

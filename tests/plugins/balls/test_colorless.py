@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from tests.plugins.balls.scene import blobs_of, forecast_at, make_room, positions_at
 
+from followspot.context import Context
 from followspot.messages import seal
-from followspot.stage import Context
 from followspot.tracking import MISSING, Candidates, Forecast
 from followspot_balls.bundle_fusion import Bundle
 from followspot_balls.colorless import Colorless, ColorlessParams

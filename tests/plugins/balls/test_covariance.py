@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.plugins.balls.scene import make_room, positions_at
 
+from followspot.context import Context
 from followspot.messages import Array, stamped
-from followspot.stage import Context
 from followspot.tracking import LOST
 from followspot_balls.kalman import Kalman
 from followspot_balls.motion import Motion, followed, initiated, predict, update

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from tests.plugins.balls.scene import SIZE, disc, forecast_at, learn_color, make_room, picture, whole_strip
 
+from followspot.context import Context
 from followspot.geometry import project
 from followspot.messages import Array, seal
-from followspot.stage import Context, Stage
+from followspot.stage import Stage
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.color_blobs import ColorBlobs
 from followspot_balls.components import MOST, above_local_peak, components, of_size

@@ -9,8 +9,8 @@ import pytest
 from tests.plugins.balls.scene import RADIUS
 from tests.plugins.balls.sightings import BALL, EVERYWHERE, INFRARED, ROOM, Place, views
 
+from followspot.context import Context
 from followspot.messages import Header, seal, stamped
-from followspot.stage import Context
 from followspot.tracking import PREDICTED, Blobs, Forecast
 from followspot_balls.associate import Associate
 from followspot_balls.associate_tracked import AssociateTracked

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from tests.plugins.balls.scene import candidates_at, forecast_at, make_room, unweighed
 
+from followspot.context import Context
 from followspot.messages import seal
-from followspot.stage import Context, Stage
+from followspot.stage import Stage
 from followspot.tracking import Candidates
 from followspot_balls.kernels import epipolar_weight, kernel, scales, squared_distances
 from followspot_balls.mean import Mean

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.plugins.balls.scene import make_room, positions_at
 
-from followspot.stage import Context
+from followspot.context import Context
 from followspot.tracking import LOST, MISSING, PREDICTED, STATES, TRACKED
 from followspot_balls.kalman import Kalman
 from followspot_balls.motion import Motion, initiated, predict, update

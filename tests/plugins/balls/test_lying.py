@@ -9,8 +9,8 @@ import pytest
 from tests.plugins.balls.scene import RADIUS, blobs_of, forecast_at, make_room
 from tests.plugins.balls.test_bundle import undistorted
 
+from followspot.context import Context
 from followspot.messages import Array
-from followspot.stage import Context
 from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Forecast, Pairs
 from followspot_balls.lying import LyingTargets
 from followspot_balls.verify_pairs import VerifyPairs

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.plugins.balls.scene import make_room, positions_at
 
+from followspot.context import Context
 from followspot.messages import Array
-from followspot.stage import Context
 from followspot_balls.kalman import Kalman
 from followspot_balls.motion import Motion, initiated, manoeuvred, predict, update
 from followspot_target_filter.manoeuvre import jump

@@ -12,8 +12,8 @@ from tests.plugins.balls.scene import blobs_of, forecast_at, make_room, position
 import followspot as fs
 from bench_mixes import Mix, first_positions, part
 from followspot import room_file
+from followspot.context import Context
 from followspot.errors import InputError
-from followspot.stage import Context
 from followspot.tracking import LOST, MISSING, TRACKED, Pairs
 from followspot_balls.kalman import Kalman
 from followspot_balls.triangulate import Triangulate

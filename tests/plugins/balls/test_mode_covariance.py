@@ -9,8 +9,8 @@ import pytest
 from tests.plugins.balls.scene import RADIUS, forecast_at
 from tests.plugins.balls.test_bundle import COLOR, HIGH, ROOM, candidates, near, one_ball, undistorted, whole
 
+from followspot.context import Context
 from followspot.messages import Array
-from followspot.stage import Context
 from followspot.tracking import Candidates
 from followspot_balls.bundle.glow import glow_sigma
 from followspot_balls.bundle.trust import variance

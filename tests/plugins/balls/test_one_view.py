@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from tests.plugins.balls.scene import RADIUS, blobs_of, make_room, positions_at
 
+from followspot.context import Context
 from followspot.messages import Array, Header, stamped
-from followspot.stage import Context
 from followspot.tracking import Forecast
 from followspot_balls.bridge import Bridge
 from followspot_balls.kalman import Kalman

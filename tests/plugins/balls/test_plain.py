@@ -12,9 +12,9 @@ import pytest
 from tests.plugins.balls.scene import blobs_of, candidates_at, forecast_at, make_room, positions_at
 
 from followspot.cli.main import main
+from followspot.context import Context
 from followspot.graph.compile import compile_graph
 from followspot.messages import Array
-from followspot.stage import Context
 from followspot.tracking import LOST, MISSING, TRACKED, Candidates, Forecast, Pairs
 from followspot_balls.plain.kalman import Outputs, PlainKalman
 from followspot_balls.plain.mean_shift import PlainMeanShift

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from tests.plugins.balls.scene import RADIUS, blobs_of, forecast_at, make_room
 
+from followspot.context import Context
 from followspot.geometry import project
 from followspot.messages import Array, seal
 from followspot.room import Room
-from followspot.stage import Context
 from followspot.tracking import LOST, TRACKED, Blobs, Forecast, Pairs
 from followspot_balls.blob_pairs import homography_test
 from followspot_balls.bounding_planes import facing_planes

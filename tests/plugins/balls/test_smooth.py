@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.plugins.balls.scene import make_room
 
+from followspot.context import Context
 from followspot.messages import Array, Header, identical, seal, stamped
-from followspot.stage import Context
 from followspot.testing import check_stage
 from followspot.tracking import PREDICTED, TRACKED, Positions, Tracks
 from followspot_balls.smooth.stage import Smooth

@@ -8,10 +8,10 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from tests.plugins.balls.scene import BGR, SIZE, disc, forecast_at, look_at, make_room, picture
 
+from followspot.context import Context
 from followspot.geometry import project
 from followspot.messages import Array, identical, seal
 from followspot.room import Camera, Room
-from followspot.stage import Context
 from followspot.tracking import LOST, Forecast, Frame
 from followspot_balls.color_blobs import ColorBlobs
 from followspot_balls.components import MOST

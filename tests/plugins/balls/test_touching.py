@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from tests.plugins.balls.scene import RADIUS, forecast_at, make_room, picture
 
+from followspot.context import Context
 from followspot.geometry import project
 from followspot.messages import Array, seal
-from followspot.stage import Context
 from followspot.tracking import Blobs, Forecast
 from followspot_balls.ir_blobs import IrBlobs
 

@@ -13,9 +13,10 @@ import pytest
 from tests.datasets import dataset, needs_data
 from tests.plugins.balls.scene import learn_color, make_room, picture
 
+from followspot.context import Context
 from followspot.messages import Array, Header, Message, seal, stamped
 from followspot.room import Camera, Room, Target
-from followspot.stage import Context, Stage
+from followspot.stage import Stage
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.bridge import Bridge
 from followspot_balls.bundle_fusion import Bundle

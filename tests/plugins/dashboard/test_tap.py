@@ -11,9 +11,9 @@ import cv2
 import numpy as np
 import pytest
 
+from followspot.context import Context
 from followspot.inertial import Inertial
 from followspot.messages import Header, Message, stamped
-from followspot.stage import Context
 from followspot.taps import sender
 from followspot.taps.framing import Record
 from followspot.taps.receivers import LocalReceiver

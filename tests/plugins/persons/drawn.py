@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 
 from followspot import Array, Camera, Stage
+from followspot.context import Context
 from followspot.messages import Header, stamped
 from followspot.people import Boxes, Gradients
-from followspot.stage import Context
 from followspot.tracking import Frame
 from followspot_persons.body_view import view
 from followspot_persons.fitness import Detection, Picture, pictured

@@ -10,9 +10,9 @@ from tests.plugins.persons.drawn import SECOND, perspective
 from tests.travelled import travelled
 
 from followspot import Room
+from followspot.context import Context
 from followspot.messages import Header, identical, stamped
 from followspot.people import Poses
-from followspot.stage import Context
 from followspot.tracking import PREDICTED, TRACKED
 from followspot_persons.fusion import Fusion
 from followspot_persons.place_filter import GATE, PlaceTrack

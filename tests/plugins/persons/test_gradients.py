@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from followspot import Camera
+from followspot.context import Context
 from followspot.people import Gradients
-from followspot.stage import Context
 from followspot.tracking import Frame
 from followspot_persons.gradient_picture import GradientPicture
 from followspot_persons.gradients import FindGradients, emphasis, packed_edges, padded, spread

@@ -10,9 +10,9 @@ import pytest
 from tests.datasets import dataset, needs_data
 
 from followspot import Camera, InputError
+from followspot.context import Context
 from followspot.files import DATA
 from followspot.messages import Header, stamped
-from followspot.stage import Context
 from followspot.tracking import Frame
 from followspot_persons.hog.cells import LOOKS, looks
 from followspot_persons.hog.channels import CHANNELS

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from followspot import Camera
+from followspot.context import Context
 from followspot.messages import Header, stamped
 from followspot.people import Appearances, Boxes, Gradients
-from followspot.stage import Context
 from followspot.tracking import PREDICTED, TRACKED, Frame
 from followspot_persons.acquaintance import Acquaintance
 from followspot_persons.body_view import HEADING, view

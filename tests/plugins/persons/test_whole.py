@@ -9,7 +9,7 @@ import pytest
 from tests.datasets import dataset, needs_data
 
 from followspot import Camera, InputError
-from followspot.stage import Context
+from followspot.context import Context
 from followspot.tracking import Frame
 from followspot_persons.hog import whole
 from followspot_persons.hog.model import DIRECTIONS, Judgement

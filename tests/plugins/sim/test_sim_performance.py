@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from followspot import StageParams
-from followspot.stage import Context
+from followspot.context import Context
 from followspot.tracking import Blobs
 from followspot_sim.performance import Performance
 from followspot_sim.rounds import ROUND

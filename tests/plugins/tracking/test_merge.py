@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from followspot import Array
+from followspot.context import Context
 from followspot.messages import Header, identical, stamped
 from followspot.room import Room, Target
-from followspot.stage import Context
 from followspot.tracking import PREDICTED, TRACKED, Tracks
 from followspot_tracking.merge import Merge
 

@@ -19,9 +19,10 @@ from followspot.errors import FollowspotError, InputError
 from followspot.geometry import project
 from followspot.messages import Array
 from followspot.plugins import registry
+from followspot.port_marks import Source
 from followspot.room import Camera, Room, StageUse
 from followspot.room_file import load, save
-from followspot.stage import Source, Stage
+from followspot.stage import Stage
 from followspot.stage_params import Field, StageParams
 from followspot.tracking import Frame
 from followspot_calibrate.boards.board import parse_board

@@ -12,7 +12,7 @@ from tests.datasets import dataset, needs_data
 
 from followspot import Camera
 from followspot.cli.main import main
-from followspot.stage import Context
+from followspot.context import Context
 from followspot.tracking import Frame
 from followspot_persons.hog.model import load
 from followspot_persons.hog.search import overlap

@@ -20,6 +20,7 @@ from rich.console import Group
 from tests.tools.watch.screens import on_terminal
 
 from followspot.cli.main import build_parser
+from followspot.context import Context
 from followspot.control.dispatch import Dispatcher
 from followspot.control.host import WorkerStatus
 from followspot.control.stage_status import PathStatus, StageStatus
@@ -33,7 +34,6 @@ from followspot.messages import Header, stamped
 from followspot.operator.run_requests import GetPlan, GetStatus, GetSurroundings, Surroundings
 from followspot.operator.run_status import RunStatus
 from followspot.plugins.registry import load_stage
-from followspot.stage import Context
 from followspot.tables import grid, line
 from followspot.taps.sender import TapSender
 from followspot.tracking import Blobs, Frame, Tracks

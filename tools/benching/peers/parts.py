@@ -16,11 +16,12 @@ from typing import Any
 import cv2
 import numpy as np
 
+from followspot.context import Context
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.messages import Header, M, seal, stamped
 from followspot.plugins.registry import load_stage
-from followspot.stage import Context, Stage
+from followspot.stage import Stage
 from followspot.tracking import Blobs, Forecast, Frame, Tracks
 
 LEAD = 10

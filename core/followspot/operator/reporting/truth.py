@@ -9,6 +9,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, TypeVar
 
+from followspot.context import Context
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.operator.reporting.scored import scored_file
@@ -16,7 +17,7 @@ from followspot.plugins.hooks import load_scorers
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 from followspot.scoring import Score, Scoring
-from followspot.stage import Context, Stage
+from followspot.stage import Stage
 
 T = TypeVar("T")
 

@@ -9,11 +9,12 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Protocol
 
+from followspot.context import Post
 from followspot.control.tapping import Tapping
 from followspot.firing import firings_of
 from followspot.messages import Message
 from followspot.plugins.registry import load_stage
-from followspot.stage import Post, Stage
+from followspot.stage import Stage
 from followspot.worker.runners.stage_runner import StageRunner
 from followspot.worker.scheduler import Worker
 

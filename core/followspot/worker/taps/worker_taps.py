@@ -7,9 +7,9 @@ from collections.abc import Callable, Collection
 from functools import partial
 from queue import SimpleQueue
 
+from followspot.context import Post
 from followspot.control.dispatch import Handlers
 from followspot.control.tapping import PlaceTaps, RemoveTaps, Tapping
-from followspot.stage import Post
 from followspot.transport.keys import tap_key
 from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.scheduler import Worker

@@ -15,10 +15,10 @@ from tests.plugins.persons.test_hog import panorama
 
 import followspot as fs
 from followspot import InputError, Room
+from followspot.context import Context
 from followspot.messages import identical, stamped
 from followspot.people import Boxes
 from followspot.points import Points2D
-from followspot.stage import Context
 from followspot.testing import check_stage
 from followspot_persons.pose_net.movenet import MoveNetMultiPose
 from followspot_persons.pose_net.stage import PoseNet

@@ -9,13 +9,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
+from followspot.context import Context
 from followspot.errors import FollowspotError
 from followspot.graph.camera_kind import source_for
 from followspot.graph.parameters import path_parameters
 from followspot.messages import Message
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.room import Camera, Member, Room, Sensor
-from followspot.stage import Context, Stage
+from followspot.stage import Stage
 from followspot.stage_params import PathIn
 from followspot_doctor.finding import Finding, fine, wrong
 
