@@ -1,28 +1,28 @@
-"""Build one worker from a plan: its stage runners, and the queues and ports between them."""
+"""Build one worker from a plan: its stage runners, and the queues and ports between them.
+
+`build_inputs` makes the queues, and the joins that read them.
+"""
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import groupby
-from typing import Protocol
 
 import numpy as np
 
-from followspot.belonging import misfit
 from followspot.context import Context, SourceLoss
 from followspot.firing import FIRINGS
 from followspot.graph.frame_count import accompanying_sources
-from followspot.graph.plan import AHEAD, EdgeKind, PlannedEdge, PlannedStage
-from followspot.messages import Array, Message, seal
-from followspot.ports import Giving, InputSpec
-from followspot.transport.edge import PortReader, PortWriter
-from followspot.transport.token import ABSENT
-from followspot.worker.inputs.input_queue import UNCHANGED, InputQueue
-from followspot.worker.inputs.join import Join, JoinInput
-from followspot.worker.inputs.sampled_input import NearestInput, NewestInput, SampledInput, WindowInput
+from followspot.graph.plan import PlannedStage
+from followspot.messages import Array
+from followspot.ports import Giving
+from followspot.transport.edge import PortWriter
+from followspot.worker.build_inputs import InputBuilder
+from followspot.worker.inputs.input_queue import InputQueue
+from followspot.worker.inputs.join import Join
 from followspot.worker.ledger import LOST, Ledger
+from followspot.worker.links import Links, NoLinks
 from followspot.worker.output_port import OutputPort
 from followspot.worker.pace import Pace
 from followspot.worker.runners.deferred_runner import DeferredRunner
@@ -40,42 +40,6 @@ RUNNERS: Mapping[Giving, type[StageRunner]] = {
     "later": DeferredRunner,
     "lagged": LaggedRunner,
 }
-_ENDLESS = 1 << 30
-"""Depth of an edge that drops messages, and so is never full."""
-
-
-class Links(Protocol):
-    """Makes the ends of edges between workers; edges are named by their number in the plan."""
-
-    def reader(self, edge: int, kind: type[Message]) -> PortReader:
-        """The reading end of one edge."""
-
-    def writer(self, edges: Sequence[int], kind: EdgeKind) -> PortWriter:
-        """The writing end of all edges of one output port that have the same kind and codec."""
-
-    def wait_matched(self, wanted: Callable[[], bool]) -> None:
-        """Block until the ends have found their other ends, or are not `wanted`. Raises FollowspotError."""
-
-    def forget(self) -> None:
-        """Close the ends for edges that the graph does not get after all."""
-
-
-class NoLinks:
-    """Links of a plan whose edges all stay within one worker."""
-
-    def reader(self, edge: int, kind: type[Message]) -> PortReader:
-        """Raises LookupError."""
-        raise LookupError(f"edge {edge} ({kind.__name__}) has no link")
-
-    def writer(self, edges: Sequence[int], kind: EdgeKind) -> PortWriter:
-        """Raises LookupError."""
-        raise LookupError(f"edges {edges} ({kind}) have no link")
-
-    def wait_matched(self, wanted: Callable[[], bool]) -> None:
-        """Do nothing: there are no ends."""
-
-    def forget(self) -> None:
-        """Do nothing: there are no ends."""
 
 
 def build_worker(
@@ -98,7 +62,7 @@ class Builder:
         self.mine = [stage for stage in self.plan.stages if stage.worker == name]
         self.accompanying = accompanying_sources(self.plan)
         self.names = {stage.name for stage in self.mine}
-        self.queues: dict[int, InputQueue] = {}
+        self.inputs = InputBuilder(wiring, ledger, options, links)
         self.writers: dict[PortWriter, str] = {}
         """Each with the stage that owns it."""
         self.runners: list[StageRunner] = []
@@ -108,10 +72,10 @@ class Builder:
         """Make input queues, then the stage runners that join them, then the calls that schedule those."""
         for stage in self.mine:
             for number in self.wiring.into[stage.name]:
-                self.queues[number] = self.queue(number)
+                self.inputs.queues[number] = self.inputs.queue(number)
         for rank, stage in enumerate(self.mine):
             self.runners.append(self.runner(rank, stage))
-        remote = [queue for queue in self.queues.values() if queue.reader is not None]
+        remote = [queue for queue in self.inputs.queues.values() if queue.reader is not None]
         runners = {runner.name: runner for runner in self.runners}
         writers = [(writer, runners[name]) for writer, name in self.writers.items()]
         worker = Worker(self.runners, remote, writers, self.pace)
@@ -121,7 +85,7 @@ class Builder:
     def schedule(self, worker: Worker) -> None:
         """Let what comes to the queues, and what leaves full ones, mark the stage runners."""
         ranks = {stage.name: rank for rank, stage in enumerate(self.mine)}
-        for number, queue in self.queues.items():
+        for number, queue in self.inputs.queues.items():
             edge = self.plan.edge(number)
             queue.wake = partial(worker.schedule.mark, ranks[edge.to_stage])
             if edge.kind == "reference":
@@ -132,40 +96,6 @@ class Builder:
             for queue in (queue for sampled in runner.join.sampled for queue in sampled.queues):
                 wake = partial(worker.schedule.mark_waiting, runner, queue)
                 queue.wake = wake if queue.keep is None else partial(_shed, queue, wake)
-
-    def queue(self, number: int) -> InputQueue:
-        edge = self.plan.edge(number)
-        lateness = self.wiring.lateness[edge.from_stage]
-        depth, keep = self._limits(edge)
-        queue = InputQueue(
-            edge.name,
-            self.words,
-            self.ledger.row(number),
-            depth=depth,
-            lateness=lateness,
-            keep=keep,
-            window=self.wiring.tolerance(edge),
-        )
-        queue.answers = self.wiring.circular(edge)
-        if edge.kind != "reference":
-            kind = self.wiring.message_type(edge)
-            queue.reader = self.links.reader(number, kind)
-            queue.unfit = misfit(kind, self.plan.room, self.wiring.stages[edge.from_stage].camera)
-            if self.options.rejoin:
-                queue.after_loss = ABSENT if self.wiring.live else UNCHANGED
-        return queue
-
-    def _limits(self, edge: PlannedEdge) -> tuple[int, int | None]:
-        """Depth of an edge, and the number of messages beyond which it drops the oldest (None: never).
-
-        A sampled input of a live stage does not wait for the stage to fire: else a camera that falls silent
-        would hold up the stages whose results it samples, and these in turn hold up the camera.
-        """
-        if self.wiring.live and edge.drops:
-            return _ENDLESS, edge.depth
-        if self.wiring.live and self.wiring.sampled(edge):
-            return edge.capacity, max(edge.capacity - AHEAD, edge.delay + 1)
-        return edge.capacity, None
 
     def runner(self, rank: int, stage: PlannedStage) -> StageRunner:
         outputs = self._outputs(stage)
@@ -196,7 +126,7 @@ class Builder:
             stage.name,
             rank,
             build,
-            self.join(stage),
+            self.inputs.join(stage),
             outputs,
             on_error=stage.on_error,
             deadline=deadline,
@@ -244,7 +174,7 @@ class Builder:
         if kind == "reference":
             for number in numbers:
                 self._count_lost(number)
-            output.connect([self.queues[n] for n in numbers])
+            output.connect([self.inputs.queues[n] for n in numbers])
             return
         writer = self.links.writer(numbers, kind)
         names = [self.plan.edge(n).name for n in numbers]
@@ -254,31 +184,6 @@ class Builder:
     def _count_lost(self, number: int) -> None:
         """Count messages that were in flight within the worker when it died before as lost."""
         self.words[self.ledger.row(number) + LOST] += self.ledger.count(number).in_flight
-
-    def join(self, stage: PlannedStage) -> Join:
-        by_port: Mapping[str, list[int]] = defaultdict(list)
-        for number in self.wiring.into[stage.name]:
-            by_port[self.wiring.input_port(self.plan.edge(number)).name].append(number)
-        input_ports = [self._input(port, by_port[port.name]) for port in self.wiring.ports[stage.name].inputs]
-        closing = self.wiring.closing[stage.name]
-        return Join(input_ports, lateness=closing, lag=None if self.wiring.live else self.wiring.lag)
-
-    def _input(self, port: InputSpec, numbers: Iterable[int]) -> JoinInput:
-        numbers = list(numbers)
-        if numbers and self.wiring.sampled(self.plan.edge(numbers[0])):
-            return JoinInput(port.name, joined=False, sampled=self._sampled(port, numbers))
-        members = tuple(self.queues[n] for n in numbers)
-        return JoinInput(port.name, joined=port.several, members=members)
-
-    def _sampled(self, port: InputSpec, numbers: Sequence[int]) -> SampledInput:
-        queues = [self.queues[n] for n in numbers]
-        if port.kind == "window":
-            return WindowInput(queues)
-        edge = self.plan.edge(numbers[0])
-        if port.kind == "nearest":
-            return NearestInput(queues[0], tolerance=self.wiring.tolerance(edge))
-        initial = seal(self.wiring.message_type(edge).empty()) if edge.delay else None
-        return NewestInput(queues[0], delay=edge.delay, timed=self.wiring.timed(edge), initial=initial)
 
     def way(self, number: int) -> str:
         """What edges must have in common to share a writer; an edge that drops has its own.

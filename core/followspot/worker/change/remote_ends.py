@@ -62,7 +62,7 @@ class RemoteEnds:
         new: the stage runners that come.
         """
         ends, builder = self._worker.ends, self._builder
-        kept = set(builder.queues.values())
+        kept = set(builder.inputs.queues.values())
         gone = [queue for queue in ends.readers if queue not in kept]
         self._old += [queue.reader for queue in gone if queue.reader is not None]
         staying = set(self._stays.values())
@@ -72,7 +72,7 @@ class RemoteEnds:
                 left += runner.exchange(output, partial(self._dismissed, output))
         ends.remove(gone, left)
         self._old += left
-        come = [queue for queue in builder.queues.values() if queue.reader is not None]
+        come = [queue for queue in builder.inputs.queues.values() if queue.reader is not None]
         writers = [(writer, new[name]) for writer, name in builder.writers.items()]
         for runner, output, writer, numbers in self._more:
             names = [builder.plan.edge(number).name for number in numbers]

@@ -12,13 +12,14 @@ from followspot.errors import FollowspotError
 from followspot.graph.plan import PlannedEdge, PlannedStage
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
-from followspot.worker.build import Builder, Links
+from followspot.worker.build import Builder
 from followspot.worker.change.remote_ends import RemoteEnds
 from followspot.worker.change.replacement import Replacement, discarded, dry_run, prepared
 from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.inputs.join import Join
 from followspot.worker.inputs.sampled_input import NearestInput
 from followspot.worker.ledger import COLUMNS, Ledger
+from followspot.worker.links import Links
 from followspot.worker.runners.error_policy import StageError
 from followspot.worker.runners.live_source import LiveSourceRunner
 from followspot.worker.runners.stage_runner import StageRunner
@@ -151,7 +152,7 @@ class Rewiring:
         builder = self._builder
         for stage in builder.mine:
             for number in self.wiring.into[stage.name]:
-                builder.queues[number] = self._queues.get(number) or builder.queue(number)
+                builder.inputs.queues[number] = self._queues.get(number) or builder.inputs.queue(number)
         for rank, stage in enumerate(builder.mine):
             if stage.name not in self._stays:
                 self._add(rank, stage)
@@ -184,14 +185,14 @@ class Rewiring:
 
     def _reconnect(self, runner: StageRunner, stage: PlannedStage) -> None:
         """Give a stage that stays the inputs and readers of the new plan."""
-        wiring = self.wiring
+        wiring, inputs = self.wiring, self._builder.inputs
         runner.on_error = stage.on_error
         runner.deadline = wiring.deadline[stage.name] if wiring.live and runner.join.ports else None
         readers = {}
         for port, output in runner.outputs:
             output.lateness = wiring.lateness[stage.name]
             numbers = [n for n in wiring.out_of[stage.name] if wiring.plan.edge(n).from_port == port]
-            local = [self._builder.queues[n] for n in numbers if wiring.plan.edge(n).kind == "reference"]
+            local = [inputs.queues[n] for n in numbers if wiring.plan.edge(n).kind == "reference"]
             for queue in local:
                 if queue not in output.queues:
                     queue.watermark = output.announced
@@ -199,8 +200,8 @@ class Rewiring:
         runner.reconnect(readers)
         if runner.join.ports:
             for number in wiring.into[stage.name]:
-                self._adapt(self._builder.queues[number], wiring.plan.edge(number))
-            join = self._builder.join(stage)
+                self._adapt(inputs.queues[number], wiring.plan.edge(number))
+            join = inputs.join(stage)
             join.carry_on(runner.join)
             _discard_sampled(runner.join, [queue for one in join.sampled for queue in one.queues])
             runner.join = join
