@@ -152,7 +152,9 @@ def test_unread_previews_change_neither_ledger_nor_tracks(
         page.listen(64)
         run = demo(tmp_path)
         run.tap(tappings(shown_ports(run.plan), room_for_sockets, rate=60.0))
-        taps = [tap for runner in run.worker.runners for _, output in runner.outputs for tap in output.taps]
+        taps = [
+            tap for runner in run.scheduler.runners for _, output in runner.outputs for tap in output.taps
+        ]
         assert len(taps) == 14  # six cameras, six detectors, tracks and forecasts
         assert Done.by(run.run(), tmp_path) == unwatched
 

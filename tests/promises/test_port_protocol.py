@@ -24,7 +24,7 @@ from followspot.worker.ledger import DROPPED, LATE, UNMATCHED, EdgeCount, Ledger
 from followspot.worker.output_port import OutputPort
 from followspot.worker.pace import Pace
 from followspot.worker.runners.stage_runner import StageRunner
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 
 NEAR, LEFT, RIGHT, LOOSE = EDGES = range(4)
 """Edges: one within the worker, two over a ring that they share, one that drops, over a ring of its own."""
@@ -51,7 +51,7 @@ class Reader:
     """A stage that reads one edge, and what must come to it."""
 
     queue: InputQueue
-    worker: Worker
+    scheduler: Scheduler
     owed: deque[Spoken] = field(default_factory=deque)
     """Sent to it, and not in its queue yet; on an edge that drops, some of them come."""
     over: bool = False
@@ -79,7 +79,7 @@ class PortOfRun(RuleBasedStateMachine):
         self.readers: dict[int, Reader] = {}
         self.unheard: deque[Spoken] = deque()
         """What was sent on the edge that drops without a reader: the next reader may get it."""
-        self.sender: Worker | None = None
+        self.sender: Scheduler | None = None
         self.sender_begins()
 
     # The sender.
@@ -144,7 +144,7 @@ class PortOfRun(RuleBasedStateMachine):
         reader = self.readers.get(edge)
         if reader is not None:
             before = len(reader.queue.messages), reader.queue.watermark
-            reader.worker.ends.receive(0)
+            reader.scheduler.ends.receive(0)
             self.check_arrivals(edge, *before)
 
     @rule(edge=ANY, count=st.integers(1, 4))
@@ -173,7 +173,7 @@ class PortOfRun(RuleBasedStateMachine):
         if reader is not None:
             self.unheard = reader.owed if edge == LOOSE else self.unheard
             self.astray[edge] += reader.queue.stale  # of which this sender knows nothing
-            reader.worker.close()
+            reader.scheduler.close()
 
     @precondition(lambda self: self.sender and len(self.readers) < len(EDGES))
     @rule(edge=ANY_FAR)
@@ -201,7 +201,7 @@ class PortOfRun(RuleBasedStateMachine):
         self.sender.close()
         self.sender = None
         for edge, reader in self.readers.items() if heard else ():
-            while readable(reader.worker):
+            while readable(reader.scheduler):
                 self.reader_looks(edge)
             assert reader.queue.watermark in (END, ABSENT) or not self.live, (
                 "no end tells that the sender is away"
@@ -223,7 +223,7 @@ class PortOfRun(RuleBasedStateMachine):
         self.output.attach(loose, ["loose"], [self.ledger.row(LOOSE)])
         join = Join((), lateness=LATENESS)
         runner = StageRunner("count", 0, lambda: Count(Context()), join, {"out": self.output})
-        self.sender = Worker([runner], [], [(ring, runner), (loose, runner)], Pace())
+        self.sender = Scheduler([runner], [], [(ring, runner), (loose, runner)], Pace())
         first = not self.number and not self.produced
         self.over, self.announced = False, -END
         self.unheard = deque()
@@ -278,8 +278,8 @@ class PortOfRun(RuleBasedStateMachine):
             self.come_to_rest()
             assert all(writer.flush() for writer, _ in self.writers.values())
         finally:
-            for worker in {self.sender, *(reader.worker for reader in self.readers.values())} - {None}:
-                worker.close()
+            for scheduler in {self.sender, *(reader.scheduler for reader in self.readers.values())} - {None}:
+                scheduler.close()
 
     @precondition(lambda self: self.sender)
     @rule()
@@ -289,7 +289,7 @@ class PortOfRun(RuleBasedStateMachine):
         for edge in self.readers:
             self.take(edge, ROUNDS)
         for _ in range(ROUNDS):
-            woken = [edge for edge in FAR if edge in self.readers and readable(self.readers[edge].worker)]
+            woken = [edge for edge in FAR if edge in self.readers and readable(self.readers[edge].scheduler)]
             if not woken and not readable(self.sender):
                 break
             self.sender_looks()
@@ -329,14 +329,14 @@ class PortOfRun(RuleBasedStateMachine):
     def reader(self, edge: int, sock: socket.socket) -> Reader:
         queue = self.queue(edge)
         queue.reader = RingReader(sock, Picture)
-        return Reader(queue, Worker([], [queue], [], Pace()), self.unheard if edge == LOOSE else deque())
+        return Reader(queue, Scheduler([], [queue], [], Pace()), self.unheard if edge == LOOSE else deque())
 
     def adopt(self, edge: int, sock: socket.socket) -> None:
         """The reader goes over to another sender, after all that the one before had sent."""
         reader = self.readers[edge]
         assert reader.queue.reader is not None
         before = len(reader.queue.messages), reader.queue.watermark
-        reader.worker.ends.adopt_reader(reader.queue.reader, RingReader(sock, Picture))
+        reader.scheduler.ends.adopt_reader(reader.queue.reader, RingReader(sock, Picture))
         self.check_arrivals(edge, *before)
         assert edge == LOOSE or not (reader.owed and self.left_all), f"{reader.owed} were sent and not read"
         reader.owed.clear()
@@ -366,9 +366,9 @@ class PortOfRun(RuleBasedStateMachine):
         reader.over |= reader.queue.watermark == END and self.ended_once
 
 
-def readable(worker: Worker) -> bool:
+def readable(scheduler: Scheduler) -> bool:
     """Whether something wakes this worker."""
-    return any(event for _, event in worker.ends._poll.poll(0))
+    return any(event for _, event in scheduler.ends._poll.poll(0))
 
 
 class TestPort(PortOfRun.TestCase):

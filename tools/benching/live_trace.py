@@ -21,7 +21,7 @@ from followspot.tracking import Frame
 from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.runners.source import SourceRunner
 from followspot.worker.runners.stage_runner import StageRunner
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 
 FOLDER = "FOLLOWSPOT_LIVE_TRACE"
 """Environment variable: where the notes go."""
@@ -141,14 +141,14 @@ class _Notes:
         return noted
 
     def writing(self, call: Call) -> Call:
-        """Around `Worker.close`."""
+        """Around `Scheduler.close`."""
 
         @wraps(call)
-        def noted(worker: Worker) -> Any:
+        def noted(scheduler: Scheduler) -> Any:
             found = {name: rows for name, rows in vars(self).items() if isinstance(rows, list)}
             file = Path(os.environ[FOLDER]) / f"{os.getpid()}.json"
             file.write_text(json.dumps(found), encoding="utf-8")
-            return call(worker)
+            return call(scheduler)
 
         return noted
 
@@ -167,4 +167,4 @@ if FOLDER in os.environ:
     _wrap(StageRunner, "deliver", _notes.delivering)
     _wrap(InputQueue, "put", _notes.receiving)
     _wrap(InputQueue, "accept", _notes.receiving)
-    _wrap(Worker, "close", _notes.writing)
+    _wrap(Scheduler, "close", _notes.writing)

@@ -158,9 +158,9 @@ def measure(
     whether each stage is clocked, which costs a microsecond or two a call; began: called as the clock starts.
     """
     ledger = Ledger(len(plan.edges))
-    worker = build_worker(Wiring(plan), plan.workers[0].name, ledger, RunOptions(out, frames))
+    scheduler = build_worker(Wiring(plan), plan.workers[0].name, ledger, RunOptions(out, frames))
     watch = Stopwatch(lead, began)
-    for stage, runner in zip(plan.stages, worker.runners, strict=True):
+    for stage, runner in zip(plan.stages, scheduler.runners, strict=True):
         if isinstance(runner, SourceRunner) and stage.camera is not None:
             source = FromMemory(runner.stage.context)
             source.frames = [unsent(frame) for frame in played[stage.camera]]
@@ -173,10 +173,10 @@ def measure(
             _clocked(runner, stage.group, watch.busy)
         if stage.name == TRACKER:
             _counted(runner, watch)
-    worker.setup()
-    worker.run()
+    scheduler.setup()
+    scheduler.run()
     seconds = watch.seconds()
-    sets = max(source.yielded for source in worker.sources.all) - lead
+    sets = max(source.yielded for source in scheduler.sources.all) - lead
     stages = {name: ns / 1e6 / sets for name, ns in watch.busy.items()}
     return Cost(seconds * 1e3 / sets, stages, watch.tracked / sets)
 

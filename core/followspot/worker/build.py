@@ -31,7 +31,7 @@ from followspot.worker.runners.live_source import LiveSourceRunner
 from followspot.worker.runners.outputs_runner import OutputsRunner
 from followspot.worker.runners.source import SourceRunner
 from followspot.worker.runners.stage_runner import StageRunner
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 from followspot.worker.wiring import RunOptions, Wiring
 
 RUNNERS: Mapping[Giving, type[StageRunner]] = {
@@ -44,8 +44,8 @@ RUNNERS: Mapping[Giving, type[StageRunner]] = {
 
 def build_worker(
     wiring: Wiring, name: str, ledger: Ledger, options: RunOptions, links: Links | None = None
-) -> Worker:
-    """The worker of that name with all its stages built, and none of them set up."""
+) -> Scheduler:
+    """The scheduler of that worker, with all its stages built and none of them set up."""
     return Builder(wiring, name, ledger, options, links or NoLinks()).build()
 
 
@@ -68,7 +68,7 @@ class Builder:
         self.runners: list[StageRunner] = []
         self.pace = Pace()
 
-    def build(self) -> Worker:
+    def build(self) -> Scheduler:
         """Make input queues, then the stage runners that join them, then the calls that schedule those."""
         for stage in self.mine:
             for number in self.wiring.into[stage.name]:
@@ -78,23 +78,25 @@ class Builder:
         remote = [queue for queue in self.inputs.queues.values() if queue.reader is not None]
         runners = {runner.name: runner for runner in self.runners}
         writers = [(writer, runners[name]) for writer, name in self.writers.items()]
-        worker = Worker(self.runners, remote, writers, self.pace)
-        self.schedule(worker)
-        return worker
+        scheduler = Scheduler(self.runners, remote, writers, self.pace)
+        self.connect_wakeups(scheduler)
+        return scheduler
 
-    def schedule(self, worker: Worker) -> None:
+    def connect_wakeups(self, scheduler: Scheduler) -> None:
         """Let what comes to the queues, and what leaves full ones, mark the stage runners."""
         ranks = {stage.name: rank for rank, stage in enumerate(self.mine)}
         for number, queue in self.inputs.queues.items():
             edge = self.plan.edge(number)
-            queue.wake = partial(worker.schedule.mark, ranks[edge.to_stage])
+            queue.wake = partial(scheduler.schedule.mark, ranks[edge.to_stage])
             if edge.kind == "reference":
-                queue.reopened = partial(worker.schedule.mark, ranks[edge.from_stage])
+                queue.reopened = partial(scheduler.schedule.mark, ranks[edge.from_stage])
         for runner in self.runners:
             if isinstance(runner, DeferredRunner):
-                runner.answered = partial(worker.between_firings, partial(worker.schedule.mark, runner.rank))
+                runner.answered = partial(
+                    scheduler.between_firings, partial(scheduler.schedule.mark, runner.rank)
+                )
             for queue in (queue for sampled in runner.join.sampled for queue in sampled.queues):
-                wake = partial(worker.schedule.mark_waiting, runner, queue)
+                wake = partial(scheduler.schedule.mark_waiting, runner, queue)
                 queue.wake = wake if queue.keep is None else partial(_shed, queue, wake)
 
     def runner(self, rank: int, stage: PlannedStage) -> StageRunner:

@@ -20,7 +20,7 @@ from followspot.transport.ring.links import Home
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
 from followspot.worker.ledger import COLUMNS
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 
 if TYPE_CHECKING:
     import zenoh
@@ -108,10 +108,10 @@ class EdgeLinks:
         self._zenoh_ends.append((planned[0].name, writer))
         return DroppingWriter(writer, planned[0].depth) if drops else writer
 
-    def take(self, worker: Worker, order: TakeRing, sock: socket.socket) -> None:
+    def take(self, scheduler: Scheduler, order: TakeRing, sock: socket.socket) -> None:
         """Take one end of a ring: of an edge that works already, or of one that the graph is to get."""
         if order.edge in self._ring_readers or order.edge in self._ring_writers:
-            self.renew(worker, order.edge, sock)
+            self.renew(scheduler, order.edge, sock)
         else:
             (self.sending if order.side == "sending" else self.receiving)[order.edge] = sock
 
@@ -143,16 +143,16 @@ class EdgeLinks:
             end.close()
         self._zenoh_ends = []
 
-    def renew(self, worker: Worker, edge: int, sock: socket.socket) -> None:
+    def renew(self, scheduler: Scheduler, edge: int, sock: socket.socket) -> None:
         """Connect a ring edge through `sock`: the worker at the other end was started again."""
         if edge in self._ring_readers:
             old, kind = self._ring_readers[edge]
             self._refused[self.plan.edge(edge).name] += old.strangers
-            worker.ends.adopt_reader(old, self._ring_reader(edge, sock, kind))
+            scheduler.ends.adopt_reader(old, self._ring_reader(edge, sock, kind))
         else:
             ring, index = self._ring_writers[edge]
             ring.replace(index, sock)
-            worker.ends.adopt_link(ring, sock.fileno())
+            scheduler.ends.adopt_link(ring, sock.fileno())
 
     def _ring_reader(self, edge: int, sock: socket.socket, kind: type[Message]) -> RingReader:
         reader = RingReader(sock, kind, partial(self._fellow, edge))

@@ -46,7 +46,7 @@ from followspot.worker.os_scheduling import apply_scheduling
 from followspot.worker.reporting.host_reporter import HostReporter
 from followspot.worker.reporting.report import Warnings, missing, worker_report
 from followspot.worker.runners.stage_runner import StageRunner
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 from followspot.worker.taps.worker_taps import WorkerTaps
 from followspot.worker.wiring import RunOptions, Wiring
 
@@ -69,7 +69,7 @@ class WorkerMain:
         self._in_process = in_process
         self.log = LogCollector("")
         self.warnings = Warnings(lambda stage, text: self.log.say("warning", stage, text))
-        self.worker: Worker | None = None
+        self.scheduler: Scheduler | None = None
         self.links: EdgeLinks | None = None
         self.taps: WorkerTaps | None = None
         self.restart = False
@@ -90,17 +90,17 @@ class WorkerMain:
         self.log.worker = name
         try:
             self.links = links = self._links(order, rings["sending"], rings["receiving"])
-            self.worker = self._build(order, descriptors[0], links)
-            self.taps = WorkerTaps(name, self.worker, links, partial(self.warnings.add, "taps"))
+            self.scheduler = self._build(order, descriptors[0], links)
+            self.taps = WorkerTaps(name, self.scheduler, links, partial(self.warnings.add, "taps"))
             self._give_up(order.over)
             self.channel.send(Built())
             if not order.incarnation:  # a restarted worker finds the others running, or some of them gone
                 links.wait_matched()
-            self.worker.setup()
+            self.scheduler.setup()
             self._restore(order.states)
             self.reporter.send_log()
-            last_times = self.worker.sources.last_times() if order.frames is not None else {}
-            self.channel.send(Ready(expected=self.worker.sources.expected(), last_times=last_times))
+            last_times = self.scheduler.sources.last_times() if order.frames is not None else {}
+            self.channel.send(Ready(expected=self.scheduler.sources.expected(), last_times=last_times))
             if self._started():
                 self._run()
         except FollowspotError as failure:
@@ -109,18 +109,18 @@ class WorkerMain:
             self.reporter.stop()
             if self.taps is not None:
                 self.taps.close()
-            if self.worker is not None:
-                self.worker.close()
+            if self.scheduler is not None:
+                self.scheduler.close()
             if self.links is not None:
                 self.links.close()
         for edge, times in self.links.strangers().items() if self.links is not None else ():
             self.warnings.add(edge, f"refused {times} times what was malformed or not from its sender")
         self.reporter.send_log()
-        if self.worker is not None:
-            self.reporter.send_stages(self.worker)
+        if self.scheduler is not None:
+            self.reporter.send_stages(self.scheduler)
             if not (error or self.restart or self.links is None or self.links.plan.live):
-                error = missing(self.worker)
-            self.channel.send(Done(report=worker_report(name, self.worker, self.warnings, error)))
+                error = missing(self.scheduler)
+            self.channel.send(Done(report=worker_report(name, self.scheduler, self.warnings, error)))
         else:
             self.channel.send(Failed(error=error))
 
@@ -145,7 +145,7 @@ class WorkerMain:
             self.channel.send(Listening(locators=tuple(locators(session))))
         return EdgeLinks(plan, sending, receiving, session, order.run, order.incarnation)
 
-    def _build(self, order: BuildWorker, memory: int, links: EdgeLinks) -> Worker:
+    def _build(self, order: BuildWorker, memory: int, links: EdgeLinks) -> Scheduler:
         """Build the stages. memory: file descriptor of the ledger's memory."""
         use_plugin_files(links.plan.plugin_files)
         self.ledger = Ledger(links.plan.rows, _shared_words(memory))
@@ -174,35 +174,35 @@ class WorkerMain:
             self._early.append(received)
 
     def _run(self) -> None:
-        assert self.worker is not None
+        assert self.scheduler is not None
         assert self.links is not None
         if self.links.session is not None:
             from followspot.worker.taps.published_ports import published
 
-            self.published = published(self.links, self.worker)
+            self.published = published(self.links, self.scheduler)
         answer = self.reporter.send_change
-        self.change = HotSwap(self.worker, answer, self._rewiring)
-        handlers = self._handlers(self.worker, self.links)
+        self.change = HotSwap(self.scheduler, answer, self._rewiring)
+        handlers = self._handlers(self.scheduler, self.links)
         orders = Orders(
-            self.channel, self.worker, handlers, in_process=self._in_process, restart=self.restart
+            self.channel, self.scheduler, handlers, in_process=self._in_process, restart=self.restart
         )
         orders.listen(self._early)
         if not self._in_process:
-            signal.signal(signal.SIGTERM, lambda *_: self.worker.stop() if self.worker else None)
-        self.reporter.start(self.worker, orders.leave_soon)
+            signal.signal(signal.SIGTERM, lambda *_: self.scheduler.stop() if self.scheduler else None)
+        self.reporter.start(self.scheduler, orders.leave_soon)
         try:
-            self.worker.run()
+            self.scheduler.run()
         finally:
             self.change.close()
 
-    def _handlers(self, worker: Worker, links: EdgeLinks) -> Handlers:
+    def _handlers(self, scheduler: Scheduler, links: EdgeLinks) -> Handlers:
         """The handlers of all orders to a running worker."""
         return {
-            **worker.handlers,
+            **scheduler.handlers,
             **(self.taps.handlers if self.taps is not None else {}),
             EndWorkers: lambda order: self._give_up(order.workers),
-            TakeRing: lambda order, end: links.take(worker, order, socket.socket(fileno=end)),
-            SendStates: lambda _: self.reporter.send_states(worker),
+            TakeRing: lambda order, end: links.take(scheduler, order, socket.socket(fileno=end)),
+            SendStates: lambda _: self.reporter.send_states(scheduler),
             SetClock: self._set_clock,
             LeaveRun: self._leave_run,
             ChangeOrder: self.change.obey,
@@ -210,15 +210,15 @@ class WorkerMain:
 
     def _rewiring(self, data: dict[str, Any]) -> Rewiring:
         """What a new plan adds to the worker. Raises FollowspotError."""
-        assert self.worker is not None
+        assert self.scheduler is not None
         assert self.links is not None
         name, links = self.log.worker, self.links.for_plan(plan_from_data(data))
         rewired = partial(self._rewired, links)
-        return Rewiring(self.worker, Wiring(links.plan), name, self.ledger, self.options, links, rewired)
+        return Rewiring(self.scheduler, Wiring(links.plan), name, self.ledger, self.options, links, rewired)
 
     def _rewired(self, links: EdgeLinks, new: Sequence[StageRunner]) -> None:
         """Have the plan of these links from now on. new: stages that it adds here."""
-        assert self.worker is not None
+        assert self.scheduler is not None
         assert self.links is not None
         self.links.adopt(links)
         for runner in new:
@@ -226,27 +226,27 @@ class WorkerMain:
         if self.links.session is not None:
             from followspot.worker.taps.published_ports import published
 
-            self.published += published(self.links, self.worker, self.published)
+            self.published += published(self.links, self.scheduler, self.published)
 
     def _set_clock(self, order: SetClock) -> None:
         self.clock.captured, self.clock.steady = order.correction
 
     def _leave_run(self, _: LeaveRun) -> None:
         """Send checkpoints and end the worker in the middle of its streams. Raises ChannelClosed."""
-        assert self.worker is not None
-        self.reporter.send_states(self.worker)
+        assert self.scheduler is not None
+        self.reporter.send_states(self.scheduler)
         raise ChannelClosed("this worker's stages move to another worker")
 
     def _give_up(self, workers: Collection[str]) -> None:
         """These workers have ended: nothing more comes from the other ends of their edges."""
-        assert self.worker is not None
+        assert self.scheduler is not None
         assert self.links is not None
-        self.worker.ends.give_up(rows_of(self.links.plan, workers))
+        self.scheduler.ends.give_up(rows_of(self.links.plan, workers))
 
     def _restore(self, states: dict[str, Any]) -> None:
         """Restore the checkpoints of the stages of the worker that died."""
-        assert self.worker is not None
-        for runner in self.worker.runners:
+        assert self.scheduler is not None
+        for runner in self.scheduler.runners:
             if runner.name in states:
                 try:
                     runner.stage.restore(state_from_data(states[runner.name]))

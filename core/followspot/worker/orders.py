@@ -11,7 +11,7 @@ from functools import partial
 from followspot.control.dispatch import Dispatcher, Handlers
 from followspot.control.lifecycle import StopRun
 from followspot.control.pipe import Channel, ChannelClosed, Received
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 
 GRACE = 3.0
 """Seconds that a worker has to complete its outputs after its host has gone."""
@@ -24,19 +24,19 @@ class Orders:
     """
 
     def __init__(
-        self, channel: Channel, worker: Worker, handlers: Handlers, *, in_process: bool, restart: bool
+        self, channel: Channel, scheduler: Scheduler, handlers: Handlers, *, in_process: bool, restart: bool
     ) -> None:
         """in_process: the worker is a thread of its host; restart: the host restarts workers that die."""
         self._channel = channel
-        self._worker = worker
+        self._scheduler = scheduler
         self._dispatcher = Dispatcher("worker", handlers)
         self._in_process = in_process
         self._restart = restart
 
     def listen(self, earlier: Sequence[Received]) -> None:
         """Carry out the orders that came before the start, and all that come from now on."""
-        self._worker.ends.watch(self._channel.fileno(), self._arrived)
-        self._worker.pace.watch(self._channel.fileno(), self._arrived)
+        self._scheduler.ends.watch(self._channel.fileno(), self._arrived)
+        self._scheduler.pace.watch(self._channel.fileno(), self._arrived)
         self._obey([*earlier, *self._channel.buffered()])
 
     def leave_soon(self) -> None:
@@ -51,12 +51,12 @@ class Orders:
         except ChannelClosed:
             self.leave_soon()
             if self._restart:  # another worker will continue these streams, so they must not end
-                self._worker.between_firings(_leave)
-            self._worker.stop()
+                self._scheduler.between_firings(_leave)
+            self._scheduler.stop()
             return True
         if any(isinstance(order, StopRun) for order, _ in received):
-            self._worker.stop()
-        self._worker.between_firings(partial(self._obey, received))
+            self._scheduler.stop()
+        self._scheduler.between_firings(partial(self._obey, received))
         return False
 
     def _obey(self, received: Sequence[Received]) -> None:

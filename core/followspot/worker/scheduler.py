@@ -49,8 +49,8 @@ class Rest(NamedTuple):
     calm: Callable[[], bool]
 
 
-class Worker:
-    """Runs the stage runners of one process.
+class Scheduler:
+    """Runs the stage runners of one worker, in one thread.
 
     runners: in topological order; readers: input queues that other workers feed; writers: each with the stage
     runner that owns it; pace: the sources wait with it.

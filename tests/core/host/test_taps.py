@@ -63,7 +63,7 @@ def test_a_tap_uses_zenoh_only_from_a_worker_on_another_host(
     warnings: list[str] = []
     with open_session() as session:
         links = EdgeLinks(plan, {}, {}, session if joined else None, "run")
-        taps = WorkerTaps(worker.name, Solo(plan, tmp_path).worker, links, warnings.append)
+        taps = WorkerTaps(worker.name, Solo(plan, tmp_path).scheduler, links, warnings.append)
         taps.place([Tapping("a.out", "look.look", {})])
         assert (found.get(timeout=60) is not None) is posts
         taps.close()

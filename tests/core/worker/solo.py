@@ -29,24 +29,24 @@ class Solo:
         receiving = {number: pair[1] for number, pair in pairs.items()}
         links = EdgeLinks(plan, sending, receiving, None, "solo")
         options = RunOptions(out, frames, self.warnings.add)
-        self.worker = build_worker(Wiring(plan), plan.workers[0].name, self.ledger, options, links)
+        self.scheduler = build_worker(Wiring(plan), plan.workers[0].name, self.ledger, options, links)
 
     def tap(self, tappings: Iterable[Tapping]) -> None:
         """Look at ports from the first message on."""
-        tap(self.worker, tappings)
+        tap(self.scheduler, tappings)
 
     def run(self) -> RunReport:
         """Run to the end of all streams; what a stage raises stands in the report."""
         error = ""
         try:
-            self.worker.setup()
-            self.worker.run()
+            self.scheduler.setup()
+            self.scheduler.run()
         except FollowspotError as failure:
             error = str(failure)
         finally:
-            for found in tuple(taps_of(self.worker)):
+            for found in tuple(taps_of(self.scheduler)):
                 found.detach()
                 found.close()
-            self.worker.close()
-        report = worker_report(self.plan.workers[0].name, self.worker, self.warnings, error)
+            self.scheduler.close()
+        report = worker_report(self.plan.workers[0].name, self.scheduler, self.warnings, error)
         return merge(self.plan, self.ledger, [report], 0.0, stopped=False)

@@ -20,7 +20,7 @@ def test_what_was_under_way_within_a_worker_that_died_is_lost(tmp_path: Path) ->
     ledger = Ledger(1)
     ledger.words[PRODUCED], ledger.words[DELIVERED] = 7, 4
     for _ in range(2):  # the second one finds nothing more
-        worker = build_worker(Wiring(plan), "main", ledger, RunOptions(tmp_path))
-        worker.close()
+        scheduler = build_worker(Wiring(plan), "main", ledger, RunOptions(tmp_path))
+        scheduler.close()
         count = ledger.count(0)
         assert (count.sent, count.delivered, count.lost, count.in_flight) == (7, 4, 3, 0)

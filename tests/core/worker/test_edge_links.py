@@ -107,12 +107,12 @@ def test_a_port_is_published_if_no_edge_puts_its_messages_on_its_own_key(tmp_pat
     plan = compile_graph(tmp_path / "g.yaml", placement="stage", plugin_files=[TICKS], edges="zenoh")
     with open_session() as session:
         links = EdgeLinks(plan, {}, {}, session, "run")
-        worker = build_worker(Wiring(plan), "a", Ledger(2), RunOptions(tmp_path), links)
-        assert published(links, worker) == []
+        scheduler = build_worker(Wiring(plan), "a", Ledger(2), RunOptions(tmp_path), links)
+        assert published(links, scheduler) == []
         later = links.for_plan(with_another_edge(plan))
-        (port,) = published(later, worker)
-        assert published(later, worker, [port]) == [], "once"
-        worker.close()
+        (port,) = published(later, scheduler)
+        assert published(later, scheduler, [port]) == [], "once"
+        scheduler.close()
 
 
 def poll(reader: PortReader) -> list[Token]:

@@ -21,7 +21,7 @@ from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.latency import MOST_PATHS, OTHERS
 from followspot.worker.ledger import Ledger
 from followspot.worker.reporting.stage_status import paths_now, stages_now
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 from followspot.worker.wiring import RunOptions, Wiring
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
@@ -50,17 +50,17 @@ class Fed:
         pairs = {number: socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) for number in range(3)}
         self.ledger = Ledger(len(plan.edges))
         links = EdgeLinks(plan, {}, {number: pair[1] for number, pair in pairs.items()}, None, "run")
-        self.worker: Worker = build_worker(Wiring(plan), "main", self.ledger, RunOptions(folder), links)
+        self.scheduler: Scheduler = build_worker(Wiring(plan), "main", self.ledger, RunOptions(folder), links)
         self.writers = {number: RingWriter([pair[0]], 8) for number, pair in pairs.items()}
         self.written = folder / "ticks.csv"
         self.problem: BaseException | None = None
-        self.worker.setup()
+        self.scheduler.setup()
         self.thread = threading.Thread(target=self._run)
         self.thread.start()
 
     def _run(self) -> None:
         try:
-            self.worker.run()
+            self.scheduler.run()
         except BaseException as error:
             self.problem = error
 
@@ -82,7 +82,7 @@ class Fed:
             writer.send(Watermark(END))
         self.thread.join(60)
         assert not self.thread.is_alive()
-        self.worker.close()
+        self.scheduler.close()
         for writer in self.writers.values():
             writer.close()
         assert self.problem is None, self.problem
@@ -111,7 +111,7 @@ def test_a_join_whose_only_message_claims_to_have_entered_at_any_time_goes_on(
     fed.send("asum", Header("a", MAX_SEQ, captured, entered))
     fed.send("asave", Header("a", 0, 0, 0))
     until(lambda: fed.count("asave") == 1)
-    assert stages_now(fed.worker, {})
+    assert stages_now(fed.scheduler, {})
     fed.send("bsum", Header("b", 0, captured, 0))
     until(lambda: fed.count("bsum") == 1 == fed.count("asum"))
     assert fed.thread.is_alive()
@@ -122,6 +122,6 @@ def test_names_of_sources_without_end_fill_no_memory(fed: Fed) -> None:
     for number in range(names):
         fed.send("asave", Header(f"camera{number}", number, number, 0))
     until(lambda: fed.count("asave") == names)
-    found = paths_now(fed.worker)
+    found = paths_now(fed.scheduler)
     assert len(found) == MOST_PATHS + 1
     assert OTHERS in {path.origin for path in found}

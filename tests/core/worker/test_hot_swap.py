@@ -19,7 +19,7 @@ from followspot.operator.coordinator import Coordinator
 from followspot.operator.launch import local_run
 from followspot.operator.run_requests import ChangeStages
 from followspot.plugins.registry import load_stage
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 from followspot.worker.wiring import RunOptions
 
 ALIKE = Path(__file__).parents[2] / "stages" / "alike.py"
@@ -34,14 +34,14 @@ q: {uses: alike.collect, in: {note: y}}
 """
 
 
-def worker_of(run: Coordinator) -> Worker:
-    """The worker of a run in this process, while it is there."""
+def scheduler_of(run: Coordinator) -> Scheduler:
+    """The scheduler of a run in this process, while it is there."""
     (host,) = run.hosts
     assert isinstance(host, LocalHost)
     process = host.workers["main"].process
     assert isinstance(process, WorkerThread)
-    assert process.main.worker is not None
-    return process.main.worker
+    assert process.main.scheduler is not None
+    return process.main.scheduler
 
 
 def change(run: Coordinator, *words: str) -> None:
@@ -87,10 +87,10 @@ def test_stages_that_are_no_longer_alike_work_alone_and_nothing_is_lost(tmp_path
 
 def test_a_change_that_fails_leaves_every_stage_as_it_was(tmp_path: Path) -> None:
     def refused(run: Coordinator) -> None:
-        before = [runner.stage for runner in worker_of(run).runners]
+        before = [runner.stage for runner in scheduler_of(run).runners]
         with pytest.raises(FollowspotError, match="cannot be built: ValueError: no tripling"):
             change(run, "x.at=7", "y=alike.triple")
-        assert [runner.stage for runner in worker_of(run).runners] == before
+        assert [runner.stage for runner in scheduler_of(run).runners] == before
 
     run, module = changed_at_the_gate(tmp_path, refused)
     assert sorted(module.Collect.got) == sorted([(name, n, 2 * n) for name in "pq" for n in range(200)])
@@ -103,7 +103,7 @@ def test_a_stage_that_takes_over_knows_that_another_one_worked_in_this_run(tmp_p
 
     def changed(run: Coordinator) -> None:
         change(run, "y.at=7")
-        resumed.update({runner.name: runner.stage.context.resumed for runner in worker_of(run).runners})
+        resumed.update({runner.name: runner.stage.context.resumed for runner in scheduler_of(run).runners})
 
     changed_at_the_gate(tmp_path, changed)
     assert {name for name, found in resumed.items() if found} == {"y"}

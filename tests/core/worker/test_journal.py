@@ -108,7 +108,7 @@ class Run:
         solo = Solo(self.plan, folder)
         self.sent: Mapping[str, list[Message]] = defaultdict(list)
         self.firings: Mapping[str, list[Firing]] = defaultdict(list)
-        for runner in solo.worker.runners:
+        for runner in solo.scheduler.runners:
             for port, output in runner.outputs:
                 output.tap(self.sent[f"{runner.name}.{port}"].append)
             runner.journal.tap(partial(self.fire, runner.name))

@@ -37,13 +37,13 @@ class Changing:
         wiring, ledger, options = Wiring(links.plan), Ledger(2), RunOptions(folder)
         self.former, self.later = former, later
         self.new = with_another_edge(links.plan)
-        self.worker = build_worker(wiring, "a", ledger, options, links)
+        self.scheduler = build_worker(wiring, "a", ledger, options, links)
         self.answers: list[ChangeStatus] = []
         self.swap = HotSwap(
-            self.worker,
+            self.scheduler,
             self.answers.append,
             lambda plan: Rewiring(
-                self.worker, Wiring(self.new), "a", ledger, options, links.for_plan(self.new)
+                self.scheduler, Wiring(self.new), "a", ledger, options, links.for_plan(self.new)
             ),
         )
         self.turn = 0
@@ -52,7 +52,7 @@ class Changing:
         self.turn += 1
         plan = plan_to_data(self.new) if step == "build" else None
         order = ChangeOrder(id="1", step=step, stages=(), turn=self.turn, until=until, plan=plan)
-        self.worker.between_firings(partial(self.swap.obey, order))
+        self.scheduler.between_firings(partial(self.swap.obey, order))
 
     def answered(self, phase: str, seconds: float = 60.0) -> bool:
         """Whether the worker says so of the step that it was told last."""
@@ -74,15 +74,15 @@ def changing(folder: Path) -> Iterator[Changing]:
         run = Changing(folder, links, former, later)
         assert wait_until(lambda: links.remind() or former.matched())
         links.wait_matched()
-        run.worker.setup()
-        thread = threading.Thread(target=run.worker.run)
+        run.scheduler.setup()
+        thread = threading.Thread(target=run.scheduler.run)
         thread.start()
         try:
             yield run
         finally:
             former.close()
             later.close()
-            run.worker.stop()
+            run.scheduler.stop()
             thread.join()
 
 
@@ -92,7 +92,7 @@ def test_a_worker_rests_once_all_that_it_sent_is_said_to_be_taken(tmp_path: Path
         assert not run.answered("built", SOON), "the new edge has not found its other end"
         assert wait_until(run.later.matched)
         assert run.answered("built")
-        assert wait_until(lambda: run.worker.sources.all[0].yielded > 0)
+        assert wait_until(lambda: run.scheduler.sources.all[0].yielded > 0)
         run.tell("hold")
         assert run.answered("held")
         run.tell("rest", run.answers[-1].rested.time)

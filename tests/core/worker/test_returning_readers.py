@@ -13,7 +13,7 @@ from followspot.worker.ledger import Ledger
 from followspot.worker.output_port import OutputPort
 from followspot.worker.pace import Pace
 from followspot.worker.runners.source import SourceRunner
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 
 
 class Note(Message):
@@ -41,9 +41,9 @@ def test_a_writer_that_was_started_again_counts_what_it_sends_to_readers_that_it
         while not all([writer.matched(), reader.matched()]) and time.monotonic() < deadline:
             time.sleep(0.005)
         runner = SourceRunner("count", 0, lambda: Count(Context()), Join((), lateness=0), {"out": output})
-        worker = Worker([runner], [], [(writer, runner)], Pace())
-        worker.setup()
-        thread = threading.Thread(target=worker.run, daemon=True)
+        scheduler = Scheduler([runner], [], [(writer, runner)], Pace())
+        scheduler.setup()
+        thread = threading.Thread(target=scheduler.run, daemon=True)
         thread.start()
         tokens: list[Token] = []
         while Watermark(END) not in tokens and time.monotonic() < deadline:
@@ -66,8 +66,8 @@ def test_what_was_on_its_way_to_a_reader_that_is_not_reached_again_is_lost_at_th
         while not all([writer.matched(), reader.matched()]) and time.monotonic() < deadline:
             time.sleep(0.005)
         runner = SourceRunner("count", 0, lambda: Count(Context()), Join((), lateness=0), {"out": output})
-        worker = Worker([runner], [], [(writer, runner)], Pace())
-        worker.setup()
+        scheduler = Scheduler([runner], [], [(writer, runner)], Pace())
+        scheduler.setup()
         while runner.pull():
             pass
         reader.close()
@@ -75,6 +75,6 @@ def test_what_was_on_its_way_to_a_reader_that_is_not_reached_again_is_lost_at_th
             writer.drain()
         output.update_readers()
         assert ledger.count(0).in_flight == 3, "it may come back"
-        worker.close()
+        scheduler.close()
     count = ledger.count(0)
     assert (count.sent, count.lost, count.in_flight) == (3, 3, 0)

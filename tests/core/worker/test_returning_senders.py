@@ -15,7 +15,7 @@ from followspot.worker.ledger import UNMATCHED, Ledger
 from followspot.worker.output_port import OutputPort
 from followspot.worker.pace import Pace
 from followspot.worker.runners.stage_runner import StageRunner
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 
 DEPTH = 4
 
@@ -50,8 +50,8 @@ class Reading:
         self.queue.reader = RingReader(theirs, Note)
         join = Join([JoinInput("note", joined=False, members=(self.queue,))], lateness=0)
         self.runner = StageRunner("save", 0, lambda: Save(Context()), join, {})
-        self.worker = Worker([self.runner], [self.queue], [], Pace())
-        self.queue.wake = lambda: self.worker.schedule.mark(0)
+        self.scheduler = Scheduler([self.runner], [self.queue], [], Pace())
+        self.queue.wake = lambda: self.scheduler.schedule.mark(0)
 
     def replace_writer(self) -> None:
         """The writer dies, and another takes its place."""
@@ -59,10 +59,10 @@ class Reading:
         ours, theirs = pair()
         self.writer = RingWriter([ours], DEPTH)
         assert self.queue.reader is not None
-        self.worker.ends.adopt_reader(self.queue.reader, RingReader(theirs, Note))
+        self.scheduler.ends.adopt_reader(self.queue.reader, RingReader(theirs, Note))
 
     def work(self) -> None:
-        self.worker.ends.receive(0)
+        self.scheduler.ends.receive(0)
         self.runner.step()
 
 

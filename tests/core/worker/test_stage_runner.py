@@ -35,8 +35,8 @@ def solo(folder: Path, source: str = "count", edges: str = "auto") -> Solo:
 def test_what_is_known_with_a_message_is_passed_on_with_the_message(tmp_path: Path) -> None:
     """A watermark that came before the stage fired needs no second look at the stage."""
     run = solo(tmp_path)
-    run.worker.setup()
-    runners = {runner.name: runner for runner in run.worker.runners}
+    run.scheduler.setup()
+    runners = {runner.name: runner for runner in run.scheduler.runners}
     tick = next(iter(runners["a"].stage.process()))
     (into,), (onward,) = runners["b"].join.members, runners["save"].join.members
     into.put(stamped(tick, Header("a", 0, 900)))
@@ -69,7 +69,7 @@ def test_a_delay_is_by_capture_time_and_the_newest_only_in_a_replay(
 @pytest.mark.parametrize("source", ["count", "live"])
 def test_latency_is_by_the_clock_of_all(tmp_path: Path, source: str) -> None:
     run = solo(tmp_path, source)
-    for runner in run.worker.runners:
+    for runner in run.scheduler.runners:
         runner.clock.steady = 1000 * S
     report = run.run()
     assert report.ok
@@ -79,7 +79,7 @@ def test_latency_is_by_the_clock_of_all(tmp_path: Path, source: str) -> None:
 
 def test_a_worker_that_has_ended_leaves_no_edge_open(tmp_path: Path) -> None:
     run = solo(tmp_path, edges="ring")
-    readers = [queue.reader for queue in run.worker.ends.readers if queue.reader is not None]
+    readers = [queue.reader for queue in run.scheduler.ends.readers if queue.reader is not None]
     assert len(readers) == 3
     assert all(reader.fileno() >= 0 for reader in readers)
     assert run.run().ok
@@ -87,7 +87,7 @@ def test_a_worker_that_has_ended_leaves_no_edge_open(tmp_path: Path) -> None:
 
 
 def test_the_latency_of_64_sources_is_measured_apart_and_that_of_all_others_together(tmp_path: Path) -> None:
-    save = next(runner for runner in solo(tmp_path).worker.runners if runner.name == "save")
+    save = next(runner for runner in solo(tmp_path).scheduler.runners if runner.name == "save")
     for number in range(70):
         save.deliver(None, Header(f"camera{number}/cam", 0, 0))
     assert list(save.paths) == [*(f"camera{number}/cam" for number in range(64)), "others"]
@@ -96,19 +96,19 @@ def test_the_latency_of_64_sources_is_measured_apart_and_that_of_all_others_toge
 
 def test_a_stage_that_is_rebuilt_after_an_error_knows_that_it_worked_before(tmp_path: Path) -> None:
     run = solo(tmp_path)
-    run.worker.setup()
-    runner = next(runner for runner in run.worker.runners if runner.name == "b")
+    run.scheduler.setup()
+    runner = next(runner for runner in run.scheduler.runners if runner.name == "b")
     runner.on_error, first = "restart", runner.stage
     recover(runner, Header("a", 0, 900), ValueError("no"))
     assert (first.context.resumed, runner.stage.context.resumed) == (False, True)
     assert runner.stage is not first
-    run.worker.close()
+    run.scheduler.close()
 
 
 def test_edges_from_a_port_to_one_worker_share_datagrams(tmp_path: Path) -> None:
     """`b` feeds back to itself and feeds `save`."""
     run = solo(tmp_path, edges="ring")
-    readers = {queue.name: queue.reader for queue in run.worker.ends.readers}
+    readers = {queue.name: queue.reader for queue in run.scheduler.ends.readers}
     assert run.run().ok
     counts = sorted(
         reader._received

@@ -44,7 +44,7 @@ def solo(folder: Path, graph: str = GRAPH, edges: EdgeChoice = "auto") -> Solo:
 
 
 def stages(run: Solo) -> dict[str, StageStatus]:
-    return {stage.stage: stage for stage in stages_now(run.worker, run.warnings.last)}
+    return {stage.stage: stage for stage in stages_now(run.scheduler, run.warnings.last)}
 
 
 def test_a_stage_says_for_whom_it_waits(tmp_path: Path) -> None:
@@ -56,45 +56,45 @@ def test_a_stage_says_for_whom_it_waits(tmp_path: Path) -> None:
 
 def test_a_stage_says_who_blocks_it(tmp_path: Path) -> None:
     run = solo(tmp_path)
-    run.worker.setup()
-    count, half, _ = run.worker.runners
+    run.scheduler.setup()
+    count, half, _ = run.scheduler.runners
     while count.has_room():
-        run.worker.sources.all[0].pull()
+        run.scheduler.sources.all[0].pull()
     count.blocked = not count.has_room()
     assert stages(run)["count"].state == "sending"
     assert stages(run)["count"].on == (half.join.members[0].name,)
-    run.worker.close()
+    run.scheduler.close()
 
 
 def test_a_stage_says_which_edge_to_another_worker_blocks_it(tmp_path: Path) -> None:
     run = solo(tmp_path, edges="ring")
-    run.worker.setup()
-    count = run.worker.runners[0]
+    run.scheduler.setup()
+    count = run.scheduler.runners[0]
     while count.has_room():
-        run.worker.sources.all[0].pull()
+        run.scheduler.sources.all[0].pull()
     count.blocked = not count.has_room()
     assert (stages(run)["count"].state, stages(run)["count"].on) == ("sending", ("count.out -> half.number",))
-    run.worker.close()
+    run.scheduler.close()
 
 
 def test_a_stage_says_that_it_waits_for_feedback(tmp_path: Path) -> None:
     run = solo(tmp_path, FEEDBACK)
-    run.worker.setup()
-    first = run.worker.runners[1]
+    run.scheduler.setup()
+    first = run.scheduler.runners[1]
     for _ in range(2):
-        run.worker.sources.all[0].pull()
+        run.scheduler.sources.all[0].pull()
         first.step()
     assert (stages(run)["first"].state, stages(run)["first"].on) == (
         "getting",
         ("second.out -> first.before",),
     )
-    run.worker.close()
+    run.scheduler.close()
 
 
 def test_a_stage_that_is_at_work_says_so_though_nothing_waits_for_it(tmp_path: Path) -> None:
     run = solo(tmp_path)
-    run.worker.setup()
-    half = run.worker.runners[1]
+    run.scheduler.setup()
+    half = run.scheduler.runners[1]
     seen: list[str] = []
 
     def process(number: Message) -> Message:
@@ -102,17 +102,17 @@ def test_a_stage_that_is_at_work_says_so_though_nothing_waits_for_it(tmp_path: P
         return number
 
     half.stage.process = process
-    run.worker.sources.all[0].pull()
+    run.scheduler.sources.all[0].pull()
     half.step()
     assert seen == ["processing"]
     assert stages(run)["half"].state == "getting"
-    run.worker.close()
+    run.scheduler.close()
 
 
 def test_a_stage_that_has_all_it_needs_says_at_which_stage_its_worker_is(tmp_path: Path) -> None:
     run = solo(tmp_path)
-    run.worker.setup()
-    count, half, _ = run.worker.runners
+    run.scheduler.setup()
+    count, half, _ = run.scheduler.runners
     seen: list[dict[str, StageStatus]] = []
 
     numbers = count.stage.process()
@@ -124,13 +124,13 @@ def test_a_stage_that_has_all_it_needs_says_at_which_stage_its_worker_is(tmp_pat
 
     count.stage.process = process
     for _ in range(2):
-        run.worker.sources.all[0].pull()
+        run.scheduler.sources.all[0].pull()
     assert seen[0]["count"].state == "processing"
     assert (seen[0]["half"].state, seen[0]["half"].on) == ("waiting", ("count",))
     assert (stages(run)["half"].state, stages(run)["half"].on) == ("waiting", ())
     half.step()
     assert stages(run)["half"].state == "getting"
-    run.worker.close()
+    run.scheduler.close()
 
 
 def test_a_live_source_whose_device_gives_nothing_is_getting(tmp_path: Path) -> None:

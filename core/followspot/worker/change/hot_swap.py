@@ -13,7 +13,7 @@ from followspot.errors import FollowspotError
 from followspot.worker.change.joint_change import JointChange
 from followspot.worker.change.replacement import Replacement, discarded, dry_run, prepared, take_over
 from followspot.worker.change.rewiring import Rewiring
-from followspot.worker.scheduler import Rest, Worker
+from followspot.worker.scheduler import Rest, Scheduler
 
 _REST_TIMEOUT = 20.0
 """Seconds in which the stages of a replay must come to rest before its graph changes."""
@@ -31,9 +31,9 @@ class HotSwap:
     What is new is built in a thread beside the work; the rest happens between two firings.
     """
 
-    def __init__(self, worker: Worker, answer: Answer, rewire: Rewire) -> None:
-        self.worker = worker
-        self._joint = JointChange(worker, answer, self._give_up)
+    def __init__(self, scheduler: Scheduler, answer: Answer, rewire: Rewire) -> None:
+        self.scheduler = scheduler
+        self._joint = JointChange(scheduler, answer, self._give_up)
         self.answer = answer
         self._rewire = rewire
         self._id = ""
@@ -82,7 +82,7 @@ class HotSwap:
         rewiring: Rewiring | None = None
         try:
             if order.plan is None:
-                built = prepared(self.worker, order.stages)
+                built = prepared(self.scheduler, order.stages)
             else:
                 rewiring = self._rewire(order.plan)
                 rewiring.wait_matched(lambda: order.id == self._id)
@@ -94,7 +94,7 @@ class HotSwap:
             _discard(built, rewiring)
             return
         self._built, self._rewiring = built, rewiring
-        self.worker.between_firings(partial(self._try_on, order))
+        self.scheduler.between_firings(partial(self._try_on, order))
 
     def _try_on(self, order: ChangeOrder) -> None:
         """Find out whether the replacements can carry on, before any worker lets one take over."""
@@ -116,12 +116,12 @@ class HotSwap:
             patience = _LIVE_REST_TIMEOUT if self._rewiring.wiring.live else _REST_TIMEOUT
             deadline = time.monotonic() + patience
             act, rewiring = partial(self._rewire_at, order), self._rewiring
-            self.worker.sources.hold.align(self.worker.sources.hold.newest + rewiring.window)
-            self.worker.at_rest(Rest(act, deadline, rewiring.calm))
+            self.scheduler.sources.hold.align(self.scheduler.sources.hold.newest + rewiring.window)
+            self.scheduler.at_rest(Rest(act, deadline, rewiring.calm))
             return
         built, self._built, self._id = self._built, (), ""
         try:
-            take_over(self.worker, built, fresh=order.fresh)
+            take_over(self.scheduler, built, fresh=order.fresh)
         except FollowspotError as error:
             self.answer(ChangeStatus(order.id, "failed", str(error), order.turn))
         else:
@@ -131,7 +131,7 @@ class HotSwap:
         """Put new stages and edges in. rests: whether all that the sources sent has been processed."""
         rewiring = self._rewiring
         if rewiring is None or order.id != self._id:
-            self.worker.sources.hold.set_free()
+            self.scheduler.sources.hold.set_free()
             return
         self._rewiring, self._id = None, ""
         try:
@@ -146,7 +146,7 @@ class HotSwap:
         else:
             self.answer(ChangeStatus(order.id, "done", turn=order.turn))
         finally:
-            self.worker.sources.hold.set_free()
+            self.scheduler.sources.hold.set_free()
 
     def _give_up(self) -> None:
         self._joint.release()

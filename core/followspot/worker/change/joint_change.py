@@ -14,7 +14,7 @@ from functools import partial
 from followspot.control.swap import ChangeOrder, ChangePhase, ChangeStatus, Rested
 from followspot.errors import FollowspotError
 from followspot.worker.change.rewiring import Rewiring
-from followspot.worker.scheduler import Rest, Worker
+from followspot.worker.scheduler import Rest, Scheduler
 
 _REST_TIMEOUT = 20.0
 """Seconds in which a worker of a replay must come to rest."""
@@ -32,11 +32,11 @@ class JointChange:
 
     def __init__(
         self,
-        worker: Worker,
+        scheduler: Scheduler,
         answer: Callable[[ChangeStatus], None],
         forgotten: Callable[[], None],
     ) -> None:
-        self._worker = worker
+        self._scheduler = scheduler
         self._answer = answer
         self._forgotten = forgotten
         self._rewiring: Rewiring | None = None
@@ -47,10 +47,10 @@ class JointChange:
         self._expect_another()
         if order.step in ("hold", "rest") and self._rewiring is None and rewiring is not None:
             self._rewiring = rewiring
-            self._worker.sources.hold.freeze()
-            self._worker.ends.tell_at_once(True)
+            self._scheduler.sources.hold.freeze()
+            self._scheduler.ends.tell_at_once(True)
         if order.step == "hold" and self._rewiring is not None:
-            self._tell(order, "held", Rested(self._worker.sources.hold.newest, self._rewiring.window))
+            self._tell(order, "held", Rested(self._scheduler.sources.hold.newest, self._rewiring.window))
         elif order.step == "rest" and self._rewiring is not None:
             self._rest(order, self._rewiring)
         elif order.step == "take_over" and self._rewiring is not None:
@@ -71,28 +71,28 @@ class JointChange:
         if self._rewiring is not None:
             self._rewiring.close_old()
             self._rewiring = None
-            self._worker.sources.hold.set_free()
-            self._worker.ends.tell_at_once(False)
+            self._scheduler.sources.hold.set_free()
+            self._scheduler.ends.tell_at_once(False)
 
     def _expect_another(self) -> None:
         """Go on without the operator if no other step follows."""
         if self._timer is not None:
             self._timer.cancel()
-        self._timer = threading.Timer(_PATIENCE, self._worker.between_firings, (self._forgotten,))
+        self._timer = threading.Timer(_PATIENCE, self._scheduler.between_firings, (self._forgotten,))
         self._timer.daemon = True
         self._timer.start()
 
     def _rest(self, order: ChangeOrder, rewiring: Rewiring) -> None:
         """Answer once the sources have sent everything up to a capture time and nothing is left to do."""
         if order.until >= 0:
-            self._worker.sources.hold.align(order.until)
+            self._scheduler.sources.hold.align(order.until)
         rewiring.leave(order.leaving)
         patience = _LIVE_REST_TIMEOUT if rewiring.wiring.live else _REST_TIMEOUT
         deadline = time.monotonic() + patience
-        self._worker.at_rest(Rest(partial(self._rested, order, rewiring), deadline, self._calm))
+        self._scheduler.at_rest(Rest(partial(self._rested, order, rewiring), deadline, self._calm))
 
     def _calm(self) -> bool:
-        ends = self._worker.ends
+        ends = self._scheduler.ends
         return ends.all_sent() and ends.settled() and not ends.credit_came()
 
     def _rested(self, order: ChangeOrder, rewiring: Rewiring, reached: bool) -> None:
@@ -105,7 +105,7 @@ class JointChange:
         except FollowspotError as error:
             self._fail(order, str(error))
         else:
-            self._tell(order, "resting", Rested(activity=self._worker.activity))
+            self._tell(order, "resting", Rested(activity=self._scheduler.activity))
 
     def _take_over(self, order: ChangeOrder, rewiring: Rewiring) -> None:
         try:

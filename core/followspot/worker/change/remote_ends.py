@@ -17,7 +17,7 @@ from followspot.worker.build import Builder
 from followspot.worker.ledger import COLUMNS
 from followspot.worker.output_port import OutputPort
 from followspot.worker.runners.stage_runner import StageRunner
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 
 
 class RemoteEnds:
@@ -27,9 +27,9 @@ class RemoteEnds:
     stage runners that stay.
     """
 
-    def __init__(self, worker: Worker, builder: Builder, stays: Mapping[str, StageRunner]) -> None:
+    def __init__(self, scheduler: Scheduler, builder: Builder, stays: Mapping[str, StageRunner]) -> None:
         """Make the writers of new edges from stages that stay; their readers are not written to yet."""
-        self._worker = worker
+        self._scheduler = scheduler
         self._builder = builder
         self._stays = stays
         self._more: list[tuple[StageRunner, OutputPort, PortWriter, list[int]]] = []
@@ -61,7 +61,7 @@ class RemoteEnds:
 
         new: the stage runners that come.
         """
-        ends, builder = self._worker.ends, self._builder
+        ends, builder = self._scheduler.ends, self._builder
         kept = set(builder.inputs.queues.values())
         gone = [queue for queue in ends.readers if queue not in kept]
         self._old += [queue.reader for queue in gone if queue.reader is not None]
@@ -92,7 +92,7 @@ class RemoteEnds:
             if writer not in output.writers:
                 left.append(writer)
             else:
-                self._worker.ends.dismiss(writer, indices)
+                self._scheduler.ends.dismiss(writer, indices)
         return left
 
     def close_old(self) -> None:

@@ -11,7 +11,7 @@ from followspot.graph.plan import PlannedStage
 from followspot.plugins.registry import load_stage
 from followspot.stage import Stage
 from followspot.worker.runners.stage_runner import StageRunner
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 
 
 @dataclass(frozen=True)
@@ -31,12 +31,12 @@ class Replacement:
         self.runner.retire(old)
 
 
-def prepared(worker: Worker, stages: Sequence[PlannedStage]) -> list[Replacement]:
+def prepared(scheduler: Scheduler, stages: Sequence[PlannedStage]) -> list[Replacement]:
     """Build and set up replacements for stages of a worker, in any thread, while the old ones work on.
 
     Raises FollowspotError with the reason if one cannot be built; all are closed then.
     """
-    runners = {runner.name: runner for runner in worker.runners}
+    runners = {runner.name: runner for runner in scheduler.runners}
     replacements: list[Replacement] = []
     for planned in stages:
         runner = runners[planned.name]
@@ -68,18 +68,18 @@ def dry_run(replacements: Sequence[Replacement]) -> None:
         raise
 
 
-def take_over(worker: Worker, replacements: Sequence[Replacement], *, fresh: bool) -> None:
+def take_over(scheduler: Scheduler, replacements: Sequence[Replacement], *, fresh: bool) -> None:
     """Put the replacements into their stage runners; call between two firings, in the worker's thread.
 
     fresh: begin without checkpoints; else a replacement restores that of the old stage, if both classes can.
     Raises FollowspotError if one cannot; all old stages go on then.
     """
-    while worker.schedule.fire_waiting():
+    while scheduler.schedule.fire_waiting():
         pass
     dry_run([] if fresh else replacements)
     for replacement in replacements:
         replacement.take_over()
-    worker.schedule.regroup()
+    scheduler.schedule.regroup()
 
 
 def discarded(replacements: Sequence[Replacement]) -> None:

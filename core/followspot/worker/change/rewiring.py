@@ -23,7 +23,7 @@ from followspot.worker.links import Links
 from followspot.worker.runners.error_policy import StageError
 from followspot.worker.runners.live_source import LiveSourceRunner
 from followspot.worker.runners.stage_runner import StageRunner
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 from followspot.worker.taps.port_taps import taps_at
 from followspot.worker.wiring import RunOptions, Wiring
 
@@ -37,7 +37,7 @@ class Rewiring:
 
     def __init__(
         self,
-        worker: Worker,
+        scheduler: Scheduler,
         wiring: Wiring,
         name: str,
         ledger: Ledger,
@@ -49,25 +49,27 @@ class Rewiring:
 
         Raises FollowspotError with the reason; what was built is closed then.
         """
-        self.worker = worker
+        self.scheduler = scheduler
         self.wiring = wiring
         self._rewired = rewired
         self._builder = Builder(wiring, name, ledger, replace(options, resumed=True), links)
-        self._builder.pace = worker.pace
-        present = {runner.name: runner for runner in worker.runners}
+        self._builder.pace = scheduler.pace
+        present = {runner.name: runner for runner in scheduler.runners}
         self._stays = {
             stage.name: present[stage.name]
             for stage in self._builder.mine
             if stage.name in present and _can_stay(present[stage.name], stage)
         }
-        self.gone = [runner for runner in worker.runners if runner.name not in self._stays]
-        self._queues = {queue.row // COLUMNS: queue for runner in worker.runners for queue in _queues(runner)}
+        self.gone = [runner for runner in scheduler.runners if runner.name not in self._stays]
+        self._queues = {
+            queue.row // COLUMNS: queue for runner in scheduler.runners for queue in _queues(runner)
+        }
         self.replacements: list[Replacement] = []
         self.new: list[StageRunner] = []
         self._ends: RemoteEnds | None = None
         try:
             self._build()
-            self._ends = RemoteEnds(worker, self._builder, self._stays)
+            self._ends = RemoteEnds(scheduler, self._builder, self._stays)
         except FollowspotError:
             self.discard()
             raise
@@ -108,7 +110,7 @@ class Rewiring:
         for runner in self.gone:
             if names is None or runner.name in names:
                 runner.leave()
-                self.worker.drain()
+                self.scheduler.drain()
 
     def take_over(self, *, fresh: bool) -> None:
         """Put the new stages and edges in; call at rest, in the worker's thread, after `leave`.
@@ -131,8 +133,8 @@ class Rewiring:
         assert self._ends is not None
         self._ends.exchange({runner.name: runner for runner in self.new})
         self._builder.runners = runners
-        self._builder.schedule(self.worker)
-        self.worker.rearrange(runners)
+        self._builder.connect_wakeups(self.scheduler)
+        self.scheduler.rearrange(runners)
         self._rewired(self.new)
 
     def close_old(self) -> None:
@@ -161,7 +163,7 @@ class Rewiring:
             for stage in builder.mine
             if stage.name in self._stays and not is_same(self._stays[stage.name], stage)
         ]
-        self.replacements = prepared(self.worker, changed)
+        self.replacements = prepared(self.scheduler, changed)
 
     def _add(self, rank: int, stage: PlannedStage) -> None:
         """Build and set up a new stage. Raises FollowspotError."""

@@ -15,7 +15,7 @@ from followspot.control.worker_messages import Change, Log, Progress, Stages, St
 from followspot.log.collector import LogCollector
 from followspot.worker.reporting.report import Warnings
 from followspot.worker.reporting.stage_status import Idleness, paths_now, stages_now
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 
 _PROGRESS_PERIOD = 0.2
 """Seconds between two reports of progress; each is a heartbeat."""
@@ -37,10 +37,10 @@ class HostReporter:
         self._over = threading.Event()
         self._sending_log = threading.Lock()
 
-    def start(self, worker: Worker, on_closed: Callable[[], None]) -> None:
+    def start(self, scheduler: Scheduler, on_closed: Callable[[], None]) -> None:
         """Report progress from now on. on_closed: called once if the host has closed the channel."""
         threading.Thread(
-            target=self._send_progress, args=(worker, on_closed), name="progress", daemon=True
+            target=self._send_progress, args=(scheduler, on_closed), name="progress", daemon=True
         ).start()
 
     def stop(self) -> None:
@@ -62,14 +62,14 @@ class HostReporter:
             self._log.say("error", "", f"the worker breaks down\n{traceback.format_exc()}")
             self.send_log()
 
-    def send_stages(self, worker: Worker) -> None:
+    def send_stages(self, scheduler: Scheduler) -> None:
         """Send the status of all stages. Raises ChannelClosed."""
-        stages = tuple(self._idleness.noted(stages_now(worker, self._warnings.last)))
-        self._channel.send(Stages(stages=stages, paths=paths_now(worker)))
+        stages = tuple(self._idleness.noted(stages_now(scheduler, self._warnings.last)))
+        self._channel.send(Stages(stages=stages, paths=paths_now(scheduler)))
 
-    def send_states(self, worker: Worker) -> None:
+    def send_states(self, scheduler: Scheduler) -> None:
         """Send a checkpoint of each stage that has a state; warn of a state that cannot be sent."""
-        for runner in worker.runners:
+        for runner in scheduler.runners:
             try:
                 state = state_to_data(runner.stage.state())
             except Exception as error:  # stages may raise anything
@@ -83,16 +83,16 @@ class HostReporter:
         with suppress(ChannelClosed):  # the worker notices that when it next reads orders
             self._channel.send(Change(status=status))
 
-    def _send_progress(self, worker: Worker, on_closed: Callable[[], None]) -> None:
+    def _send_progress(self, scheduler: Scheduler, on_closed: Callable[[], None]) -> None:
         for turn in count():
             if self._over.wait(_PROGRESS_PERIOD):
                 return
-            progress = worker.progress()
+            progress = scheduler.progress()
             try:
                 self._channel.send(Progress(fired=progress.fired, time=progress.time))
                 self.send_log()
                 if turn % _STAGES_EVERY == 0:
-                    self.send_stages(worker)
+                    self.send_stages(scheduler)
             except ChannelClosed:
                 on_closed()
                 return

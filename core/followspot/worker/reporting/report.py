@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from followspot.control.worker_report import RUN_AGAIN, StageReport, WorkerReport
 from followspot.errors import printable_lines
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 
 MAX_WARNINGS = 200
 """Different warnings kept per worker; further ones are only counted."""
@@ -43,25 +43,25 @@ class Warnings:
         return (*lines, f"{self._more} more warnings") if self._more else tuple(lines)
 
 
-def worker_report(name: str, worker: Worker, warnings: Warnings, error: str = "") -> WorkerReport:
+def worker_report(name: str, scheduler: Scheduler, warnings: Warnings, error: str = "") -> WorkerReport:
     """The report of a worker that has ended, one way or the other."""
-    for queue in worker.ends.readers:
+    for queue in scheduler.ends.readers:
         if queue.invalid_reason:
             warnings.add(queue.name, f"invalid message: {queue.invalid_reason}")
     return WorkerReport(
         name,
-        max((s.yielded for s in worker.sources.all if not s.accompanying), default=0),
+        max((s.yielded for s in scheduler.sources.all if not s.accompanying), default=0),
         tuple(
             StageReport(c.name, c.count.fired, c.count.skipped, c.count.restarts, c.count.busy_ns / 1e6)
-            for c in worker.runners
+            for c in scheduler.runners
         ),
-        tuple(path.summary(origin, c.name) for c in worker.runners for origin, path in c.paths.items()),
+        tuple(path.summary(origin, c.name) for c in scheduler.runners for origin, path in c.paths.items()),
         warnings.lines(),
         error,
     )
 
 
-def missing(worker: Worker) -> str:
+def missing(scheduler: Scheduler) -> str:
     """The error that it is in a replay if messages were lost on their way to the worker; "" for none."""
-    lost = [f"{queue.name}: {queue.missing} messages" for queue in worker.ends.readers if queue.missing]
+    lost = [f"{queue.name}: {queue.missing} messages" for queue in scheduler.ends.readers if queue.missing]
     return f"{', '.join(lost)} were lost on their way; {RUN_AGAIN}" if lost else ""

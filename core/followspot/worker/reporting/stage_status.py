@@ -14,14 +14,14 @@ from followspot.worker.ledger import COLUMNS, tally
 from followspot.worker.output_port import OutputPort
 from followspot.worker.runners.live_source import LiveSourceRunner
 from followspot.worker.runners.stage_runner import StageRunner
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 
 
-def stages_now(worker: Worker, errors: Mapping[str, str]) -> tuple[StageStatus, ...]:
+def stages_now(scheduler: Scheduler, errors: Mapping[str, str]) -> tuple[StageStatus, ...]:
     """Status of all stages of a worker; safe from another thread. errors: the last warning of each stage."""
-    at_work = next((runner.name for runner in worker.runners if runner.working), "")
-    found = (_status(runner, errors.get(runner.name, ""), at_work) for runner in worker.runners)
-    return tuple(map(worker.sources.hold.shown, worker.runners, found))
+    at_work = next((runner.name for runner in scheduler.runners if runner.working), "")
+    found = (_status(runner, errors.get(runner.name, ""), at_work) for runner in scheduler.runners)
+    return tuple(map(scheduler.sources.hold.shown, scheduler.runners, found))
 
 
 class Idleness:
@@ -41,11 +41,11 @@ class Idleness:
             yield replace(stage, idle_s=round(max(0.0, now - since), 3))  # two threads may ask at once
 
 
-def paths_now(worker: Worker) -> tuple[PathStatus, ...]:
+def paths_now(scheduler: Scheduler) -> tuple[PathStatus, ...]:
     """Latency of all paths that end in this worker; safe from another thread."""
     return tuple(
         path.status(origin, runner.name)
-        for runner in worker.runners
+        for runner in scheduler.runners
         for origin, path in tuple(runner.paths.items())
     )
 

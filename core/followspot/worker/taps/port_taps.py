@@ -16,7 +16,7 @@ from followspot.messages import Message
 from followspot.plugins.registry import load_stage
 from followspot.stage import Stage
 from followspot.worker.runners.stage_runner import StageRunner
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 
 
 class Tapped(Protocol):
@@ -61,9 +61,9 @@ class Tap:
             self._stage.close()
 
 
-def taps_of(worker: Worker) -> Iterator[Tap]:
+def taps_of(scheduler: Scheduler) -> Iterator[Tap]:
     """All taps at ports of a worker."""
-    for runner in worker.runners:
+    for runner in scheduler.runners:
         yield from taps_at(runner)
 
 
@@ -80,14 +80,16 @@ def _tapped(runner: StageRunner) -> dict[str, Tapped]:
 
 
 def tap(
-    worker: Worker, tappings: Iterable[Tapping], post: Callable[[Tapping], Post | None] = lambda tapping: None
+    scheduler: Scheduler,
+    tappings: Iterable[Tapping],
+    post: Callable[[Tapping], Post | None] = lambda tapping: None,
 ) -> None:
     """Add the taps at ports of this worker that it does not have yet. Safe from any thread.
 
     post: the channel of a tap to observers on other hosts. Raises what sinks raise.
     """
-    known = {name: (runner, one) for runner in worker.runners for name, one in _tapped(runner).items()}
-    present = [found.tapping for found in taps_of(worker)]
+    known = {name: (runner, one) for runner in scheduler.runners for name, one in _tapped(runner).items()}
+    present = [found.tapping for found in taps_of(scheduler)]
     for tapping in tappings:
         runner, tapped = known.get(tapping.port, (None, None))
         if runner is None or tapped is None or tapping in present:

@@ -16,15 +16,15 @@ from followspot.transport.keys import port_key
 from followspot.transport.zenoh.terms import has_subscriber
 from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.output_port import OutputPort
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 
 
 class PublishedPort:
     """A tap of one output port that exists while its key has a subscriber. It waits for none."""
 
-    def __init__(self, session: zenoh.Session, key: str, output: OutputPort, worker: Worker) -> None:
+    def __init__(self, session: zenoh.Session, key: str, output: OutputPort, scheduler: Scheduler) -> None:
         self.output = output
-        self._worker = worker
+        self._scheduler = scheduler
         self._publisher = session.declare_publisher(
             key, congestion_control=zenoh.CongestionControl.DROP, priority=zenoh.Priority.DATA_LOW
         )
@@ -39,7 +39,7 @@ class PublishedPort:
 
     def _matched(self, status: zenoh.MatchingStatus) -> None:
         """Follow the first subscriber that comes or the last one that leaves; in a thread of Zenoh."""
-        self._worker.between_firings(self._follow)
+        self._scheduler.between_firings(self._follow)
 
     def _follow(self) -> None:
         self.output.untap(self)
@@ -47,7 +47,9 @@ class PublishedPort:
             self.output.tap(self)
 
 
-def published(links: EdgeLinks, worker: Worker, before: Sequence[PublishedPort] = ()) -> list[PublishedPort]:
+def published(
+    links: EdgeLinks, scheduler: Scheduler, before: Sequence[PublishedPort] = ()
+) -> list[PublishedPort]:
     """Publish those ports of a worker whose messages no edge puts on their key already.
 
     before: those that are published. There are none without a session; they end with that of the links.
@@ -56,8 +58,8 @@ def published(links: EdgeLinks, worker: Worker, before: Sequence[PublishedPort] 
         return []
     taken, known = _on_their_keys(links.plan), {one.output for one in before}
     return [
-        PublishedPort(links.session, port_key(links.run, host, runner.name, port), output, worker)
-        for runner, host in ((runner, links.plan.host_of_stage(runner.name)) for runner in worker.runners)
+        PublishedPort(links.session, port_key(links.run, host, runner.name, port), output, scheduler)
+        for runner, host in ((runner, links.plan.host_of_stage(runner.name)) for runner in scheduler.runners)
         for port, output in runner.outputs
         if not (port == FIRINGS or (runner.name, port) in taken or output in known)
     ]

@@ -12,7 +12,7 @@ from followspot.control.dispatch import Handlers
 from followspot.control.tapping import PlaceTaps, RemoveTaps, Tapping
 from followspot.transport.keys import tap_key
 from followspot.worker.edge_links import EdgeLinks
-from followspot.worker.scheduler import Worker
+from followspot.worker.scheduler import Scheduler
 from followspot.worker.taps.port_taps import Tap, tap, taps_of
 
 _Job = Callable[[], None]
@@ -24,9 +24,11 @@ class WorkerTaps:
     name: of the worker.
     """
 
-    def __init__(self, name: str, worker: Worker, links: EdgeLinks, warn: Callable[[str], None]) -> None:
+    def __init__(
+        self, name: str, scheduler: Scheduler, links: EdgeLinks, warn: Callable[[str], None]
+    ) -> None:
         self._host = links.plan.host_of(name)
-        self._worker = worker
+        self._scheduler = scheduler
         self._links = links
         self._warn = warn
         self._jobs: SimpleQueue[_Job | None] = SimpleQueue()
@@ -51,7 +53,7 @@ class WorkerTaps:
         self._jobs.put(None)
         if self._thread is not None:
             self._thread.join()
-        self._detach(tuple(taps_of(self._worker)))
+        self._detach(tuple(taps_of(self._scheduler)))
         self._close_detached()
 
     def _begin(self, job: _Job) -> None:
@@ -67,14 +69,14 @@ class WorkerTaps:
 
     def _place(self, tappings: Collection[Tapping]) -> None:
         try:
-            tap(self._worker, tappings, self._post)
+            tap(self._scheduler, tappings, self._post)
         except Exception as error:
             self._warn(f"taps cannot be made: {error}")
 
     def _remove(self, tappings: Collection[Tapping]) -> None:
         """Detach taps; their sinks are closed once no stage is at work, and so no sink."""
-        self._detach([found for found in taps_of(self._worker) if found.tapping in tappings])
-        self._worker.between_firings(partial(self._jobs.put, self._close_detached))
+        self._detach([found for found in taps_of(self._scheduler) if found.tapping in tappings])
+        self._scheduler.between_firings(partial(self._jobs.put, self._close_detached))
 
     def _detach(self, taps: Collection[Tap]) -> None:
         for found in taps:
