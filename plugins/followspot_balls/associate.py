@@ -8,7 +8,7 @@ from followspot import Array, Field
 from followspot.tracking import Candidates, Forecast
 from followspot_balls.existence import Confirmation, Existence, Seen, sought
 from followspot_balls.likelihood import ball_ratio
-from followspot_balls.search import lost_targets
+from followspot_balls.targets import lost_targets
 from followspot_balls.triangulate import alike
 from followspot_balls.view_association import ViewAssociation, Weighed
 

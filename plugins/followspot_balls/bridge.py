@@ -15,7 +15,6 @@ from followspot_balls.colorless import Colorless, ColorlessParams
 from followspot_balls.course import Course
 from followspot_balls.outline import unit_outline
 from followspot_balls.predicted_positions import with_predicted
-from followspot_balls.search import lost_targets, target_radii, tracked_targets
 from followspot_balls.single_view import (
     COURSE,
     RISING,
@@ -26,6 +25,7 @@ from followspot_balls.single_view import (
     resting,
     settled,
 )
+from followspot_balls.targets import lost_targets, target_radii, tracked_targets
 
 
 class Bridge(Stage):

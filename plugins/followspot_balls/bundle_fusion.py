@@ -30,7 +30,7 @@ from followspot_balls.bundle.sightings import sightings
 from followspot_balls.bundle.trust import Outlines, variance
 from followspot_balls.evidence import appearing, recovery_credit
 from followspot_balls.fusion import Fusion
-from followspot_balls.search import lost_targets
+from followspot_balls.targets import lost_targets
 
 USED = 0.4
 """Weight above which a view counts as support: that of an error of three quarters of the cutoff."""

@@ -11,7 +11,7 @@ import numpy as np
 from followspot import Array, Field, Room, StageParams
 from followspot.tracking import MISSING, Candidates, Forecast, Positions
 from followspot_balls.bundle.points import point_images
-from followspot_balls.search import target_radii
+from followspot_balls.targets import target_radii
 
 NEAREST = 1e-3
 """Smallest depth of a place that has an image, m."""

@@ -13,7 +13,7 @@ from followspot_balls.blob_params import BlobParams
 from followspot_balls.bounding_planes import facing_planes, raised
 from followspot_balls.colorless import Colorless, ColorlessParams
 from followspot_balls.recovery import Recovery, RecoveryParams
-from followspot_balls.search import target_radii
+from followspot_balls.targets import target_radii
 
 
 class Fusion(Stage, ABC):

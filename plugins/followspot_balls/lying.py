@@ -10,7 +10,7 @@ from followspot.tracking import LOST, Forecast
 from followspot_balls.bounding_planes import nearest_planes
 from followspot_balls.bundle.points import point_images
 from followspot_balls.outline import unit_outline
-from followspot_balls.search import target_radii
+from followspot_balls.targets import target_radii
 
 
 class LyingTargets:

@@ -13,7 +13,7 @@ from followspot_balls.fusion import Fusion
 from followspot_balls.kernels import epipolar_weight
 from followspot_balls.mode_covariance import ModeCovariance, rivals_covariance
 from followspot_balls.modes import Modes, Sample, densest, seek_modes, weighted_mean
-from followspot_balls.search import lost_targets
+from followspot_balls.targets import lost_targets
 
 FAINT = 1e-200
 """Smallest credit of a candidate, so that a distant one can be chosen if there is no other."""

@@ -21,8 +21,8 @@ from followspot_balls.bundle.points import point_images
 from followspot_balls.bundle.trust import variance
 from followspot_balls.outline import unit_outline
 from followspot_balls.pair_propagation import propagation
-from followspot_balls.search import target_radii
 from followspot_balls.strip import row_and_column
+from followspot_balls.targets import target_radii
 
 UNLIKELY = 1e-8
 """Odds of rivals below which they are left out: 10 cm away they add 10 micrometres to a deviation."""

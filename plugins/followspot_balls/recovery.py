@@ -17,7 +17,7 @@ from followspot import Array, Field, Room, StageParams
 from followspot.tracking import MISSING, Candidates, Forecast, Positions
 from followspot_balls.hypotheses import Hypotheses
 from followspot_balls.likelihood import ball_ratio, coincidences, information, precision, reflector_ratio
-from followspot_balls.search import lost_targets, tracked_targets
+from followspot_balls.targets import lost_targets, tracked_targets
 from followspot_balls.view_evidence import PlaceViews, ViewEvidence
 from followspot_balls.view_params import ViewParams
 

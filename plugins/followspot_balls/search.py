@@ -1,8 +1,8 @@
-"""Search regions of targets: circles in the views (Jin & Qian 2008, eq. 3) and spheres in the room."""
+"""Search regions of targets in the views: circles around their forecasts (Jin & Qian 2008, eq. 3)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -11,7 +11,8 @@ import numpy as np
 from followspot.geometry import Views
 from followspot.messages import Array
 from followspot.room import Room
-from followspot.tracking import LOST, PREDICTED, TRACKED, Forecast
+from followspot.tracking import LOST, Forecast
+from followspot_balls.targets import lost_targets, target_radii
 
 MARGIN = 2
 """Margin of a window around a ball on its search circle, px: blobs at the window's edge may be cut off."""
@@ -78,20 +79,6 @@ class Pictures(NamedTuple):
     """(C, 1, 2) px, half of their width and height."""
     side: Array
     """(C, 1) px, the longer of these."""
-
-
-def lost_targets(forecast: Forecast | None, count: int) -> Array:
-    """Which of `count` targets have no forecast: all, before the first one. Returns (T,) bool."""
-    if forecast is None or len(forecast.state) != count:
-        return np.ones(count, bool)
-    return np.asarray(forecast.state == LOST)
-
-
-def tracked_targets(forecast: Forecast | None, count: int) -> Array:
-    """Which of `count` targets had a position in the previous frame; initially none. Returns (T,) bool."""
-    if forecast is None or len(forecast.state) != count:
-        return np.zeros(count, bool)
-    return np.asarray((forecast.state == TRACKED) | (forecast.state == PREDICTED))
 
 
 def search_radius(travel: Array, minimum: float, scale: float) -> Array:
@@ -196,12 +183,6 @@ def room_pictures(room: Room) -> Pictures:
     return Pictures(size / 2, size.max(axis=2, initial=0))
 
 
-@lru_cache(maxsize=8)
-def target_radii(room: Room) -> Array:
-    """Radius of each target, (T,) m."""
-    return np.array([target.radius for target in room.targets.values()])
-
-
 def elongation(local: Array) -> Array:
     """Mean semi-axis of a sphere's outline over that across the axis, (...,).
 
@@ -242,43 +223,3 @@ def windows(center: Array, reach: Array, inside: Array, pictures: Pictures) -> t
     half = np.minimum(np.where(inside, reach, 0), pictures.side).astype(int) + MARGIN
     nearest = np.rint(np.where(inside[..., None], center, 0)).astype(int)
     return nearest - half[..., None], 2 * half + 1
-
-
-def search_spheres(forecast: Forecast, minimum: float, scale: float) -> Array:
-    """T_3D: radius `scale` times the last displacement, at least `minimum` (section 3.5).
-
-    minimum: m. Returns (T,) m.
-    """
-    displacement = np.sqrt(np.square(forecast.last - forecast.before).sum(axis=1))
-    return np.asarray(np.maximum(scale * displacement, minimum))
-
-
-def in_search_spheres(
-    xyz: Array,
-    labelled: Array,
-    forecast: Forecast | None,
-    radii: Array,
-    reach: Callable[[Forecast], Array],
-    alike: Array | None = None,
-) -> Array:
-    """Which points lie in which target's search sphere: (N, T) bool; a lost target's is the room.
-
-    An unlabelled point may serve several targets, but not if it lies inside a ball that is tracked
-    and outside one's own, for balls do not share their place; nor may one labelled with the colour
-    of both.
-    xyz: (N, 3) m, NaN for none; labelled: (N,) bool; radii: (T,) m, of the targets; reach: the radii of the
-    spheres, (T,) m; alike: (T, T) bool, which targets have one colour, None if none have.
-    """
-    lost = lost_targets(forecast, len(radii))
-    real = ~np.isnan(xyz[:, :1])
-    if forecast is None or lost.all():
-        return np.asarray(real & lost)
-    offset = xyz[:, None] - forecast.xyz
-    spheres = reach(forecast)
-    distance2 = np.vecdot(offset, offset)
-    ball = (distance2 <= np.square(radii)) & ~lost
-    tracked = ball & (forecast.state == TRACKED)
-    taken = (~labelled & tracked.any(axis=1))[:, None]
-    if alike is not None:
-        taken = taken | (tracked @ alike)
-    return np.asarray(real & (lost | (distance2 <= spheres * spheres)) & (ball | ~taken))

@@ -13,13 +13,8 @@ from followspot_balls.disagreement import UNCOVERED, Disagreement
 from followspot_balls.hue import BINS
 from followspot_balls.outline import unit_outline
 from followspot_balls.pair_rays import PairRays
-from followspot_balls.search import (
-    in_search_spheres,
-    lost_targets,
-    search_spheres,
-    target_radii,
-    tracked_targets,
-)
+from followspot_balls.search_spheres import in_search_spheres, search_spheres
+from followspot_balls.targets import lost_targets, target_radii, tracked_targets
 from followspot_balls.three_views import threefold
 
 SAME_COLOR = 0.8

@@ -22,7 +22,7 @@ from followspot_balls.blob_pairs import (
 from followspot_balls.clutter_map import ClutterMap
 from followspot_balls.lying import LyingTargets
 from followspot_balls.pair_relations import fundamental_stack, homography_stack
-from followspot_balls.search import lost_targets
+from followspot_balls.targets import lost_targets
 
 SURE = 0.4
 """Part of the homography test's distance up to which a pair is light for sure: a ball that lies on a plane,

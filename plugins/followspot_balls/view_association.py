@@ -15,7 +15,7 @@ from followspot_balls.existence import Existence, Rules, followed, restored
 from followspot_balls.finite import finite_candidates, finite_forecast
 from followspot_balls.hypotheses import Hypotheses, MotionPrior, hypotheses
 from followspot_balls.likelihood import ball_ratio, coincidences, information, precision
-from followspot_balls.search import lost_targets, tracked_targets
+from followspot_balls.targets import lost_targets, tracked_targets
 from followspot_balls.view_evidence import PlaceViews, ViewEvidence
 from followspot_balls.view_params import ViewParams
 from followspot_balls.visibility import predicted, updated

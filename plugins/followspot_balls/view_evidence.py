@@ -14,7 +14,7 @@ from followspot_balls.bundle.sightings import Sightings, sightings
 from followspot_balls.bundle.trust import Outlines
 from followspot_balls.hypotheses import Hypotheses, jacobians, step
 from followspot_balls.likelihood import BallModel, Likely, Sight, densities, likeliest, precision, view_ratios
-from followspot_balls.search import target_radii
+from followspot_balls.targets import target_radii
 from followspot_balls.view_params import ViewParams
 
 NEAREST = 1e-3

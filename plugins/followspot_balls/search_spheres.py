@@ -1,0 +1,51 @@
+"""Search regions of targets in the room: spheres around their forecasts (Jin & Qian 2008, section 3.5)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from followspot.messages import Array
+from followspot.tracking import TRACKED, Forecast
+from followspot_balls.targets import lost_targets
+
+
+def search_spheres(forecast: Forecast, minimum: float, scale: float) -> Array:
+    """T_3D: radius `scale` times the last displacement, at least `minimum` (section 3.5).
+
+    minimum: m. Returns (T,) m.
+    """
+    displacement = np.sqrt(np.square(forecast.last - forecast.before).sum(axis=1))
+    return np.asarray(np.maximum(scale * displacement, minimum))
+
+
+def in_search_spheres(
+    xyz: Array,
+    labelled: Array,
+    forecast: Forecast | None,
+    radii: Array,
+    reach: Callable[[Forecast], Array],
+    alike: Array | None = None,
+) -> Array:
+    """Which points lie in which target's search sphere: (N, T) bool; a lost target's is the room.
+
+    An unlabelled point may serve several targets, but not if it lies inside a ball that is tracked
+    and outside one's own, for balls do not share their place; nor may one labelled with the colour
+    of both.
+    xyz: (N, 3) m, NaN for none; labelled: (N,) bool; radii: (T,) m, of the targets; reach: the radii of the
+    spheres, (T,) m; alike: (T, T) bool, which targets have one colour, None if none have.
+    """
+    lost = lost_targets(forecast, len(radii))
+    real = ~np.isnan(xyz[:, :1])
+    if forecast is None or lost.all():
+        return np.asarray(real & lost)
+    offset = xyz[:, None] - forecast.xyz
+    spheres = reach(forecast)
+    distance2 = np.vecdot(offset, offset)
+    ball = (distance2 <= np.square(radii)) & ~lost
+    tracked = ball & (forecast.state == TRACKED)
+    taken = (~labelled & tracked.any(axis=1))[:, None]
+    if alike is not None:
+        taken = taken | (tracked @ alike)
+    return np.asarray(real & (lost | (distance2 <= spheres * spheres)) & (ball | ~taken))
