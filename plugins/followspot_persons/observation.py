@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 from followspot import Array
 from followspot.people import Boxes
+from followspot_persons.background import Background
 from followspot_persons.fitness import Detection, Picture
+from followspot_persons.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -14,6 +16,12 @@ class Observation:
     """A picture with B boxes: those of the detector first, then those of the foreground."""
 
     picture: Picture
+    pixels: Array
+    """(H, W, 3) u1 BGR, in the usual light."""
+    background: Background
+    """Before this picture."""
+    scene: Scene | None
+    """The picture beside the background; None while that is unknown."""
     mask: Array | None
     """The foreground, of :func:`foreground_box`; None without a background."""
     boxes: Boxes

@@ -25,9 +25,10 @@ from tests.travelled import travelled
 
 from followspot.control.checkpoint import state_to_data
 from followspot_persons.acquaintance import MISS
-from followspot_persons.appearance import SHARP_VISIBILITY, TRUSTED, Appearance
+from followspot_persons.appearance import Appearance
 from followspot_persons.body_view import view
 from followspot_persons.hsi import hsi
+from followspot_persons.person_update import SHARP_VISIBILITY, TRUSTED
 from followspot_persons.shape import read_shape, with_girth
 
 GREEN = (60, 150, 50)
@@ -278,8 +279,10 @@ def test_known_people_come_before_tentative_ones_whose_colours_nobody_knows():
     for _ in range(6):
         show.see(standing(2.5))
     (known,) = show.stage.people
-    tentative = show.stage.initiated(
-        detection_of(show.camera, standing(2.5, 0.2)), 1.0, np.empty((0, 4)), known.seen
+    frame = frame_of(show.camera, drawn(show.camera, standing(2.5)), show.number / 2)
+    seen = show.stage.observed(frame, gradients_of(show.camera, frame), boxes_of(show.camera, frame))
+    tentative = show.stage.update.initiated(
+        detection_of(show.camera, standing(2.5, 0.2)), 1.0, np.empty((0, 4)), seen
     )
     dim = picture_of(show.camera, (drawn(show.camera, standing(2.5, 0.15)) * 0.3).astype(np.uint8))
     box = [detection_of(show.camera, standing(2.5, 0.15))]

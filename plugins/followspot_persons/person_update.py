@@ -1,0 +1,209 @@
+"""How the slow instance's knowledge of one person changes with a picture (section 5)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from followspot import Array, Camera
+from followspot.frame_times import NANOSECOND
+from followspot_persons.acquaintance import Acquaintance, missed
+from followspot_persons.appearance_params import AppearanceParams
+from followspot_persons.bodies import Bodies
+from followspot_persons.body_view import view
+from followspot_persons.box_assignment import FAR, NEAR, BoxAssignment
+from followspot_persons.color.model import ColorModel, learnt
+from followspot_persons.condensation import Search
+from followspot_persons.existence import RIGID, STILL, THERE, Stirring, averaged, evidence_of, stirred
+from followspot_persons.fitness import Detection, Fitness, Picture, Weights, sampled
+from followspot_persons.floor_contact import Contact, presence
+from followspot_persons.foreground_box import foreground_box, shares
+from followspot_persons.observation import Observation
+from followspot_persons.part_box import stood
+from followspot_persons.scene import Scene
+from followspot_persons.shape import ShapeModel, with_girth
+from followspot_persons.spawning import spawned
+from followspot_persons.stature import USUAL, sized
+from followspot_persons.track import HIDDEN, Track, coasted, followed
+from followspot_persons.walkable import Walkable
+
+SHARP_VISIBILITY = 0.3
+"""Cosine of the steepest view of a feature whose colour is learnt."""
+JOINING = 0.3
+"""Share of the particles that a box places anew, for people walk on between two pictures."""
+TRUSTED = 12.0
+"""Largest trust in a person."""
+
+
+@dataclass(frozen=True, eq=False)
+class PersonUpdate:
+    """Updates a person by a box or by the foreground alone, and initiates one at a box; of one camera.
+
+    girths: of :func:`girths_of`; assignment: says whose box it is; rng: of the particles.
+    """
+
+    params: AppearanceParams
+    shape: ShapeModel
+    girths: ShapeModel
+    weights: Weights
+    walkable: Walkable | None
+    bodies: Bodies
+    assignment: BoxAssignment
+    rng: np.random.Generator
+
+    @property
+    def camera(self) -> Camera:
+        """The camera whose pictures these are."""
+        return self.bodies.camera
+
+    def initiated(
+        self, detection: Detection, score: float, others: Array, seen: Observation
+    ) -> Acquaintance | None:
+        """A tentative person from one box; None if the box lies outside the limits of space.
+
+        others: (K, 4) px, upper bodies of known people.
+        """
+        particles = spawned(self.camera, detection, self.params.particles, self.rng)
+        known = stood(seen.scene, detection, particles.mean(axis=0), USUAL, others)
+        if known.part:
+            particles = spawned(self.camera, known.detection, self.params.particles, self.rng)
+        if self.walkable is not None and self.walkable.excludes(particles[:, :2]):
+            return None
+        return Acquaintance.tentative(
+            particles,
+            len(self.shape.names),
+            score,
+            seen.now,
+            comparable=seen.background.median is not None,
+            contact=known.contact,
+            first=seen.pixels,
+        )
+
+    def after_box(
+        self,
+        person: Acquaintance,
+        detection: Detection,
+        score: float,
+        picture: Picture,
+        others: Array,
+        seen: Observation,
+    ) -> Acquaintance | None:
+        """The person after a box: pose by edges, box and feet, colours by the pose; None if it was none.
+
+        picture: with the occlusions by nearer people; others: (K, 4) px, their upper bodies. A box on a
+        person whom they hide is theirs.
+        """
+        known = stood(seen.scene, detection, person.track.pose, person.stature.estimate[0], others)
+        contact = person.contact_after(known.contact, seen.seconds)
+        fitness = self._fitness(picture, known.detection, contact)
+        search = Search(self.params.particles)
+        before = self._joined(person.track, known.detection)
+        track = followed(before, seen.seconds, fitness, self.girths, search, self.rng)
+        if track.shown < HIDDEN:
+            longest = self.params.maximum_missed_time
+            return missed(replace(person, track=track), 0.0, seen.now, longest, left=False)
+        colors = self._learnt(person.colors, track, picture)
+        stature = person.stature
+        if not known.part:
+            stature = sized(stature, self.camera, detection.box, detection.certainty)
+        shown = presence(seen.scene, track.pose, others)
+        stature = stature.stood(None if shown is None else shown.height)
+        stirring = person.stirring.after(shown, seen.now)
+        if stirring.furniture(seen.now):
+            return replace(person, absent=True, left=True) if person.number else None
+        share = averaged(person.foreground, shown)
+        comparable = person.comparable or (share or 0.0) >= THERE
+        return replace(
+            person,
+            track=replace(track, stature=stature.estimate),
+            stature=stature,
+            foreground=share,
+            comparable=comparable,
+            colors=colors,
+            seen=seen.now,
+            boxed=seen.now,
+            left=False,
+            contact=contact,
+            stirring=stirring,
+            first=self._unchanged(person, stirring, track.pose, others, seen),
+            hits=person.hits + 1,
+            trust=min(person.trust + score + evidence_of(share, comparable=comparable), TRUSTED),
+        )
+
+    def after_foreground(
+        self,
+        person: Acquaintance,
+        mask: Array,
+        picture: Picture,
+        others: Array,
+        seen: Observation,
+    ) -> Acquaintance | None:
+        """The person after a picture without a box, at the foreground that it must be; None if there is none.
+
+        mask: of :func:`foreground_box`, without people that have boxes; others: (K, 4) px, upper bodies of
+        nearer people. Colours are not learnt.
+        """
+        unboxed = (seen.now - person.boxed) * NANOSECOND
+        if not person.number or unboxed > self.params.maximum_unboxed_time:
+            return None
+        there, box = self._unboxed(person, mask, seen)
+        body_seen = view(self.camera, self.shape, there.pose[None])
+        if box is None or self.assignment.stranger(person, body_seen, box, picture):
+            return None
+        detection = Detection(box, np.zeros(0), np.zeros(0))
+        known = stood(seen.scene, detection, there.pose, person.stature.estimate[0], others)
+        contact = person.contact_after(known.contact, seen.seconds)
+        fitness = self._fitness(picture, known.detection, contact)
+        search = Search(self.params.particles)
+        before = self._joined(person.track, known.detection) if known.part else person.track
+        track = followed(before, seen.seconds, fitness, self.girths, search, self.rng)
+        shown = presence(seen.scene, track.pose, others)
+        stature = person.stature.stood(None if shown is None else shown.height)
+        track = replace(track, stature=stature.estimate)
+        return replace(person, track=track, stature=stature, contact=contact, seen=seen.now, left=False)
+
+    def left(self, person: Acquaintance, mask: Array, free: Array, seen: Observation) -> bool:
+        """Whether a person left: background at the expected place, and no other foreground near it.
+
+        mask, free: of :func:`foreground_box`, with and without the people that have boxes.
+        """
+        there, box = self._unboxed(person, free, seen)
+        expected = self.bodies.boxes([replace(person, track=there)])
+        return person.comparable and box is None and bool(shares(self.camera, mask, expected)[0] < STILL)
+
+    def _learnt(self, model: ColorModel, track: Track, picture: Picture) -> ColorModel:
+        """The colours of a person after a picture, of the features that are seen from no steep angle."""
+        body = with_girth(self.shape, track.girth.mean)
+        seen = view(self.camera, body, track.pose[None])
+        colors, inside = sampled(picture, seen)
+        visible = seen.visibility[0] * inside[0]
+        weight = np.where(visible >= SHARP_VISIBILITY, visible, 0.0)
+        return learnt(model, colors[0].astype(float), weight, self.params.color_averaging_frames)
+
+    def _unchanged(
+        self, person: Acquaintance, stirring: Stirring, pose: Array, others: Array, seen: Observation
+    ) -> Array | None:
+        """The picture of the first box if the person looks as in it to this day, else None."""
+        first = None if stirring.most >= RIGID else person.first
+        if first is not None and stirred(Scene(self.camera, seen.pixels, first, 1.0), pose, others):
+            return None
+        return first
+
+    def _joined(self, track: Track, detection: Detection) -> Track:
+        """The track with a share of its particles where a detection is."""
+        count = int(JOINING * self.params.particles)
+        return track.joined_by(spawned(self.camera, detection, count, self.rng))
+
+    def _fitness(self, picture: Picture, detection: Detection, contact: Contact | None) -> Fitness:
+        """Weighs poses of a person by edges, box, feet and the limits of space."""
+        return Fitness(
+            picture, self.shape, self.weights, detection=detection, contact=contact, walkable=self.walkable
+        )
+
+    def _unboxed(self, person: Acquaintance, mask: Array, seen: Observation) -> tuple[Track, Array | None]:
+        """Where a person is expected, and the upper body (4,) px in the foreground near there, if any."""
+        there = coasted(person.track, seen.seconds)
+        expected = self.bodies.boxes([replace(person, track=there)])[0]
+        reach = (NEAR + FAR * seen.seconds) / 2 * (expected[3] - expected[1])
+        return there, foreground_box(self.camera, mask, expected, person.stature.estimate[0], reach)
