@@ -12,7 +12,7 @@ from followspot_accuracy.persons.errors import PoseErrors, pose_errors, together
 from followspot_accuracy.persons.matching import REACH, UNMATCHED, Matches, match
 from followspot_accuracy.persons.tables import PoseTable, PoseTruthTable
 from followspot_accuracy.persons.tracking import Area, Tracking, tracking
-from followspot_accuracy.persons.visits import SEEN, Coming, coming, switches
+from followspot_accuracy.persons.visits import SEEN, Coming, coming, identity_switches
 from followspot_accuracy.statistics import share, statistic
 
 NEAR, WIDE, FLIPPED = 22.5, 45.0, 135.0
@@ -98,7 +98,7 @@ def score_persons(poses: PoseTable, truth: PoseTruthTable, area: Area | None = N
     matches = match(poses, truth)
     errors = list(errors_of(poses, truth, matches).values())
     comings = [coming(poses, truth, matches, own) for own in range(len(truth.persons))]
-    switched = switches(matches.identity)
+    switched = identity_switches(matches.identity)
     seen, covered = truth.visible >= SEEN, matches.identity != UNMATCHED
     each = {
         str(person): _person_score(

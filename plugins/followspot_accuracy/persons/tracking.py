@@ -32,6 +32,7 @@ class Tracking:
     false: int
     """Poses that belong to no person, in the area or near a person that had to be found."""
     switches: int
+    """Changes of a person's number from one place that was found to the next."""
     mota: float
     """1 - (missed + false + switches) / truths."""
     idf1: float
@@ -61,7 +62,7 @@ def tracking(
     rows = found.pose[right]
     truths, false = int(found.needed.sum()), int(found.counts.sum()) - len(rows)
     number = np.append(poses.person, UNMATCHED)[found.pose]
-    missed, switches = truths - len(rows), _switches(number)
+    missed, switches = truths - len(rows), _mota_switches(number)
     distance = np.linalg.norm(poses.pose[rows, :2] - truth.pose[right][:, :2], axis=1)
     return Tracking(
         truths=truths,
@@ -111,8 +112,8 @@ def within(place: Array, area: Area | None) -> Array:
     return np.asarray(((place >= low) & (place <= high)).all(axis=-1))
 
 
-def _switches(number: Array) -> int:
-    """How often a person's number changed. number: (F, P), -1 for none."""
+def _mota_switches(number: Array) -> int:
+    """How often a person's number changed, whoever had it before. number: (F, P), -1 for none."""
     own = [column[column != UNMATCHED] for column in number.T]
     return sum(int((each[1:] != each[:-1]).sum()) for each in own)
 

@@ -20,10 +20,10 @@ ELLIPSOID_95 = 7.814728
 """Limit of chi-square with three degrees of freedom that 95 % are below."""
 
 
-def switches(elsewhere: Array, there: Array) -> int:
-    """How often a position goes to another object.
+def transfers(elsewhere: Array, there: Array) -> int:
+    """How often the track of a target transfers to another object; its way back does not count.
 
-    elsewhere: (F,) whether the position is that of another object; there: (F,) whether there is one.
+    elsewhere: (F,) whether the position is that of another object; there: (F,) whether there is a position.
     """
     known = elsewhere[there]
     return int(known[:1].sum() + (known[1:] & ~known[:-1]).sum())

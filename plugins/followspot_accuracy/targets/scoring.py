@@ -16,7 +16,7 @@ from followspot_accuracy.targets.figures import (
     jerk_cost,
     recoveries,
     reprojection,
-    switches,
+    transfers,
     within_ellipsoid,
 )
 from followspot_accuracy.targets.tables import TrackTable, TruthTable
@@ -155,7 +155,7 @@ def _target_score(track: Trajectory, truth: TruthTable, own: int, cameras: Seque
         rmse_mm=statistic(errors_mm, root_mean_square),
         median_mm=statistic(errors_mm, np.median),
         p95_mm=statistic(errors_mm, lambda e: float(np.percentile(e, 95))),
-        identity_switches=switches(elsewhere, track.there),
+        identity_switches=transfers(elsewhere, track.there),
         hidden_frames=int(hidden.sum()),
         false_positions=int(false.sum()),
         false_share=share(false, hidden),

@@ -25,7 +25,7 @@ from followspot_accuracy import (
     read_poses_csv,
     score_persons,
 )
-from followspot_accuracy.persons.visits import switches
+from followspot_accuracy.persons.visits import identity_switches
 
 PERSONS = dataset("persons-dev")
 RENDERED = ROOT / "tests/rendered/people"
@@ -250,7 +250,7 @@ def test_any_shift_within_reach_comes_back_as_it_is(offset: tuple[float, ...], t
 
 def test_switches_count_new_numbers_and_stolen_ones() -> None:
     identity = np.array([[1, -1], [-1, -1], [1, 2], [2, 1], [2, -1], [2, 1], [3, 2]])
-    assert switches(identity).tolist() == [2, 2]
+    assert identity_switches(identity).tolist() == [2, 2]
 
 
 def test_table_has_a_column_per_person_and_one_for_all() -> None:
