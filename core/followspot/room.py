@@ -14,7 +14,7 @@ from followspot.messages import Array
 
 Trigger = Literal["line", "software", "action"]
 Match = Literal["number", "time"]
-Model = Literal["pinhole", "rational", "fisheye", "cylinder"]
+LensModel = Literal["pinhole", "rational", "fisheye", "cylinder"]
 
 
 Tags = Mapping[str, tuple[str, ...]]
@@ -69,7 +69,7 @@ class Camera:
     distortion: Array
     rotation: Array
     translation: Array
-    model: Model = "pinhole"
+    model: LensModel = "pinhole"
     source: StageUse | None = None
     host: str = ""
     clock_offset: float = 0.0

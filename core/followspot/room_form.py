@@ -11,7 +11,7 @@ from followspot.document import Node
 from followspot.errors import InputError, Mistake
 from followspot.form import Form, Shape, is_name
 from followspot.messages import MAX_BYTES, Array
-from followspot.room import Camera, Model, Room, Target
+from followspot.room import Camera, LensModel, Room, Target
 from followspot.room_parts import stage_use, tags_of, word
 from followspot.sensor_form import sensor_of
 from followspot.sync_form import sync_of
@@ -132,7 +132,7 @@ def _camera(name: str, node: Node, folder: str | None, mistakes: list[Mistake]) 
         distortion,
         rotation,
         translation,
-        cast(Model, model),
+        cast(LensModel, model),
         use,
         host,
         clock_offset,

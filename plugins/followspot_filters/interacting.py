@@ -8,7 +8,7 @@ import numpy as np
 from filterpy.kalman import IMMEstimator
 
 from followspot import Array
-from followspot_filters.models import Model, transition
+from followspot_filters.models import TransitionModel, transition
 from followspot_filters.single import filter_of, widened
 
 SWITCHING = np.array([[0.94, 0.05, 0.01], [0.05, 0.94, 0.01], [0.45, 0.45, 0.10]])
@@ -28,7 +28,7 @@ class InteractingModels:
     sigma of a new target's, m/s^2. Whether a measurement is sure is not asked.
     """
 
-    def __init__(self, models: Sequence[Model], initial_acceleration: float) -> None:
+    def __init__(self, models: Sequence[TransitionModel], initial_acceleration: float) -> None:
         self.models = models
         self.initial_acceleration = initial_acceleration
         self.mixture = IMMEstimator([filter_of(model) for model in models], AT_FIRST, SWITCHING)

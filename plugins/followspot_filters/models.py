@@ -24,7 +24,7 @@ class Transition(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Model(ABC):
+class TransitionModel(ABC):
     """A model of motion: it can be hashed, so that transitions are computed once for each interval."""
 
     size: ClassVar[int]
@@ -36,7 +36,7 @@ class Model(ABC):
 
 
 @dataclass(frozen=True)
-class ConstantVelocity(Model):
+class ConstantVelocity(TransitionModel):
     """Acceleration that is constant during a step and independent of that of other steps.
 
     acceleration: one sigma, m/s^2.
@@ -51,7 +51,7 @@ class ConstantVelocity(Model):
 
 
 @dataclass(frozen=True)
-class ConstantAcceleration(Model):
+class ConstantAcceleration(TransitionModel):
     """Jerk that is constant during a step and independent of that of other steps.
 
     jerk: one sigma, m/s^3.
@@ -66,7 +66,7 @@ class ConstantAcceleration(Model):
 
 
 @dataclass(frozen=True)
-class Forgetful(Model):
+class Forgetful(TransitionModel):
     """A first-order model in a state with acceleration, which is forgotten in every step.
 
     model: of position and velocity; acceleration: one sigma of the next step's, m/s^2; bounce: one sigma of a
@@ -88,7 +88,7 @@ class Forgetful(Model):
 
 
 @lru_cache(maxsize=32)
-def transition(model: Model, seconds: float) -> Transition:
+def transition(model: TransitionModel, seconds: float) -> Transition:
     """The transition of a step along all three axes."""
     powers = (1.0, seconds, seconds**2 / 2)
     F = np.eye(model.size // 3)

@@ -9,11 +9,11 @@ from filterpy.kalman import KalmanFilter
 
 from followspot import Array
 from followspot_filters.bank import FIRST_ORDER
-from followspot_filters.models import Model, transition
+from followspot_filters.models import TransitionModel, transition
 from followspot_target_filter.manoeuvre import bounce_covariance, slowing_covariance
 
 
-def filter_of(model: Model) -> KalmanFilter:
+def filter_of(model: TransitionModel) -> KalmanFilter:
     """A filter of positions, with an empty state."""
     made = KalmanFilter(dim_x=model.size, dim_z=3)
     made.x, made.P = np.zeros(model.size), np.zeros((model.size, model.size))
@@ -39,7 +39,7 @@ class SingleModel:
     gate: sigmas; initial_acceleration: one sigma of a new target's, m/s^2, if the model has accelerations.
     """
 
-    def __init__(self, model: Model, gate: float, initial_acceleration: float) -> None:
+    def __init__(self, model: TransitionModel, gate: float, initial_acceleration: float) -> None:
         self.model = model
         self.gate = gate
         self.initial_acceleration = initial_acceleration

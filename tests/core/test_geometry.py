@@ -22,7 +22,7 @@ from followspot.geometry import (
     undistort,
 )
 from followspot.messages import Array
-from followspot.room import Camera, Model
+from followspot.room import Camera, LensModel
 
 K = np.array([[200.0, 0.0, 160.0], [0.0, 210.0, 120.0], [0.0, 0.0, 1.0]])
 LENS = {
@@ -42,7 +42,7 @@ def rotation(angles: tuple[float, float, float]) -> Array:
 
 
 def camera(
-    model: Model = "pinhole",
+    model: LensModel = "pinhole",
     distortion: Array | None = None,
     angles: tuple[float, float, float] = (0.0, 0.0, 0.0),
     translation: tuple[float, float, float] = (0.0, 0.0, 0.0),
@@ -90,7 +90,7 @@ def test_points_behind_a_pinhole_camera_have_no_image() -> None:
 
 @settings(deadline=None, max_examples=60)
 @given(pixels, st.sampled_from(["pinhole", "fisheye"]))
-def test_undistorting_and_distorting_gives_the_pixel_back(pixel: Array, model: Model) -> None:
+def test_undistorting_and_distorting_gives_the_pixel_back(pixel: Array, model: LensModel) -> None:
     lens = camera(model)
     assert np.abs(distort(lens, undistort(lens, pixel)) - pixel).max() < 1e-6
 
@@ -98,7 +98,7 @@ def test_undistorting_and_distorting_gives_the_pixel_back(pixel: Array, model: M
 @settings(deadline=None, max_examples=60)
 @given(pixels, models, angles)
 def test_points_along_a_ray_project_to_its_pixel(
-    pixel: Array, model: Model, turn: tuple[float, float, float]
+    pixel: Array, model: LensModel, turn: tuple[float, float, float]
 ) -> None:
     view = camera(model, angles=turn, translation=(0.3, -0.2, 1.0))
     directions = ray(view, pixel)

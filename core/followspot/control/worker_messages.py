@@ -54,7 +54,7 @@ class Stages(WorkerMessage):
     paths: tuple[PathStatus, ...]
 
 
-class State(WorkerMessage):
+class StageCheckpoint(WorkerMessage):
     """The checkpoint of a stage, as `state_to_data` gives it."""
 
     stage: str

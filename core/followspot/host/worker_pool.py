@@ -12,7 +12,7 @@ from followspot.control.host import RunOrder
 from followspot.control.lifecycle import EndWorkers, StartRun
 from followspot.control.relay import Relayed
 from followspot.control.swap import ChangeStatus
-from followspot.control.worker_messages import Change, Log, State
+from followspot.control.worker_messages import Change, Log, StageCheckpoint
 from followspot.control.worker_orders import BuildWorker, TakeRing
 from followspot.errors import FollowspotError
 from followspot.graph.change.move import host_workers
@@ -213,10 +213,10 @@ class WorkerPool:
     def _handlers(self, worker: str) -> Handlers:
         """The messages of a worker that concern the whole pool."""
         return {
-            State: self._keep,
+            StageCheckpoint: self._keep,
             Change: lambda message: self._answers.append((worker, message.status)),
             Log: lambda message: self._log.add(*message.records),
         }
 
-    def _keep(self, message: State) -> None:
+    def _keep(self, message: StageCheckpoint) -> None:
         self.states[message.stage] = message.state

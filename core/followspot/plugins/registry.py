@@ -25,7 +25,7 @@ _OTHER_GROUPS = "followspot.plugins.v"
 _SEE = "`followspot plugins` lists every plugin and its state"
 _VALUE = re.compile(r"\w+(\.\w+)*:\w+")
 
-State = Literal["ok", "duplicate", "outdated", "half-installed", "not installed", "broken"]
+EntryState = Literal["ok", "duplicate", "outdated", "half-installed", "not installed", "broken"]
 """not installed: an optional package that the stage needs is missing."""
 
 
@@ -37,7 +37,7 @@ class StageEntry:
     value: str
     distribution: str
     version: str = ""
-    state: State = "ok"
+    state: EntryState = "ok"
     problem: str = ""
 
 
@@ -200,7 +200,7 @@ def _stages(distribution: Distribution, entries: Iterable[EntryPoint]) -> Iterat
         yield StageEntry(entry.name, entry.value, name, release, state, problem)
 
 
-def _judged(entry: EntryPoint, distribution: str, unfit: str) -> tuple[State, str]:
+def _judged(entry: EntryPoint, distribution: str, unfit: str) -> tuple[EntryState, str]:
     """State and problem of an entry; unfit: why its whole distribution is outdated, empty if it is not."""
     if _VALUE.fullmatch(entry.value) is None:
         return "broken", f"{distribution} registers {entry.value!r} where package.module:Class belongs"

@@ -17,7 +17,7 @@ LEAST_SIGMA = 1e-4
 """Lower limit of a tracker's sigma, m."""
 
 
-class Model(NamedTuple):
+class MotionParameters(NamedTuple):
     """How targets move."""
 
     acceleration: float
@@ -51,7 +51,7 @@ def nothing(count: int) -> Filtered:
     return Filtered(0, empty, empty, none, none, none)
 
 
-def filtered(past: Filtered, step: Step, model: Model) -> Filtered:
+def filtered(past: Filtered, step: Step, model: MotionParameters) -> Filtered:
     """The targets after one more step.
 
     Targets that the tracker reports are followed. Where it reports none, only an observation that came late

@@ -10,7 +10,7 @@ import numpy as np
 from followspot import Field, Lagged, Stage, Window, at
 from followspot.tracking import Positions, Tracks
 from followspot_balls.motion import Motion
-from followspot_balls.smooth.smoother import Filtered, Model, filtered, nothing, smoothed
+from followspot_balls.smooth.smoother import Filtered, MotionParameters, filtered, nothing, smoothed
 from followspot_balls.smooth.step import Step, insert, observation, of_room
 from followspot_target_filter.manoeuvre import ManoeuvreParams
 
@@ -51,7 +51,7 @@ class Smooth(Stage):
     def setup(self) -> None:
         """Begin without a past."""
         p = self.params
-        self.model = Model(p.acceleration_sigma, p.initial_velocity_sigma, p.bounce_gate)
+        self.motion = MotionParameters(p.acceleration_sigma, p.initial_velocity_sigma, p.bounce_gate)
         self.before = nothing(len(self.room.targets))
         self.steps: list[Step] = []
         self.passed: list[Filtered] = []
@@ -101,8 +101,8 @@ class Smooth(Stage):
         """Smooth all steps and send the first `count` of them."""
         for step in self.steps[len(self.passed) :]:
             past = self.passed[-1] if self.passed else self.before
-            self.passed.append(filtered(past, step, self.model))
-        motions = smoothed(self.passed, self.model.acceleration)
+            self.passed.append(filtered(past, step, self.motion))
+        motions = smoothed(self.passed, self.motion.acceleration)
         sent, self.steps = self.steps[:count], self.steps[count:]
         self.before, self.sent = self.passed[count - 1], sent[-1].time
         self.passed = self.passed[count:]

@@ -45,7 +45,7 @@ class Bodies(Protocol):
 S = TypeVar("S", bound=Bodies)
 
 
-class Model(Protocol[S]):
+class BodyModel(Protocol[S]):
     """A kind of bodies: how they move, what cameras see of them, how they begin."""
 
     @property
@@ -108,14 +108,14 @@ class Detections:
     colors: Array
 
 
-def empty_crowd(model: Model[S], views: Views) -> Crowd[S]:
+def empty_crowd(model: BodyModel[S], views: Views) -> Crowd[S]:
     """The crowd of a room in which no person is known yet."""
     lives = Lives(np.zeros(0, int), np.zeros(0), np.zeros(0, int), looks.unseen(0, len(views.each)))
     return Crowd(model.none(), lives, 0, 0)
 
 
 def after(
-    crowd: Crowd[S], model: Model[S], views: Views, sets: Sequence[Detections], rules: Rules
+    crowd: Crowd[S], model: BodyModel[S], views: Views, sets: Sequence[Detections], rules: Rules
 ) -> Crowd[S]:
     """The people after one set of detections, each camera's at its own time of exposure."""
     before, crowd = crowd.time, replace(crowd, bodies=model.fresh(crowd.bodies))
@@ -131,12 +131,12 @@ def after(
     return _ended(_numbered(crowd, rules), model, rules)
 
 
-def as_of(crowd: Crowd[S], model: Model[S], time: int) -> Crowd[S]:
+def as_of(crowd: Crowd[S], model: BodyModel[S], time: int) -> Crowd[S]:
     """The people at a time, ns, near that of the last exposure, for a report."""
     return replace(crowd, bodies=model.shifted(crowd.bodies, (time - crowd.time) * NANOSECOND))
 
 
-def _moved(crowd: Crowd[S], model: Model[S], time: int) -> Crowd[S]:
+def _moved(crowd: Crowd[S], model: BodyModel[S], time: int) -> Crowd[S]:
     """The people at a later time."""
     if not len(crowd.bodies) or time <= crowd.time:
         return replace(crowd, time=max(time, crowd.time))
@@ -145,7 +145,7 @@ def _moved(crowd: Crowd[S], model: Model[S], time: int) -> Crowd[S]:
 
 
 def _seen(
-    crowd: Crowd[S], tally: Tally, model: Model[S], view: View, one: Detections, rules: Rules
+    crowd: Crowd[S], tally: Tally, model: BodyModel[S], view: View, one: Detections, rules: Rules
 ) -> tuple[Crowd[S], Tally, Array]:
     """The people after one camera, what is known of their existence, and whether each detection, (N,), is
     none of them.
@@ -173,7 +173,7 @@ def _seen(
 
 
 def _with_new(
-    crowd: Crowd[S], model: Model[S], views: Views, left: Sequence[Detections], rules: Rules
+    crowd: Crowd[S], model: BodyModel[S], views: Views, left: Sequence[Detections], rules: Rules
 ) -> Crowd[S]:
     """The people and those that detections of two cameras or more agree on."""
     parts = [one for one in left if len(one.found)]
@@ -204,7 +204,7 @@ def _with_new(
 
 
 def _agreed(
-    model: Model[S], views: Views, camera: Array, found: Array, rows: Array
+    model: BodyModel[S], views: Views, camera: Array, found: Array, rows: Array
 ) -> tuple[S | None, Array]:
     """The body of a cluster, and its rows without those that contradict it; None if two are not left."""
     while len(rows) >= 2:
@@ -227,7 +227,7 @@ def _numbered(crowd: Crowd[S], rules: Rules) -> Crowd[S]:
     return replace(crowd, lives=lives, numbers=crowd.numbers + len(fresh))
 
 
-def _ended(crowd: Crowd[S], model: Model[S], rules: Rules) -> Crowd[S]:
+def _ended(crowd: Crowd[S], model: BodyModel[S], rules: Rules) -> Crowd[S]:
     """The people without those that left or never were."""
     lives = crowd.lives
     lowest = np.where(lives.number > 0, DOUBTED, GIVEN_UP)

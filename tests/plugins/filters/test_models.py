@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from followspot_filters.models import ConstantAcceleration, ConstantVelocity, Forgetful, Model, transition
+from followspot_filters.models import (
+    ConstantAcceleration,
+    ConstantVelocity,
+    Forgetful,
+    TransitionModel,
+    transition,
+)
 
 T = 0.04
 START = np.array([1.0, -2.0, 3.0, 0.5, 0.0, -4.0, 0.0, 2.0, -9.81])
@@ -27,7 +33,7 @@ def test_states_move_by_the_equations_of_motion() -> None:
     assert (F @ START)[[2, 5, 8]] == pytest.approx([*moved(0.0), 0.0])
 
 
-def along_z(model: Model) -> np.ndarray:
+def along_z(model: TransitionModel) -> np.ndarray:
     size = model.size // 3
     Q = transition(model, T).Q
     assert np.array_equal(Q, Q.T)

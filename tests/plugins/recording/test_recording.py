@@ -22,7 +22,7 @@ from followspot.messages import Header, Message, identical, seal, stamped
 from followspot.people import Poses, PoseTruth
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
-from followspot.room import Camera, Model, Room
+from followspot.room import Camera, LensModel, Room
 from followspot.rotation import matrix
 from followspot.testing import tiny_room
 from followspot.tracking import Blobs, Frame, Positions, Tracks, Truth
@@ -151,7 +151,7 @@ def told_of(camera: Camera) -> dict[str, dict[str, Any]]:
     ("model", "terms", "name"),
     [("pinhole", 5, "plumb_bob"), ("rational", 8, "rational_polynomial"), ("fisheye", 4, "kannala_brandt")],
 )
-def test_viewers_are_told_where_a_camera_stands_and_its_lens(model: Model, terms: int, name: str) -> None:
+def test_viewers_are_told_where_a_camera_stands_and_its_lens(model: LensModel, terms: int, name: str) -> None:
     known = ROOM.cameras["cam0"]
     rotation, _ = cv2.Rodrigues(np.array([0.3, -1.2, 2.0]))
     place = np.array([0.5, -0.25, 2.0])

@@ -14,7 +14,7 @@ from tests.tools.calibrate.rooms import made_room
 from followspot.geometry import project
 from followspot.messages import Array
 from followspot_calibrate.adjust import Anchors, Free, Rods, adjust
-from followspot_calibrate.adjust.problem import Problem, State, cauchy_weighted, view_of
+from followspot_calibrate.adjust.problem import Estimate, Problem, cauchy_weighted, view_of
 from followspot_calibrate.adjust.projection import image, linearise, moved, rotation_of
 from followspot_calibrate.adjust.rods import groups_of
 from followspot_calibrate.similarity import Similarity
@@ -141,7 +141,7 @@ def test_eliminating_the_points_solves_the_whole_system():
     free, groups = Free(focal=True), groups_of(30, rods)
     seen = [view_of(c, room.sightings.pixel[:, i], free)[1] for i, c in enumerate(room.cameras)]
     problem = Problem(seen, rods, groups, np.ones(30), free.parameters)
-    normal = problem.normal(State(room.cameras, room.points))
+    normal = problem.normal(Estimate(room.cameras, room.points))
     by_camera, by_point = normal.solve(groups, 1e-3)
     whole = np.zeros((3 * 7 + 90, 3 * 7 + 90))
     for i, block in enumerate(normal.cameras):

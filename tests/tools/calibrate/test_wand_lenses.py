@@ -10,16 +10,16 @@ from tests.tools.calibrate.rooms import MadeRoom, waved_room
 from tests.tools.calibrate.test_wand_made_rooms import FREE_MM, KNOWN_MM, NOISE, differences
 
 from followspot.geometry import project
-from followspot.room import Model
+from followspot.room import LensModel
 from followspot_calibrate.wand.solving import solve
 
-LENSES: dict[Model, list[float]] = {
+LENSES: dict[LensModel, list[float]] = {
     "rational": [0.54, -2.62, 0.0007, -0.0002, 1.53, 0.42, -2.43, 1.45],
     "fisheye": [0.05, -0.01, 0.004, -0.001],
 }
 
 
-def room_through(model: Model, lens: list[float] | None = None, aspect: float = 1.0) -> MadeRoom:
+def room_through(model: LensModel, lens: list[float] | None = None, aspect: float = 1.0) -> MadeRoom:
     """A waved room seen through other lenses. aspect: height of the focal length over its width."""
     room = waved_room(4, 300)
     cameras = []
@@ -36,7 +36,7 @@ def room_through(model: Model, lens: list[float] | None = None, aspect: float = 
 
 
 @pytest.mark.parametrize("model", ["rational", "fisheye"])
-def test_known_lenses_of_other_models_are_kept_and_placed(model: Model) -> None:
+def test_known_lenses_of_other_models_are_kept_and_placed(model: LensModel) -> None:
     room = room_through(model, LENSES[model])
     solved = solve(room.sightings, room.cameras)
     assert differences(solved, room)[0].max() < KNOWN_MM

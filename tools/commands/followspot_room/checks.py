@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from followspot.messages import Array
-from followspot.room import Camera, Model
+from followspot.room import Camera, LensModel
 
 ROTATION_TOLERANCE = 1e-3
 """Largest deviation of R R^T from the identity; files round to a few decimals."""
@@ -19,7 +19,7 @@ LARGEST_SIDE = 1 << 15
 """px"""
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,63}")
 RATIONAL = 8
-COEFFICIENTS: dict[Model, tuple[int, ...]] = {"pinhole": (0, 4, 5), "fisheye": (4,)}
+COEFFICIENTS: dict[LensModel, tuple[int, ...]] = {"pinhole": (0, 4, 5), "fisheye": (4,)}
 
 
 class Unfit(ValueError):
@@ -91,7 +91,7 @@ def camera_matrix(value: Any, where: str) -> Array:
     return K
 
 
-def distortion(value: Any, model: Model, where: str) -> Array:
+def distortion(value: Any, model: LensModel, where: str) -> Array:
     """Distortion of a pinhole k1 k2 p1 p2 k3, (5,), filled up with zeros; of a fisheye (4,).
 
     Raises Unfit.
@@ -105,7 +105,7 @@ def distortion(value: Any, model: Model, where: str) -> Array:
     return np.concatenate([checked, np.zeros(wanted[-1] - len(checked))])
 
 
-def lens(value: Any, model: Model, where: str) -> tuple[Model, Array]:
+def lens(value: Any, model: LensModel, where: str) -> tuple[LensModel, Array]:
     """Model and distortion: eight coefficients of a pinhole are OpenCV's rational model. Raises Unfit.
 
     Without k4, k5 and k6 that is the pinhole itself.
@@ -128,7 +128,7 @@ def unique(cameras: Sequence[Camera]) -> tuple[Camera, ...]:
     return tuple(cameras)
 
 
-def holds(cameras: Iterable[Camera], models: Sequence[Model], format_name: str, other: str) -> None:
+def holds(cameras: Iterable[Camera], models: Sequence[LensModel], format_name: str, other: str) -> None:
     """Raise Unfit for the first camera with a model that the format lacks; other: a format that has it."""
     for camera in cameras:
         if camera.model not in models:

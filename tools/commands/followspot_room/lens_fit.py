@@ -10,7 +10,7 @@ import numpy as np
 
 from followspot.geometry import project_local
 from followspot.messages import Array
-from followspot.room import Camera, Model
+from followspot.room import Camera, LensModel
 from followspot_room.checks import Unfit
 
 GRID = (25, 19)
@@ -24,7 +24,7 @@ STEP = 1e-6
 EXACT = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 200, 1e-10)
 CLOSE = 0.01
 """px; a pixel whose direction does not lead back to it lies where the model folds."""
-COEFFICIENTS: dict[Model, int] = {"pinhole": 5, "fisheye": 4}
+COEFFICIENTS: dict[LensModel, int] = {"pinhole": 5, "fisheye": 4}
 
 
 def grid_of(size: tuple[int, int]) -> Array:
@@ -46,7 +46,7 @@ def simplified(camera: Camera, directions: Callable[[Array], Array], lens: str) 
         raise Unfit(
             f"camera {camera.name}: its {lens} has no directions for most pixels", "check its numbers"
         )
-    models: tuple[Model, ...] = ("pinhole", "fisheye")
+    models: tuple[LensModel, ...] = ("pinhole", "fisheye")
     found = [fitted(camera, model, rays[known], pixel[known]) for model in models]
     best, error = min(found, key=lambda one: one[1])
     if not error <= LARGEST_ERROR:
@@ -55,7 +55,7 @@ def simplified(camera: Camera, directions: Callable[[Array], Array], lens: str) 
     return best, f"camera {camera.name}: its {lens} became a {best.model}, at most {error:.2g} px off"
 
 
-def fitted(camera: Camera, model: Model, rays: Array, pixel: Array) -> tuple[Camera, float]:
+def fitted(camera: Camera, model: LensModel, rays: Array, pixel: Array) -> tuple[Camera, float]:
     """The camera with the matrix and distortion of a model that fit best, and its largest error, px.
 
     rays: (N, 3) in camera coordinates; pixel: (N, 2) px. Infinite where the model has no image of a ray.

@@ -11,7 +11,7 @@ from itertools import count
 from followspot.control.checkpoint import state_to_data
 from followspot.control.pipe import Channel, ChannelClosed
 from followspot.control.swap import ChangeStatus
-from followspot.control.worker_messages import Change, Log, Progress, Stages, State
+from followspot.control.worker_messages import Change, Log, Progress, StageCheckpoint, Stages
 from followspot.log.collector import LogCollector
 from followspot.worker.reporting.report import Warnings
 from followspot.worker.reporting.stage_status import Idleness, paths_now, stages_now
@@ -76,7 +76,7 @@ class HostReporter:
                 self._warnings.add(runner.name, f"its state cannot be kept: {error}")
                 continue
             if state is not None:
-                self._channel.send(State(stage=runner.name, state=state))
+                self._channel.send(StageCheckpoint(stage=runner.name, state=state))
 
     def send_change(self, status: ChangeStatus) -> None:
         """Send how far a hot swap is."""

@@ -11,7 +11,7 @@ from followspot import Camera
 from followspot.geometry import project
 from followspot.messages import Array
 from followspot_calibrate.adjust.prior import Prior
-from followspot_calibrate.adjust.problem import Anchors, Middle, Problem, State, view_of
+from followspot_calibrate.adjust.problem import Anchors, Estimate, Middle, Problem, view_of
 from followspot_calibrate.adjust.projection import Free
 from followspot_calibrate.adjust.rods import NO_RODS, Rods, groups_of
 
@@ -67,7 +67,7 @@ def adjust(
     scales = np.broadcast_to(scale, len(points))[usable]
     groups = groups_of(int(usable.sum()), tied)
     problem = Problem(views, tied, groups, scales, free.parameters, middle, anchors, prior)
-    best, steps = _descend(problem, State(flat, points[usable]), progress)
+    best, steps = _descend(problem, Estimate(flat, points[usable]), progress)
     found = points.copy()
     found[usable] = best.points
     final = tuple(_adjusted(*pair) for pair in zip(cameras, best.cameras, strict=True))
@@ -80,26 +80,26 @@ def residuals(cameras: Sequence[Camera], points: Array, pixel: Array) -> Array:
     return np.stack(away, axis=1)
 
 
-def _descend(problem: Problem, state: State, progress: Progress | None) -> tuple[State, int]:
+def _descend(problem: Problem, estimate: Estimate, progress: Progress | None) -> tuple[Estimate, int]:
     """Steps downhill until they gain nothing; damped more after a failure, less after a success."""
     least, damping, most = DAMPING
-    cost = problem.cost(state)
+    cost = problem.cost(estimate)
     for steps in range(MOST_STEPS):
         if progress is not None:
             progress("adjust", steps / MOST_STEPS)
-        normal = problem.normal(state)
+        normal = problem.normal(estimate)
         better, after = None, cost
         while better is None and damping < most:
-            trial = problem.step(normal, state, damping)
+            trial = problem.step(normal, estimate, damping)
             after = np.inf if trial is None else problem.cost(trial)
             better = trial if after < cost else None
             damping = damping * 10 if better is None else max(damping / 10, least)
         if better is None:
-            return state, steps
-        gained, state, cost = cost - after, better, after
+            return estimate, steps
+        gained, estimate, cost = cost - after, better, after
         if gained <= CONVERGED * cost:
-            return state, steps + 1
-    return state, MOST_STEPS
+            return estimate, steps + 1
+    return estimate, MOST_STEPS
 
 
 def _adjusted(before: Camera, after: Camera) -> Camera:

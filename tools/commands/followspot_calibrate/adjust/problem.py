@@ -36,7 +36,7 @@ def view_of(camera: Camera, pixel: Array, free: Free) -> tuple[Camera, View]:
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class Estimate:
     """A guess: C cameras and points (N, 3) m."""
 
     cameras: tuple[Camera, ...]
@@ -88,49 +88,49 @@ class Problem:
     anchors: Anchors | None = None
     prior: Prior | None = None
 
-    def cost(self, state: State) -> float:
+    def cost(self, estimate: Estimate) -> float:
         """Sum of the Cauchy losses log(1 + e^2) of all errors e, in scales and sigmas."""
-        total = np.log1p(np.square(self.rods.errors(state.points)[0])).sum()
-        for view, camera in zip(self.views, state.cameras, strict=True):
-            error = (image(camera, state.points[view.rows]) - view.pixel) / self.scale[view.rows, None]
+        total = np.log1p(np.square(self.rods.errors(estimate.points)[0])).sum()
+        for view, camera in zip(self.views, estimate.cameras, strict=True):
+            error = (image(camera, estimate.points[view.rows]) - view.pixel) / self.scale[view.rows, None]
             total += np.log1p(np.square(error).sum(axis=1)).sum()
         if self.anchors is not None:
-            total += np.square(self.anchors.errors(state.cameras)).sum()
+            total += np.square(self.anchors.errors(estimate.cameras)).sum()
         if self.prior is not None:
-            for number, (view, camera) in enumerate(zip(self.views, state.cameras, strict=True)):
+            for number, (view, camera) in enumerate(zip(self.views, estimate.cameras, strict=True)):
                 total += np.square(self.prior.errors(number, camera, view.free)).sum()
-        return float(total + np.square(self._off_middle(state.cameras)).sum())
+        return float(total + np.square(self._off_middle(estimate.cameras)).sum())
 
-    def step(self, normal: Normal, state: State, damping: float) -> State | None:
-        """The state after one damped step, or None if the damping is too small."""
+    def step(self, normal: Normal, estimate: Estimate, damping: float) -> Estimate | None:
+        """The estimate after one damped step, or None if the damping is too small."""
         try:
             by_camera, by_point = normal.solve(self.groups, damping)
         except np.linalg.LinAlgError:
             return None
         cameras = tuple(
             moved(camera, step[: view.free.parameters], view.free)
-            for view, camera, step in zip(self.views, state.cameras, by_camera, strict=True)
+            for view, camera, step in zip(self.views, estimate.cameras, by_camera, strict=True)
         )
-        return State(cameras, state.points + by_point)
+        return Estimate(cameras, estimate.points + by_point)
 
-    def normal(self, state: State) -> Normal:
+    def normal(self, estimate: Estimate) -> Normal:
         """The normal equations of the Cauchy losses; rods have the weight 1 / (1 + e^2) alone."""
-        normal = Normal.zeros(len(self.views), self.parameters, len(state.points), len(self.rods))
-        for number, (view, camera) in enumerate(zip(self.views, state.cameras, strict=True)):
-            self._add_view(normal, number, view, camera, state.points)
+        normal = Normal.zeros(len(self.views), self.parameters, len(estimate.points), len(self.rods))
+        for number, (view, camera) in enumerate(zip(self.views, estimate.cameras, strict=True)):
+            self._add_view(normal, number, view, camera, estimate.points)
             if self.prior is not None:
                 rows = self.prior.by_parameters(number, camera, view.free)
                 normal.cameras[number, : len(rows), : len(rows)] += rows.T @ rows
                 errors = self.prior.errors(number, camera, view.free)
                 normal.toward_cameras[number, : len(rows)] -= rows.T @ errors
-        self._add_rods(normal, state.points)
+        self._add_rods(normal, estimate.points)
         if self.anchors is not None:
-            rows = self.anchors.by_pose(state.cameras)
+            rows = self.anchors.by_pose(estimate.cameras)
             normal.cameras[:, :6, :6] += rows.swapaxes(1, 2) @ rows
-            errors = self.anchors.errors(state.cameras)
+            errors = self.anchors.errors(estimate.cameras)
             normal.toward_cameras[:, :6] -= (errors[:, None] @ rows)[:, 0]
         if self.middle is not None:
-            off = self._off_middle(state.cameras)
+            off = self._off_middle(estimate.cameras)
             for number, view in enumerate(self.views):
                 at, sigma = view.free.center_at, self.middle.sigma[number]
                 normal.cameras[number, at, at] += np.eye(at.stop - at.start) / sigma**2

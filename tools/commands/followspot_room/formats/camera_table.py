@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from followspot.messages import Array
-from followspot.room import Camera, Model
+from followspot.room import Camera, LensModel
 from followspot_room.checks import (
     Unfit,
     array,
@@ -56,7 +56,7 @@ def camera_of(table: Table, called: str) -> Camera:
     size = table["size"]
     if not isinstance(size, list) or len(size) != 2:
         raise Unfit(f"{where}: size is {size!r}, needs width and height", "write size = [1280, 720]")
-    model: Model = "fisheye" if table.get("fisheye") is True else "pinhole"
+    model: LensModel = "fisheye" if table.get("fisheye") is True else "pinhole"
     model, coefficients = lens(table.get("distortions", []), model, f"{where}: distortions")
     return Camera(
         name=called,

@@ -12,7 +12,7 @@ from typing import Any
 
 from followspot.document import plain
 from followspot.errors import InputError
-from followspot.room import Camera, Model
+from followspot.room import Camera, LensModel
 from followspot.yaml_reader import parse as parse_yaml
 from followspot_room.checks import (
     Unfit,
@@ -72,7 +72,7 @@ def _camera(one: Mapped, called: str) -> Camera:
     called = name(called, called)
     where = f"camera {called}"
     width, height = _size(one, where)
-    model: Model = "pinhole"
+    model: LensModel = "pinhole"
     if one.get("fisheye_model") in (1, True) or one.get("distortion_model") in FISHEYE:
         model = "fisheye"
     bent, turn, shift = (_key(one, keys) for keys in (LENS, TURN, SHIFT))
