@@ -164,21 +164,7 @@ def _rows(
     named: Mapping[str, str],
 ) -> Iterator[Row]:
     head = _head(file, lines)
-    wanted = {name: named.get(name, name) for name in (*columns, *optional)}
-    absent = [wanted[name] for name in columns if wanted[name] not in head]
-    absent += [word for name, word in named.items() if name in optional and word not in head]
-    if absent:
-        text = f"columns {', '.join(absent)} are missing"
-        raise InputError([Mistake(Place(file, 1, 1), text, did_you_mean(absent[0], head, "columns"))])
-    shared = [word for word in wanted.values() if [*wanted.values()].count(word) > 1 and word in head]
-    if shared:
-        text = f"column {shared[0]} would be read as several"
-        raise InputError([Mistake(Place(file, 1, 1), text, "columns: name each column of the file once")])
-    twice = [word for word in wanted.values() if head.count(word) > 1]
-    if twice:
-        text = f"the first line names column {twice[0]} twice"
-        raise InputError([Mistake(Place(file, 1, 1), text, "rename one")])
-    index = {name: head.index(word) for name, word in wanted.items() if word in head}
+    index = _positions(file, head, columns, optional, named)
     needed = max(index.values(), default=-1) + 1
     for line, cells in enumerate(lines, 2):
         if not cells:
@@ -197,3 +183,24 @@ def _rows(
             text = f"more than {MOST_ROWS} rows"
             raise InputError([Mistake(Place(file, line, 1), text, "split the file")])
         yield Row(file, line, cells, index)
+
+
+def _positions(
+    file: str, head: Sequence[str], columns: Sequence[str], optional: Sequence[str], named: Mapping[str, str]
+) -> dict[str, int]:
+    """Position of each column that is there, among the names in the first line. Raises InputError."""
+    wanted = {name: named.get(name, name) for name in (*columns, *optional)}
+    absent = [wanted[name] for name in columns if wanted[name] not in head]
+    absent += [word for name, word in named.items() if name in optional and word not in head]
+    if absent:
+        text = f"columns {', '.join(absent)} are missing"
+        raise InputError([Mistake(Place(file, 1, 1), text, did_you_mean(absent[0], head, "columns"))])
+    shared = [word for word in wanted.values() if [*wanted.values()].count(word) > 1 and word in head]
+    if shared:
+        text = f"column {shared[0]} would be read as several"
+        raise InputError([Mistake(Place(file, 1, 1), text, "columns: name each column of the file once")])
+    twice = [word for word in wanted.values() if head.count(word) > 1]
+    if twice:
+        text = f"the first line names column {twice[0]} twice"
+        raise InputError([Mistake(Place(file, 1, 1), text, "rename one")])
+    return {name: head.index(word) for name, word in wanted.items() if word in head}

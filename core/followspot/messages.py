@@ -133,14 +133,19 @@ class Message:
             for f in dataclasses.fields(cls)  # type: ignore[arg-type]
             if f.name not in cls.array_names
         )
+        named = [c.name for c in cls.columns[:1] if c.shape and isinstance(c.shape[0], str)]
+        numbers = any(kind in (int, float, bool) for _, kind in cls.scalars)
+        cls.rows_of = named[0] if named and not numbers else ""
+        cls._check_declaration()
+
+    @classmethod
+    def _check_declaration(cls) -> None:
+        """Raise TypeError if a field's type cannot be sent, or the declaration of a column is wrong."""
         for name, kind in cls.scalars:
             if kind not in SCALARS and kind != tuple[str, ...]:
                 raise TypeError(
                     f"{cls.__name__}.{name}: a field is a column(), str, int, float, bool or tuple[str, ...]"
                 )
-        named = [c.name for c in cls.columns[:1] if c.shape and isinstance(c.shape[0], str)]
-        numbers = any(kind in (int, float, bool) for _, kind in cls.scalars)
-        cls.rows_of = named[0] if named and not numbers else ""
         texts = {name for name, kind in cls.scalars if kind == tuple[str, ...]}
         for c in cls.columns:
             if c.refers and c.refers not in ("targets", "states", *texts):

@@ -15,6 +15,7 @@ from followspot.graph.checks.left_out import unserved_wires
 from followspot.graph.checks.reproducibility import risks
 from followspot.graph.checks.warnings import warnings
 from followspot.graph.connections import CheckedEdge, check_cycles, check_lagged_cycles, check_types, connect
+from followspot.graph.declaration import InputDeclaration
 from followspot.graph.expand import Expanded
 from followspot.graph.instances import CheckedStage, Instance
 from followspot.graph.parameters import output_paths, validated
@@ -23,7 +24,7 @@ from followspot.graph.subgraph_ports import subgraph_ports
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.plugins.hooks import load_scorers
 from followspot.plugins.registry import PluginError, load_stage
-from followspot.ports import ports
+from followspot.ports import Ports, ports
 from followspot.room import SETS, Room, StageUse
 from followspot.stage import Stage
 
@@ -80,17 +81,17 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
     room = _checked_room(expanded, mistakes)
     notes = (*expanded.notes, *notes)
     return Checked(
-        expanded.name,
-        room,
-        expanded.seed,
-        tuple(stages),
-        tuple(edges),
-        notes,
-        tuple(risks(stages, edges)),
-        () if mistakes else (*doubts, *warnings(stages, edges, expanded)),
-        subgraph_ports(expanded.outputs, stages, expanded.room),
-        expanded.room_node,
-        expanded.subgraphs,
+        name=expanded.name,
+        room=room,
+        seed=expanded.seed,
+        stages=tuple(stages),
+        edges=tuple(edges),
+        notes=notes,
+        risks=tuple(risks(stages, edges)),
+        warnings=() if mistakes else (*doubts, *warnings(stages, edges, expanded)),
+        offered=subgraph_ports(expanded.outputs, stages, expanded.room),
+        room_document=expanded.room_node,
+        subgraphs=expanded.subgraphs,
     )
 
 
@@ -132,39 +133,12 @@ def _params(instance: Instance, stage: type[Stage], mistakes: list[Mistake]) -> 
 def check_inputs(
     instance: Instance, stage: type[Stage], left_out: Mapping[str, Mistake], mistakes: list[Mistake]
 ) -> None:
-    """Note each input that the stage lacks, and each required one that nothing feeds."""
+    """Note settings and inputs that the stage lacks, and each required input that nothing feeds."""
     declared, found = instance.declared, ports(stage)
-    if declared.depth is not None and not stage.live:
-        text = f'stage "{declared.name}" ({instance.uses}) is no live source and has no depth of its own'
-        mistakes.append(Mistake(declared.places["depth"], text, "write the depth where an input is fed"))
-    if "concurrency" in declared.places and found.gives != "later":
-        text = f'stage "{declared.name}" ({instance.uses}) answers at once and has no concurrency'
-        use = "remove it, or use a stage that returns Deferred[...]"
-        mistakes.append(Mistake(declared.places["concurrency"], text, use))
-    served = stage.serves()
-    if served and declared.each is None:
-        text = f'{instance.uses} serves one {SETS[served]}, and stage "{declared.name}" has no each'
-        mistakes.append(Mistake(declared.place, text, f"add each: {served}"))
-    elif served and instance.member is not None and instance.member.set != served:
-        over = declared.each.text if declared.each is not None else ""
-        text = f'{instance.uses} serves one {SETS[served]}, but stage "{declared.name}" fans out over {over}'
-        mistakes.append(Mistake(declared.places["each"], text, f"write each: {served}"))
+    _check_settings(instance, stage, found, mistakes)
+    _check_served(instance, stage, mistakes)
     for entry in declared.inputs:
-        port = found.input(entry.port)
-        if found.source:
-            text = f'stage "{declared.name}" ({instance.uses}) is a source and has no inputs'
-            mistakes.append(Mistake(entry.place, text, "remove it"))
-        elif port is None:
-            remedy = did_you_mean(entry.port, [port.name for port in found.inputs], "inputs")
-            mistakes.append(
-                Mistake(entry.place, f'stage "{declared.name}" has no input "{entry.port}"', remedy)
-            )
-        elif port.required and entry.feeds and all(feed.stage in left_out for feed in entry.feeds):
-            text = f'input "{entry.port}" of stage "{declared.name}" needs what is left out'
-            reasons = [left_out[feed.stage] for feed in entry.feeds]
-            told = "; ".join(reason.text for reason in reasons)
-            place = entry.place if reasons[0].place is None else entry.place.within(reasons[0].place)
-            mistakes.append(Mistake(place, text, f'{told}; write optional: true for "{declared.name}", too'))
+        _check_input(instance, entry, found, left_out, mistakes)
     named = {entry.port for entry in declared.inputs}
     missing = [port for port in found.inputs if port.required and port.name not in named]
     if len(missing) <= len(named - {port.name for port in found.inputs}):
@@ -173,6 +147,53 @@ def check_inputs(
         text = f'stage "{declared.name}" ({instance.uses}) needs the input "{port.name}"'
         advice = f"add in: {{{port.name}: STAGE}}, a stage that gives {port.type.__name__}"
         mistakes.append(Mistake(declared.place, text, advice))
+
+
+def _check_settings(instance: Instance, stage: type[Stage], found: Ports, mistakes: list[Mistake]) -> None:
+    """Note a depth or a concurrency that the stage does not have."""
+    declared = instance.declared
+    if declared.depth is not None and not stage.live:
+        text = f'stage "{declared.name}" ({instance.uses}) is no live source and has no depth of its own'
+        mistakes.append(Mistake(declared.places["depth"], text, "write the depth where an input is fed"))
+    if "concurrency" in declared.places and found.gives != "later":
+        text = f'stage "{declared.name}" ({instance.uses}) answers at once and has no concurrency'
+        use = "remove it, or use a stage that returns Deferred[...]"
+        mistakes.append(Mistake(declared.places["concurrency"], text, use))
+
+
+def _check_served(instance: Instance, stage: type[Stage], mistakes: list[Mistake]) -> None:
+    """Note a fan-out that is missing, or over others than the members that the stage serves."""
+    declared, served = instance.declared, stage.serves()
+    if served and declared.each is None:
+        text = f'{instance.uses} serves one {SETS[served]}, and stage "{declared.name}" has no each'
+        mistakes.append(Mistake(declared.place, text, f"add each: {served}"))
+    elif served and instance.member is not None and instance.member.set != served:
+        over = declared.each.text if declared.each is not None else ""
+        text = f'{instance.uses} serves one {SETS[served]}, but stage "{declared.name}" fans out over {over}'
+        mistakes.append(Mistake(declared.places["each"], text, f"write each: {served}"))
+
+
+def _check_input(
+    instance: Instance,
+    entry: InputDeclaration,
+    found: Ports,
+    left_out: Mapping[str, Mistake],
+    mistakes: list[Mistake],
+) -> None:
+    """Note an input that the stage lacks, and a required one whose senders are all left out."""
+    name, port = instance.declared.name, found.input(entry.port)
+    if found.source:
+        text = f'stage "{name}" ({instance.uses}) is a source and has no inputs'
+        mistakes.append(Mistake(entry.place, text, "remove it"))
+    elif port is None:
+        remedy = did_you_mean(entry.port, [port.name for port in found.inputs], "inputs")
+        mistakes.append(Mistake(entry.place, f'stage "{name}" has no input "{entry.port}"', remedy))
+    elif port.required and entry.feeds and all(feed.stage in left_out for feed in entry.feeds):
+        text = f'input "{entry.port}" of stage "{name}" needs what is left out'
+        reasons = [left_out[feed.stage] for feed in entry.feeds]
+        told = "; ".join(reason.text for reason in reasons)
+        place = entry.place if reasons[0].place is None else entry.place.within(reasons[0].place)
+        mistakes.append(Mistake(place, text, f'{told}; write optional: true for "{name}", too'))
 
 
 def _check_outputs(stages: Sequence[CheckedStage], mistakes: list[Mistake]) -> None:

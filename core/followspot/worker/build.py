@@ -17,6 +17,7 @@ from followspot.graph.frame_count import accompanying_sources
 from followspot.graph.plan import PlannedStage
 from followspot.messages import Array
 from followspot.ports import Giving
+from followspot.stage import Stage
 from followspot.transport.edge import PortWriter
 from followspot.worker.build_inputs import InputBuilder
 from followspot.worker.inputs.input_queue import InputQueue
@@ -100,29 +101,41 @@ class Builder:
                 queue.wake = wake if queue.keep is None else partial(_shed, queue, wake)
 
     def runner(self, rank: int, stage: PlannedStage) -> StageRunner:
+        """The runner of a stage, whose input queues are there; builds the stage. Raises StageError."""
         outputs = self._outputs(stage)
         context = self.context(stage, tuple(outputs.values()))
         for output in outputs.values():
             output.refused = context.warn
             output.waits_for_readers = self.options.rejoin and not self.wiring.live
         build = partial(self.wiring.classes[stage.name], context, **stage.params)
-        if self.wiring.ports[stage.name].source:
-            kind = LiveSourceRunner if stage.live else SourceRunner
-            source = kind(
-                stage.name,
-                rank,
-                build,
-                Join((), lateness=0),
-                outputs,
-                on_error=stage.on_error,
-                clock=self.options.clock,
-            )
-            source.accompanying = stage.name in self.accompanying
-            source.limit = None if source.accompanying else self.options.frames
-            if isinstance(source, LiveSourceRunner):
-                source.depth = stage.depth
-            source.uses = stage.uses
-            return source
+        source = self.wiring.ports[stage.name].source
+        make = self._source_runner if source else self._stage_runner
+        runner = make(rank, stage, build, outputs)
+        runner.uses = stage.uses
+        return runner
+
+    def _source_runner(
+        self, rank: int, stage: PlannedStage, build: Callable[[], Stage], outputs: Mapping[str, OutputPort]
+    ) -> StageRunner:
+        kind = LiveSourceRunner if stage.live else SourceRunner
+        source = kind(
+            stage.name,
+            rank,
+            build,
+            Join((), lateness=0),
+            outputs,
+            on_error=stage.on_error,
+            clock=self.options.clock,
+        )
+        source.accompanying = stage.name in self.accompanying
+        source.limit = None if source.accompanying else self.options.frames
+        if isinstance(source, LiveSourceRunner):
+            source.depth = stage.depth
+        return source
+
+    def _stage_runner(
+        self, rank: int, stage: PlannedStage, build: Callable[[], Stage], outputs: Mapping[str, OutputPort]
+    ) -> StageRunner:
         deadline = self.wiring.deadline[stage.name] if self.wiring.live else None
         runner = RUNNERS[self.wiring.ports[stage.name].gives](
             stage.name,
@@ -138,7 +151,6 @@ class Builder:
         runner.paths.limits = self.wiring.limits(stage)
         if isinstance(runner, DeferredRunner):
             runner.concurrency = stage.concurrency
-        runner.uses = stage.uses
         return runner
 
     def context(self, stage: PlannedStage, outputs: Sequence[OutputPort] = ()) -> Context:

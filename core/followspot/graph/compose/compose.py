@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -73,13 +73,7 @@ def compose(
     room, document = find_room(root.room)
     units = Units(files, room, document is not None, wrong, mistakes)
     unit = units.root(root, [*(subgraph_tunes(document) if room is not None else ()), *overrides])
-    stages: dict[str, Node] = {}
-    for name, node in stages_of(unit, wrong):
-        if name in stages:
-            text = f'stage "{name}" is declared twice'
-            place = node.key.beside(stages[name].key)
-            wrong.append(Mistake(place, text, "rename one"))
-        stages.setdefault(name, node)
+    stages = _distinct(stages_of(unit, wrong), wrong)
     for override in (found for found in units.unknown if not found.tune):
         name = below(override.within, override.stage)
         known = {*stages, *(found.name for found in units_below(unit))}
@@ -88,26 +82,34 @@ def compose(
     apart = dict(_apart(unit, wrong))
     mistakes += wrong
     stages = seen_only(stages, units_below(unit))
-    read = tuple(files.files)
-    offered = _offered(unit) if not wrong else frozenset()
-    seed = root.seed or 0
     return Composed(
-        root.name,
-        root.place,
-        root.room,
-        seed,
-        stages,
-        read,
-        not wrong,
-        offered,
-        promises_of(unit),
-        left_out_below(unit),
-        apart,
-        tuple(optional_uses(unit)) if not wrong else (),
-        frozenset(units.tuned),
-        outputs_below(unit) if not wrong else {},
-        tuple(resolved_uses(unit)) if not wrong else (),
+        name=root.name,
+        place=root.place,
+        room=root.room,
+        seed=root.seed or 0,
+        stages=stages,
+        files=tuple(files.files),
+        complete=not wrong,
+        offered=_offered(unit) if not wrong else frozenset(),
+        promises=promises_of(unit),
+        left_out=left_out_below(unit),
+        apart=apart,
+        optional=tuple(optional_uses(unit)) if not wrong else (),
+        tuned=frozenset(units.tuned),
+        outputs=outputs_below(unit) if not wrong else {},
+        subgraphs=tuple(resolved_uses(unit)) if not wrong else (),
     )
+
+
+def _distinct(stages: Iterable[tuple[str, Node]], mistakes: list[Mistake]) -> dict[str, Node]:
+    """The stages by name, the first of each; notes those of the same name."""
+    found: dict[str, Node] = {}
+    for name, node in stages:
+        if name in found:
+            place = node.key.beside(found[name].key)
+            mistakes.append(Mistake(place, f'stage "{name}" is declared twice', "rename one"))
+        found.setdefault(name, node)
+    return found
 
 
 def _no_stage(name: str, override: Override, stages: Mapping[str, Node], known: Collection[str]) -> Mistake:

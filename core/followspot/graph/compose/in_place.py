@@ -85,12 +85,12 @@ def in_place(
     inner = {name: below[name] for name in stages}
     parent.units[use.name] = (unit,)
     return InPlace(
-        inner,
-        outputs_below(parent),
-        left_out_below(unit),
-        tuple(optional_uses(unit)),
-        uses,
-        promises_of(unit),
+        stages=inner,
+        outputs=outputs_below(parent),
+        left_out=left_out_below(unit),
+        optional=tuple(optional_uses(unit)),
+        subgraphs=uses,
+        promises=promises_of(unit),
     )
 
 
