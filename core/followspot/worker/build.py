@@ -65,12 +65,12 @@ class Builder:
         self.names = {stage.name for stage in self.mine}
         self.inputs = InputBuilder(wiring, ledger, options, links)
         self.writers: dict[PortWriter, str] = {}
-        """Each with the stage that owns it."""
+        """The stage that owns each writer."""
         self.runners: list[StageRunner] = []
         self.pace = Pace()
 
     def build(self) -> Scheduler:
-        """Make input queues, then the stage runners that join them, then the calls that schedule those."""
+        """Make input queues, then the stage runners that join them, then what schedules the runners."""
         for stage in self.mine:
             for number in self.wiring.into[stage.name]:
                 self.inputs.queues[number] = self.inputs.queue(number)
@@ -84,7 +84,7 @@ class Builder:
         return scheduler
 
     def connect_wakeups(self, scheduler: Scheduler) -> None:
-        """Let what comes to the queues, and what leaves full ones, mark the stage runners."""
+        """Let a queue mark its reader when a message comes, and its sender when it has room again."""
         ranks = {stage.name: rank for rank, stage in enumerate(self.mine)}
         for number, queue in self.inputs.queues.items():
             edge = self.plan.edge(number)
@@ -196,13 +196,14 @@ class Builder:
         self.writers[writer] = stage
 
     def _count_lost(self, number: int) -> None:
-        """Count messages that were in flight within the worker when it died before as lost."""
+        """Count as lost what was in flight on an edge within the worker when its earlier incarnation died."""
         self.words[self.ledger.row(number) + LOST] += self.ledger.count(number).in_flight
 
     def way(self, number: int) -> str:
-        """What edges must have in common to share a writer; an edge that drops has its own.
+        """What the edges of a port must have in common to share a writer; an edge that drops has its own.
 
-        Over the network they also came together, for their key says where their streams begin.
+        Edges over the network must also have come with the same change of the graph: they share a key, and
+        the stream of a key has one beginning.
         """
         edge = self.plan.edge(number)
         if edge.drops and edge.kind != "reference":

@@ -95,7 +95,8 @@ class EdgeEnds:
         self._mark(runner.rank)
 
     def give_up(self, rows: Container[int]) -> None:
-        """Wait no longer for workers at the other ends of these edges: one that is away stays away.
+        """Wait no longer for workers at the other ends of these edges: one that is away, now or
+        later, does not come back.
 
         rows: ledger rows of the edges.
         """
@@ -119,7 +120,10 @@ class EdgeEnds:
         return taken and all(queue.reader is None or queue.reader.caught_up for queue in self.readers)
 
     def tell_at_once(self, at_once: bool) -> None:
-        """Whether other workers hear at once of all that is taken here: their `settled` waits for it."""
+        """Report every message to its sender as soon as it is taken here, or again only now and then.
+
+        `settled` of the sending worker waits for these reports.
+        """
         for queue in self.readers:
             if queue.reader is not None:
                 queue.reader.tell_at_once(at_once)
@@ -130,7 +134,7 @@ class EdgeEnds:
         return all(queue.watermark == END for queue in self.readers) and sent
 
     def credit_came(self) -> bool:
-        """Ask the readers of blocked stages for a wake-up; True if credit has come already."""
+        """Ask the readers that block stages for a wake-up; True if one has given credit already."""
         came = False
         for writer, runner in self.writers:
             if runner.blocked:
@@ -171,4 +175,4 @@ class EdgeEnds:
 
 
 def _ignore() -> None:
-    """What is handed to a reader whose edge has left the graph is not taken."""
+    """Do nothing: nothing is read any more from an edge that has left the graph."""

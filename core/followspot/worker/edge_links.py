@@ -49,7 +49,7 @@ class EdgeLinks:
         incarnation: int = 0,
     ) -> None:
         self.plan = self._working = plan
-        """The plan whose edges these links make; the plan of the edges that work."""
+        """The plan whose edges these links make. `_working`: the plan of the edges that work."""
         self.sending = dict(sending)
         self.receiving = dict(receiving)
         self.session = session
@@ -160,9 +160,9 @@ class EdgeLinks:
         return reader
 
     def _homes(self, edges: Sequence[int]) -> list[Home]:
-        """Where the readers of edges are; none if they do not share datagrams.
+        """Where the readers of edges are, so that readers in one worker share datagrams; [] if none share.
 
-        The ends of a worker that was started again come one by one to workers that go on, so those do not.
+        A worker that was started again gets its edges one by one, so their readers do not share.
         """
         if self.incarnation:
             return []
@@ -179,7 +179,8 @@ class EdgeLinks:
     def wait_matched(self, wanted: Callable[[], bool] = lambda: True) -> None:
         """Block until every Zenoh edge has found its other end, so that nothing is lost at the start.
 
-        wanted: whether to wait on. Raises FollowspotError naming the edges that did not.
+        wanted: asked again and again; the wait ends when it returns False. Raises FollowspotError naming the
+        edges that did not.
         """
         deadline = time.monotonic() + _MATCH_TIMEOUT
         waiting = self._zenoh_ends
@@ -197,7 +198,7 @@ class EdgeLinks:
             end.matched()
 
     def strangers(self) -> dict[str, int]:
-        """Edges that got anything malformed or not from their other end, with how much."""
+        """For each edge that got anything malformed or not from its other end: how much."""
         found = self._refused.copy()
         for name, end in self._zenoh_ends:
             found[name] += end.strangers

@@ -22,7 +22,7 @@ class SourceHold:
         self.order: HoldSources | None = None
         """The order that holds the sources, None if they are free."""
         self._aligned = False
-        """Whether sources hold at one capture time while the worker comes to rest."""
+        """Whether sources of recordings hold at one capture time while the worker comes to rest."""
         self._frozen = False
         """Whether live sources hold, too."""
         self._hold_at = 0

@@ -116,7 +116,7 @@ class Journal:
         self._rows: dict[int, int] = {}
         """Row in the checkpoint's edges by the row of an edge in the ledger."""
         self._join: Join | None = None
-        """Of the newest checkpoint; another stage or other edges bring another."""
+        """The join at the newest checkpoint; a swap of the stage or of its edges replaces the join."""
 
     def tap(self, by: Callable[[Message], None]) -> None:
         """Call `by` with every firing from now on. Safe from any thread."""

@@ -24,9 +24,9 @@ from followspot.worker.ledger import (
 )
 
 _NONE = -1
-"""Stands for the row of an edge that has left, whose reader keeps its index in the writer."""
+"""Stands for the row of an edge that has left the graph: its reader keeps its index in the writer."""
 _TAPPING = Lock()
-"""Any thread adds taps; the worker's thread removes them."""
+"""Guards the taps of all ports: any thread adds taps, the worker's thread removes them."""
 
 
 class OutputPort:
@@ -95,9 +95,9 @@ class OutputPort:
         self._fill(rows)
 
     def reconnect(self, queues: Sequence[InputQueue], waiting: int = 0) -> None:
-        """Have these readers in the same worker, instead of the former ones.
+        """Replace the readers in the same worker.
 
-        waiting: messages that count as produced and are yet to be sent: to the new readers.
+        waiting: messages that count as produced and are yet to be sent, then to the new readers.
         """
         before = self.all_rows
         far = [row for rows in self.rows for row in rows if row != _NONE]
@@ -107,7 +107,7 @@ class OutputPort:
         self._fill(self.all_rows)
 
     def recount(self, before: Collection[int], waiting: int) -> None:
-        """Count messages that are yet to be sent as produced on the edges that are there now.
+        """Move the counts of produced messages that are yet to be sent to the edges that are there now.
 
         before: ledger rows of the edges before; waiting: how many messages.
         """

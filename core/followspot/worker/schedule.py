@@ -17,7 +17,7 @@ _FIRINGS = 32
 class Schedule:
     """Stage runners whose inputs or outputs changed; each has the rank of its place in topological order.
 
-    ready: ranks, below zero, as a heap.
+    ready: negative ranks as a heap, so that the stage nearest to the sinks comes first.
     """
 
     def __init__(self) -> None:
@@ -58,7 +58,7 @@ class Schedule:
     def mark_waiting(self, runner: StageRunner, queue: InputQueue) -> None:
         """Schedule this stage runner after something came to a sampled input.
 
-        It need not be if it has no messages to fire with, unless the edge is full.
+        Without messages to fire with it is not scheduled, unless the edge is full.
         """
         if runner.done or len(queue.messages) >= queue.depth:
             self.mark(runner.rank)

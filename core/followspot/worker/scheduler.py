@@ -40,8 +40,10 @@ _ALL = range(sys.maxsize)
 
 
 class Rest(NamedTuple):
-    """What to do once a worker is at rest. act: gets whether it is; deadline: s, monotonic, to act anyway;
-    calm: says whether nothing waits that other workers have yet to complete.
+    """What to do once a worker is at rest.
+
+    act: called with whether it is at rest; deadline: s, monotonic, when to act anyway; calm: whether
+    nothing waits here for what live sources or other workers have yet to give.
     """
 
     act: Callable[[bool], None]
@@ -78,7 +80,7 @@ class Scheduler:
             source.notify = self.wake
 
     def _arrange(self, runners: Sequence[StageRunner]) -> None:
-        """Run these from now on; none is scheduled yet."""
+        """Have these stage runners from now on; none is scheduled yet."""
         self.runners = tuple(runners)
         self.sources.arrange(runners)
         self.schedule.arrange(runners, in_rounds=bool(self.sources.live))
@@ -208,9 +210,11 @@ class Scheduler:
         return True
 
     def _stands_back(self) -> bool:
-        """Whether the sources wait for ready stages; live ones do until a message can have passed them all.
+        """Whether the sources wait for the ready stages.
 
-        What is ready then is fed by other workers faster than it works, perhaps for ever.
+        In a worker with live sources they wait for as many rounds as there are stages, in which a message
+        passes them all. A stage that is ready even then gets messages from other workers faster than it
+        works, perhaps for ever.
         """
         self._rounds = self._rounds + 1 if self.schedule.ready else 0
         if self.sources.live and self._rounds >= len(self.runners):

@@ -27,7 +27,7 @@ class Sources:
         self.live: tuple[LiveSourceRunner, ...] = ()
         self.hold = SourceHold()
         self._resting_until = END
-        """When the first of those that rest goes on, as the last pull found it, ns of the monotonic clock."""
+        """When the first resting source goes on, as the last pull found it, ns of the monotonic clock."""
 
     @property
     def handlers(self) -> Handlers:
@@ -41,7 +41,7 @@ class Sources:
         self.hold.sources = self.all
 
     def pull(self) -> bool:
-        """Pull the source with the earliest watermark, then those that are earliest; False if none works.
+        """Pull the source with the earliest watermark, and all that are as far; False if none did anything.
 
         While a source waits to send a message, none that is ahead of it goes on. After one has made a message
         that it keeps, the others wait for the next call: stages go first that have become ready meanwhile.
@@ -78,10 +78,11 @@ class Sources:
             yield self._resting_until / 1e9
 
     def _rests_until(self, source: SourceRunner) -> int:
-        """From when on a source makes its next message, ns of the monotonic clock.
+        """When a source may begin to make its next message, ns of the monotonic clock.
 
-        One that keeps a pace leaves the cores to the stages of what it has sent, in other workers too. It
-        goes on halfway to the next message, or so early that all sources here need half of the time left.
+        Until then a source that keeps a pace leaves the cores to the stages that process its last message, in
+        other workers too. It begins halfway to the next message, or earlier, so that all sources of this
+        worker need no more than half of the time that is left.
         """
         if source.keeps or source.stopped or self.hold.holding:
             return 0

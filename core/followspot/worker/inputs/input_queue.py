@@ -76,7 +76,7 @@ class InputQueue:
         self.lateness = lateness
         self.window = window
         self.answers = False
-        """Whether what comes may depend on what the reading stage gives: it must not wait for more."""
+        """Whether messages may depend on what the reading stage gives, so that it must not wait for more."""
         self.left_at = _BEFORE_ALL
         """Capture time, ns, of the newest message that a join took or discarded."""
         self.messages: deque[Message] = deque()
@@ -96,8 +96,8 @@ class InputQueue:
         self.unfit: Misfit | None = None
         """Says why a message from another worker does not fit the room."""
         self.stale = 0
-        """Oldest messages in the queue for which the writer gets no more credit: excused ones, or those of a
-        former writer."""
+        """How many of the oldest messages give the writer no credit when they leave: they were excused, or
+        came from a former writer."""
 
     def put(self, message: Message) -> None:
         """Take a message from a stage of the same worker, which counted it."""

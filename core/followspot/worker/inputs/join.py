@@ -51,15 +51,15 @@ class Join:
         self.dropping = tuple(queue for queue in self.members if queue.keep is not None)
         """Members that keep only their newest messages."""
         self.only = self.members[0] if len(self.members) == len(self.ports) == 1 else None
-        """The single member of the commonest stage, which fires for each message as it is."""
+        """The only member of a stage with one input, the commonest: it fires for each message as it comes."""
         self.lateness = lateness
         self.lag = lag
         self.closed = -END - 1
         """Capture time, ns, up to which everything was fired or discarded; before all times at first."""
         self.in_time = UNMATCHED
-        """Ledger column of messages after their window closed: `LATE` once a deadline closed one."""
+        """Ledger column of messages whose window is closed: `LATE` once a deadline has closed one."""
         self._reach = 0
-        """Window of the member that is earliest, ns."""
+        """Window, ns, of the member with the earliest message."""
 
     def read_by(self, inputs: Sequence[InputSpec]) -> Join:
         """The same inputs for a stage that declares these ports, perhaps in another order; the only input of
@@ -226,9 +226,9 @@ class Join:
     def _far(self, time: int) -> InputQueue | None:
         """A member whose next message is nearer to the join than its first, or may be; None if there is none.
 
-        The join is where the latest of the first messages is. Only messages that follow each other within
-        twice the window can be such; a member whose last two lie further apart is not waited for, nor is one
-        that depends on the result of this firing.
+        The time of the join is that of the latest first message. A next message can only be nearer if it
+        follows the first within twice the window. So a member whose last two messages lie further apart is
+        not waited for, nor is one that depends on the result of this firing.
         """
         if not self._frequent():
             return None
@@ -248,7 +248,7 @@ class Join:
         return None
 
     def _frequent(self) -> bool:
-        """Whether a member that is asked now sends so often that the choice is open; few do."""
+        """Whether a member sends so often that its next message may be nearer to the join; few do."""
         reach = self._reach
         for queue in self.free:
             if queue.messages:

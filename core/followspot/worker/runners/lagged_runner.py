@@ -46,7 +46,11 @@ class LaggedRunner(OutputsRunner):
             yield item, in_range(self._header(given, firing))
 
     def _header(self, given: Header, firing: Header) -> Header:
-        """That of the firing at this time; of the current one if a worker that has died had the other."""
+        """Header of the earlier firing that a message belongs to, by its capture time.
+
+        A firing before the worker was started again is not known: its message gets the number that the stage
+        gives it, else that of this firing.
+        """
         while self._owed and self._owed[0].time < given.time:
             self._owed.popleft()
         if self._owed and self._owed[0].time == given.time:

@@ -24,8 +24,8 @@ from followspot.worker.runners.stage_runner import Changed
 class LiveSourceRunner(SourceRunner):
     """Runs a source that delivers in its own time: its thread keeps the newest frames and drops the oldest.
 
-    A frame counts as produced when the device gives it. The ledger so has it, even if the worker dies before
-    the graph takes the frame.
+    A frame counts as produced as soon as the device gives it, so that the ledger has it even if the worker
+    dies before the graph takes it.
     """
 
     depth: int = LIVE_DEPTH
@@ -41,7 +41,7 @@ class LiveSourceRunner(SourceRunner):
         self._lock = threading.Lock()
         self._newest: deque[Any] = deque()
         self._grabbed = self._overrun = 0
-        """Messages that came; those that were dropped since the worker last took one."""
+        """Messages that came; `_overrun`: those that were dropped since the worker last took one."""
         self._shut = False
         """Whether the thread may add no more."""
         for _, output in self.outputs:

@@ -36,15 +36,16 @@ class SourceRunner(StageRunner):
     entered = 0
     """When the last message was made, ns of the monotonic clock."""
     not_before = 0
-    """When the newest message may be sent, or might have been, ns of the monotonic clock."""
+    """Earliest time to send the newest message, sent or not, ns of the monotonic clock."""
     interval = 0
-    """From the time at which the message before was due, ns; 0 for a source that keeps no pace."""
+    """Time between the dues of the last two messages, ns; 0 for a source that keeps no pace."""
     made_in = 0
     """How long the newest message took to make, ns."""
     stopped = False
     until = END
     """Capture time, ns, after which it sends nothing for now."""
     _items: Iterator[Any] | None = None
+    """The generator of the stage; None before the first pull."""
     _kept: Any = NOTHING
     _kept_time = 0
 

@@ -76,11 +76,15 @@ class StageRunner:
         self._results = tuple(named for named in self.outputs if named[0] != FIRINGS)
         """The outputs of what `process` returns."""
         self.single = self._results[0][1] if [name for name, _ in self._results] == ["out"] else None
+        """The output port of a stage that returns messages of one type; else None."""
         self.on_error = on_error
         self.deadline = deadline
         self.overdue_at: float | None = None
+        """When the deadline of the oldest waiting message passes, s, monotonic; None if none waits."""
         self.done = False
+        """Whether the inputs have ended and the stage is closed."""
         self.open = False
+        """Whether the stage is to be closed: `setup` was called, `close` was not."""
         self.ready = False
         """Whether `setup` succeeded."""
         self.blocked = False
@@ -233,7 +237,7 @@ class StageRunner:
             stage.context.warn(f"the stage that was replaced did not close: {type(error).__name__}: {error}")
 
     def leave(self) -> None:
-        """Fire with what is there: the stage leaves the graph, and no partners of a message come any more."""
+        """Fire with the messages that wait, without their missing partners: the stage leaves the graph."""
         while not self.done and self.has_room() and (fire_at := self.join.ready(overdue=True)) is not None:
             firing = self.take(fire_at)
             self.deliver(self.run(firing), firing.header)
@@ -307,7 +311,7 @@ class StageRunner:
     def _following(self) -> int:
         """The watermark, ns, that the outputs can announce with what they send now; `UNKNOWN` if they cannot.
 
-        It spares a token of its own; the end and an absence have one.
+        A message takes the watermark along. The end and an absence travel by themselves.
         """
         watermark = self.join.watermark()
         if not self._passed < watermark < ABSENT:
@@ -316,7 +320,7 @@ class StageRunner:
         return watermark
 
     def _pass(self, watermark: int) -> None:
-        """Note that the outputs announce this watermark, ns: what comes back late is too late."""
+        """Note that the outputs announce this watermark, ns: nothing earlier fires any more."""
         self._passed = watermark
         self.join.closed = max(self.join.closed, watermark - 1)
 

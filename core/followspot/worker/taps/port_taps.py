@@ -41,7 +41,7 @@ class Tap:
         self._closed = False
 
     def __call__(self, message: Message) -> None:
-        """Give the message to the sink; if it raises, the tap is removed."""
+        """Give the message to the sink; remove the tap if the sink raises."""
         try:
             self._stage.process(message)
         except Exception as error:
