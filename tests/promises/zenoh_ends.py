@@ -58,7 +58,7 @@ class ZenohEnds(RuleBasedStateMachine):
         reader = self.readers[index]
         if reader is not None:
             for owed in self.eras[index]:  # what came while it did not read may have been too much
-                owed.leaks |= reader.strangers > 0
+                owed.leaks |= reader.rejected > 0
             for token in reader.poll():
                 self.take(index, token)
 

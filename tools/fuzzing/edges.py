@@ -144,7 +144,7 @@ class Pair:
     @property
     def refused(self) -> int:
         """The counts of both ends."""
-        return self.writer.strangers + self.reader.strangers
+        return self.writer.rejected + self.reader.rejected
 
     def agree(self) -> None:
         """Let the writer's state match what the reader believed, if the writer could have meant it.
@@ -298,14 +298,14 @@ class RingEdge:
 
     def take(self, act: Callable[[], None]) -> object:
         """Do it and see what becomes of it. Raises InvalidMessage if it is refused."""
-        refused = self.reader.strangers + self.writer.strangers
+        refused = self.reader.rejected + self.writer.rejected
         sequence = self.reader._decoder.sequence
         act()
         tokens = [token for _ in range(4) for token in self.reader.poll()]
         self.writer.credit()
         self.writer.drain()
         self._count += 1
-        refused = self.reader.strangers + self.writer.strangers - refused
+        refused = self.reader.rejected + self.writer.rejected - refused
         self._passes(self.reader._decoder.sequence != sequence or bool(self.writer.lost))
         broken = [token.reason for token in tokens if isinstance(token, Invalid)]
         if broken or refused:

@@ -47,12 +47,12 @@ class DroppingWriter:
         return self.inner.lost
 
     @property
-    def strangers(self) -> int:
+    def rejected(self) -> int:
         """That of the inner writer."""
-        return self.inner.strangers
+        return self.inner.rejected
 
     def perished(self) -> list[tuple[int, int]]:
-        """As the inner writer knows it; messages that wait here are dropped, or sent to the next reader."""
+        """Those of the inner writer; messages that wait here are dropped, or sent to the next reader."""
         return self.inner.perished()
 
     def matched(self) -> bool:
@@ -60,7 +60,7 @@ class DroppingWriter:
         return self.inner.matched()
 
     def credit(self) -> int:
-        """More than a writer ever sends at once: the edge always takes a message."""
+        """A number that no writer uses up: the edge always takes a message."""
         return _PLENTY
 
     def send(self, token: Message | Watermark, watermark: int = UNKNOWN) -> None:
@@ -149,7 +149,7 @@ class DroppingWriter:
         return UNKNOWN
 
     def _credit_now(self) -> bool:
-        """Ask for a wake-up; whether there was credit meanwhile."""
+        """Ask for a wake-up; return whether credit has come meanwhile."""
         self.inner.want_credit()
         return self.inner.credit() > 0
 

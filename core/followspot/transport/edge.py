@@ -26,8 +26,8 @@ class PortWriter(Protocol):
         """Indices of readers that `drain` found gone before the end; the writer no longer waits for them."""
 
     @property
-    def strangers(self) -> int:
-        """How much came that was malformed or not from a reader; no ledger counts it."""
+    def rejected(self) -> int:
+        """Count of all that came malformed or not from a reader; no ledger has it."""
 
     def perished(self) -> list[tuple[int, int]]:
         """Indices of readers that died since the last call, each with its messages that were on their way.
@@ -59,7 +59,7 @@ class PortWriter(Protocol):
 
     @property
     def all_taken(self) -> bool:
-        """False if a reader has not said yet that it has taken everything sent; see `tell_at_once`."""
+        """False if a reader has not reported yet that it has taken everything sent; see `report_at_once`."""
 
     def dismiss(self, index: int) -> None:
         """Send a reader nothing more and wait for it no longer: its edge has left the graph."""
@@ -86,11 +86,11 @@ class PortReader(Protocol):
 
     @property
     def broken(self) -> bool:
-        """Whether this reader is of no more use: a writer that is started again needs another one."""
+        """Whether this reader can get nothing more: a writer that is started again needs a new reader."""
 
     @property
-    def strangers(self) -> int:
-        """How much came that was malformed or not from the writer; no ledger counts it."""
+    def rejected(self) -> int:
+        """Count of all that came malformed or not from the writer; no ledger has it."""
 
     def matched(self) -> bool:
         """Whether the writer is there."""
@@ -102,8 +102,8 @@ class PortReader(Protocol):
     def caught_up(self) -> bool:
         """False if `poll` is known not to have taken everything that was sent so far."""
 
-    def tell_at_once(self, at_once: bool) -> None:
-        """Whether to tell the writer of every token as it is taken, and not only now and then."""
+    def report_at_once(self, at_once: bool) -> None:
+        """Report every token to the writer as soon as it is taken (True), or only now and then (False)."""
 
     def fileno(self) -> int:
         """File descriptor, readable when `poll` has tokens or the writer died."""

@@ -24,9 +24,9 @@ _TYPES = ("|u1", "<u2")
 """Numbers of pictures: 8 and 16 bits."""
 _DTYPE = re.compile(r"\|[biu]1|[<>][iuf][248]|[<>]c(8|16)")
 _LONG = 512
-"""Numbers of a row from which adding row by row is faster than all at once."""
+"""Numbers in a row from which adding row by row is faster than all rows at once."""
 _FEWEST = 1024
-"""Bytes from which an array is worth it."""
+"""Smallest array that is worth coding, bytes."""
 
 
 def differenced(data: bytes) -> bytes:

@@ -119,14 +119,14 @@ class EdgeEnds:
         taken = all(writer.all_taken for writer, _ in self.writers)
         return taken and all(queue.reader is None or queue.reader.caught_up for queue in self.readers)
 
-    def tell_at_once(self, at_once: bool) -> None:
+    def report_at_once(self, at_once: bool) -> None:
         """Report every message to its sender as soon as it is taken here, or again only now and then.
 
         `settled` of the sending worker waits for these reports.
         """
         for queue in self.readers:
             if queue.reader is not None:
-                queue.reader.tell_at_once(at_once)
+                queue.reader.report_at_once(at_once)
 
     def flushed(self) -> bool:
         """True if all input streams have ended and all messages are sent; call it until it is True."""

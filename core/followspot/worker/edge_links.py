@@ -125,7 +125,7 @@ class EdgeLinks:
         """Have the plan of these links from now on, and their ends beside those that stay."""
         stay = {number for number, _ in new.plan.numbered()}
         for edge in self._ring_readers.keys() - stay:
-            self._refused[self.plan.edge(edge).name] += self._ring_readers.pop(edge)[0].strangers
+            self._refused[self.plan.edge(edge).name] += self._ring_readers.pop(edge)[0].rejected
         for edge in self._ring_writers.keys() - stay:
             del self._ring_writers[edge]
         self._zenoh_ends += new._zenoh_ends
@@ -147,7 +147,7 @@ class EdgeLinks:
         """Connect a ring edge through `sock`: the worker at the other end was started again."""
         if edge in self._ring_readers:
             old, kind = self._ring_readers[edge]
-            self._refused[self.plan.edge(edge).name] += old.strangers
+            self._refused[self.plan.edge(edge).name] += old.rejected
             scheduler.ends.adopt_reader(old, self._ring_reader(edge, sock, kind))
         else:
             ring, index = self._ring_writers[edge]
@@ -197,15 +197,15 @@ class EdgeLinks:
         for _, end in self._zenoh_ends:
             end.matched()
 
-    def strangers(self) -> dict[str, int]:
+    def rejected(self) -> dict[str, int]:
         """For each edge that got anything malformed or not from its other end: how much."""
         found = self._refused.copy()
         for name, end in self._zenoh_ends:
-            found[name] += end.strangers
+            found[name] += end.rejected
         for edge, (reader, _) in self._ring_readers.items():
-            found[self.plan.edge(edge).name] += reader.strangers
+            found[self.plan.edge(edge).name] += reader.rejected
         for edge, (writer, index) in self._ring_writers.items():
-            found[self.plan.edge(edge).name] += 0 if index else writer.strangers
+            found[self.plan.edge(edge).name] += 0 if index else writer.rejected
         return {name: count for name, count in found.items() if count}
 
     def close(self) -> None:

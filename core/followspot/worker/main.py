@@ -113,7 +113,7 @@ class WorkerMain:
                 self.scheduler.close()
             if self.links is not None:
                 self.links.close()
-        for edge, times in self.links.strangers().items() if self.links is not None else ():
+        for edge, times in self.links.rejected().items() if self.links is not None else ():
             self.warnings.add(edge, f"refused {times} times what was malformed or not from its sender")
         self.reporter.send_log()
         if self.scheduler is not None:

@@ -90,14 +90,14 @@ def descriptors() -> int:
 def test_numbers_of_messages_that_cannot_be_next_are_refused(ring: Hostile, kind: int, value: int) -> None:
     ring.alive()
     ring.say(kind, 0, 0, 0, value)
-    assert ring.reader.strangers == 1
+    assert ring.reader.rejected == 1
     ring.alive(1)
 
 
 @pytest.mark.parametrize("time", [MAX_WATERMARK + 1, ABSENT - 1, -MAX_WATERMARK - 1, -(2**63)])
 def test_bounds_that_no_message_leads_to_are_refused(ring: Hostile, time: int) -> None:
     ring.say(WATERMARK, 0, 0, 0, time)
-    assert ring.reader.strangers == 1
+    assert ring.reader.rejected == 1
     assert not ring.reader._ended
     ring.alive()
 
@@ -129,7 +129,7 @@ def test_memory_that_no_writer_gives_is_refused_and_let_go_of(ring: Hostile, wor
     before = descriptors()
     for count in range(1, 4):
         ring.say(*words, memory=memory.fd)
-        assert ring.reader.strangers == count
+        assert ring.reader.rejected == count
     assert descriptors() == before
     ring.alive(1)
     assert kept is not None
@@ -145,7 +145,7 @@ def test_a_greeting_that_no_writer_gives_is_refused(slots: int, quota: int, sequ
     memory = Memory.create("hostile", Control.size(8))
     socket.send_fds(ours, [NOTIFICATION.pack(HELLO, 0, quota, slots, sequence)], [memory.fd])
     assert reader.poll() == []
-    assert reader.strangers == 1
+    assert reader.rejected == 1
     writer = RingWriter([ours], DEPTH)
     writer.send(frame(0))
     assert len(messages(polled(reader))) == 1
@@ -165,7 +165,7 @@ def test_descriptors_that_are_no_sealed_memory_are_refused_and_let_go_of(tmp_pat
     for count, fd in enumerate((file.fileno(), unsealed, pipe[0], ours.fileno()), 1):
         socket.send_fds(ours, [NOTIFICATION.pack(HELLO, 0, 1, 8, 0)], [fd])
         assert reader.poll() == []
-        assert reader.strangers == count
+        assert reader.rejected == count
     assert descriptors() == before
     file.close()
     for fd in (unsealed, *pipe):
@@ -185,7 +185,7 @@ def test_a_reader_that_consumed_more_than_was_sent_is_cut_off_and_the_others_go_
         ring.writer.credit()
         ring.writer.drain()
         assert ring.writer.lost == {0}
-        assert ring.writer.strangers == 1
+        assert ring.writer.rejected == 1
         assert honest.poll()
         honest.consumed()
         for number in range(1, 3 * DEPTH):
@@ -205,10 +205,10 @@ def test_a_reader_that_gives_credit_without_reading_fills_no_memory(ring: Hostil
         ring.reader._memory.control.words[CONSUMED] = number
         assert ring.writer.credit()
         ring.writer.send(small(number))
-        if ring.writer.strangers:
+        if ring.writer.rejected:
             break
     (link,) = ring.writer._links.all
-    assert ring.writer.strangers == 1, "the socket never was full"
+    assert ring.writer.rejected == 1, "the socket never was full"
     assert len(link._pending) < 100
     ring.writer.drain()
     assert ring.writer.lost == {0}
@@ -263,5 +263,5 @@ def test_a_watermark_that_no_message_brings_is_refused_and_the_message_passes(
     ring.writer.send(frame(0), watermark)
     (message,) = messages(polled(ring.reader))
     assert identical(message, frame(0))
-    assert ring.reader.strangers == 1
+    assert ring.reader.rejected == 1
     assert not ring.reader.lost

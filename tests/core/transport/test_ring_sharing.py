@@ -214,4 +214,4 @@ def test_a_port_that_is_not_the_writers_is_not_handed_over(shared: Shared, edge:
     shared.readers[0].poll()
     shared.sockets[0].send(NOTIFICATION.pack(CARRIES, 0, 0, 0, edge))
     assert shared.readers[0].poll() == []
-    assert shared.readers[0].strangers == 1
+    assert shared.readers[0].rejected == 1

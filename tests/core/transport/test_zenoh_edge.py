@@ -230,7 +230,7 @@ def test_what_strangers_put_on_the_key_is_passed_over_and_counted(pair: Pair) ->
     pair.writer.send(frame(1))
     tokens = arrived(pair.reader, 2)
     assert all(isinstance(token, Message) and identical(token, frame(n)) for n, token in enumerate(tokens))
-    until(lambda: pair.reader.poll() == [] and pair.reader.strangers == 7)
+    until(lambda: pair.reader.poll() == [] and pair.reader.rejected == 7)
 
 
 def test_lost_and_broken_messages_are_invalid_in_their_place(pair: Pair) -> None:
@@ -266,7 +266,7 @@ def test_a_flood_from_a_stranger_fills_no_memory(pair: Pair) -> None:
         publisher.put(bytes(1000))
     publisher.put(bytes(1000), attachment=b"last")
     until(lambda: len(pair.reader._arrived) == pair.reader._limit)
-    until(lambda: pair.reader.poll() == [] and pair.reader.strangers == 2001)
+    until(lambda: pair.reader.poll() == [] and pair.reader.rejected == 2001)
 
 
 def test_false_reports_are_counted_and_give_no_credit(pair: Pair) -> None:
@@ -275,7 +275,7 @@ def test_false_reports_are_counted_and_give_no_credit(pair: Pair) -> None:
     reports = pair.intruder(f"{SAID}/credit/{QUOTED}")
     reports.put(b"short")
     reports.put(CREDIT.pack(0, 0, 2**63, 2**63))
-    until(lambda: pair.writer.strangers == 3)
+    until(lambda: pair.writer.rejected == 3)
     assert pair.writer.credit() == DEPTH - 1
 
 
@@ -290,7 +290,7 @@ def test_a_writer_believes_of_a_reader_only_what_its_own_host_says(pair: Pair) -
         pair.stranger.liveliness().declare_token(f"{elsewhere}/{words.format(QUOTED)}")
         for words in ("alive/{0}/0", "alive/{0}/1", "done/{0}/0/0", "done/{0}/1/0")
     ]
-    until(lambda: pair.writer.strangers == 1 + len(tokens))
+    until(lambda: pair.writer.rejected == 1 + len(tokens))
     for token in tokens:
         token.undeclare()  # type: ignore[no-untyped-call]
     own = pair.stranger.liveliness().declare_token(f"{SAID}/done/{QUOTED}/0/0")
@@ -303,7 +303,7 @@ def test_a_writer_believes_of_a_reader_only_what_its_own_host_says(pair: Pair) -
     assert reader.done, "it was its own host that said so"
     assert reader.present
     assert reader.incarnation == 0
-    assert pair.writer.strangers == 1 + len(tokens)
+    assert pair.writer.rejected == 1 + len(tokens)
 
 
 @pytest.mark.parametrize(
@@ -324,19 +324,19 @@ def test_a_writer_believes_of_a_reader_only_what_its_own_host_says(pair: Pair) -
 )
 def test_a_token_that_tells_nothing_is_refused_and_counted(pair: Pair, words: str) -> None:
     token = pair.stranger.liveliness().declare_token(f"{SAID}/{words.format(QUOTED)}")
-    until(lambda: pair.writer.strangers == 1)
+    until(lambda: pair.writer.rejected == 1)
     token.undeclare()  # type: ignore[no-untyped-call]
     pair.writer.send(frame(0))
     assert arrived(pair.reader, 1)
     assert not pair.writer._flow._changes
-    assert pair.writer.strangers == 1
+    assert pair.writer.rejected == 1
     assert not pair.writer.lost
 
 
 @pytest.mark.parametrize("incarnation", ["x", "-1", "9" * 5000, "*"])
 def test_a_writers_token_that_tells_nothing_is_refused_and_counted(pair: Pair, incarnation: str) -> None:
     token = pair.stranger.liveliness().declare_token(f"{KEY}/alive/writer/{incarnation}")
-    until(lambda: pair.reader.strangers == 1)
+    until(lambda: pair.reader.rejected == 1)
     pair.writer.close()
     until(lambda: pair.reader._gone)
     token.undeclare()  # type: ignore[no-untyped-call]
@@ -348,8 +348,8 @@ def test_what_strangers_put_on_all_keys_at_once_kills_nobody(
     pair.stranger.put("**", b"hello")
     pair.stranger.put("test/**", CREDIT.pack(0, 0, 1, 1))
     token = pair.stranger.liveliness().declare_token("**")
-    until(lambda: pair.writer.strangers >= 2)
-    until(lambda: pair.reader.poll() == [] and pair.reader.strangers >= 2)
+    until(lambda: pair.writer.rejected >= 2)
+    until(lambda: pair.reader.poll() == [] and pair.reader.rejected >= 2)
     pair.writer.send(frame(0))
     arrived(pair.reader, 1)
     token.undeclare()  # type: ignore[no-untyped-call]
@@ -433,4 +433,4 @@ def test_the_watermark_after_a_message_comes_with_it_and_one_out_of_range_is_ref
         intruder.put(pack(frame(9)), attachment=NUMBER.pack(0, 1, 2) + KNOWN.pack(wrong))
     until(lambda: len(pair.reader._arrived) == count + 2)
     assert pair.reader.poll() == []
-    assert pair.reader.strangers == 2
+    assert pair.reader.rejected == 2

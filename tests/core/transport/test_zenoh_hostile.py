@@ -42,7 +42,7 @@ def test_a_start_with_an_extreme_number_is_refused_and_counted(pair: Pair, place
     numbers = [0, 0, 0, 0]
     numbers[place] = number
     pair.intruder(f"{KEY}/start/{READER}/0").put(START.pack(*numbers))
-    until(lambda: pair.reader.poll() == [] and pair.reader.strangers == 1)
+    until(lambda: pair.reader.poll() == [] and pair.reader.rejected == 1)
     alive(pair)
 
 
@@ -55,14 +55,14 @@ def test_a_start_that_no_writer_can_mean_is_refused_and_counted(pair: Pair, star
     for _ in range(3):
         alive(pair)
     pair.intruder(f"{KEY}/start/{READER}/0").put(start)
-    until(lambda: pair.reader.poll() == [] and pair.reader.strangers == 1)
+    until(lambda: pair.reader.poll() == [] and pair.reader.rejected == 1)
     alive(pair)
 
 
 def test_a_start_that_gives_more_than_can_be_under_way_is_refused(pair: Pair) -> None:
     many = 64 * (DEPTH + WINDOW) + 1
     pair.intruder(f"{KEY}/start/{READER}/0").put(START.pack(0, many, many, many))
-    until(lambda: pair.reader.poll() == [] and pair.reader.strangers == 1)
+    until(lambda: pair.reader.poll() == [] and pair.reader.rejected == 1)
     alive(pair)
 
 
@@ -80,7 +80,7 @@ def test_a_start_that_gives_more_than_can_be_under_way_is_refused(pair: Pair) ->
 def test_a_report_that_no_reader_can_mean_gives_no_credit_and_is_counted(pair: Pair, report: bytes) -> None:
     pair.writer.send(frame(0))
     pair.intruder(f"{SAID}/credit/{READER}").put(report)
-    until(lambda: pair.writer.strangers == 1)
+    until(lambda: pair.writer.rejected == 1)
     assert pair.writer.credit() == DEPTH - 1
     arrived(pair.reader, 1)
     pair.reader.consumed()
@@ -89,7 +89,7 @@ def test_a_report_that_no_reader_can_mean_gives_no_credit_and_is_counted(pair: P
 
 def test_a_report_of_nobody_is_counted(pair: Pair) -> None:
     pair.intruder(f"{SAID}/credit/nobody").put(CREDIT.pack(0, 0, 0, 0))
-    until(lambda: pair.writer.strangers == 1)
+    until(lambda: pair.writer.rejected == 1)
     alive(pair)
 
 

@@ -153,7 +153,7 @@ def test_after_a_cut_as_many_are_missing_as_were_given_and_did_not_come(
     assert gaps == [Invalid("gap: it was on its way when the link was cut", missing=True)] * missing
     assert not isinstance(token, Watermark | Invalid)
     assert identical(token, frame(7))
-    assert pair.reader.strangers == 0
+    assert pair.reader.rejected == 0
 
 
 @pytest.mark.parametrize("time", [5, ABSENT, END])

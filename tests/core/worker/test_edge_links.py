@@ -75,7 +75,7 @@ def test_an_edge_that_came_later_has_its_own_stream_from_the_start(tmp_path: Pat
         writer.send(Watermark(6))
         assert poll(reader) == [Watermark(5), Watermark(6)]
         assert later.poll() == []
-        assert later.strangers == 0
+        assert later.rejected == 0
         more.forget()
         assert not list(session.liveliness().get("**/alive/**/1/0")), "nothing is left of a failed attempt"
         again = links.for_plan(with_another_edge(plan))
@@ -83,7 +83,7 @@ def test_an_edge_that_came_later_has_its_own_stream_from_the_start(tmp_path: Pat
         again.wait_matched(lambda: True)
         sender.send(Watermark(7))
         assert poll(last) == [Watermark(7)], "after an attempt that failed"
-        last.tell_at_once(True)
+        last.report_at_once(True)
         assert wait_until(lambda: sender.all_taken)
         for end in (reader, writer, last, sender):
             end.close()

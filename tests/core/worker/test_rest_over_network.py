@@ -97,6 +97,6 @@ def test_a_worker_rests_once_all_that_it_sent_is_said_to_be_taken(tmp_path: Path
         assert run.answered("held")
         run.tell("rest", run.answers[-1].rested.time)
         assert not run.answered("resting", SOON), "nobody has taken what it sent"
-        run.former.tell_at_once(True)
+        run.former.report_at_once(True)
         run.former.poll()
         assert run.answered("resting")

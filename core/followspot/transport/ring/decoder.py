@@ -96,12 +96,12 @@ class Decoder:
         return []
 
     def _missing(self, number: int) -> list[Token]:
-        """What stands for the messages that are missing before this one."""
+        """An `Invalid` for each message that is missing before this one."""
         missing = range(self.sequence, number)
         return [Invalid(f"gap: message {n} of the port never came", missing=True) for n in missing]
 
     def _announce(self, watermark: int, tokens: list[Token]) -> None:
-        """Append the watermark that came with a message, ns; the end and an absence come by themselves."""
+        """Append the watermark, ns, that came with a message; the end and an absence come by themselves."""
         if abs(watermark) <= MAX_WATERMARK:
             tokens.append(Watermark(watermark))
         else:

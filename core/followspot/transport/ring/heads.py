@@ -42,13 +42,13 @@ class HeadPacker:
         self._known: dict[tuple[Any, ...], tuple[bytes, int]] = {}
 
     def pack(self, message: Message, arrays: list[Array]) -> tuple[bytes, int]:
-        """The head of a sealed message with these arrays, and what they take with their padding, bytes.
+        """The head of a sealed message with these arrays, and the padded size of the arrays, bytes.
 
         Raises InvalidMessage if the head is too large.
         """
         values = message.__dict__
         repeated: list[Any] = [message.header.source]
-        for name, is_float in self._names:  # equal floats need not have equal bits: 0.0 and -0.0 have not
+        for name, is_float in self._names:  # equal floats need not have equal bits: 0.0 and -0.0
             repeated.append(_FLOAT.pack(values[name]) if is_float else values[name])
         for array in arrays:
             repeated.append(array.shape)  # noqa: PERF401  # a comprehension is a call more
@@ -80,7 +80,7 @@ class HeadReader:
         """Raises TypeError if a column is not made of plain numbers."""
         self._codec = codec_of(kind)
         self.dtypes = self._codec.dtypes
-        """Of the arrays."""
+        """Data types of the arrays."""
         self._places = places_of(kind)
         self._head: Head | None = None
         self._packed = b""

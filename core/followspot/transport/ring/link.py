@@ -26,11 +26,11 @@ class Link:
         self.alive = True
         self.ended = False
         self.expelled = False
-        """Whether the writer cut it off, because it did what no reader does."""
+        """Whether the writer cut the reader off, because it did what no reader does."""
         self.carrier: Link | None = None
-        """Of another reader in the same process, whose datagrams are for this one, too."""
+        """The link to another reader in the same process, whose datagrams are for this reader, too."""
         self.carried: list[Link] = []
-        """Readers in the same process for whom the datagrams of this one are, too."""
+        """The links to other readers in the same process that share the datagrams of this one."""
         self._most = 2 * (depth + ARENAS)
         self._sent = 0
         self._pending: deque[tuple[bytes, Memory | None]] = deque()
@@ -41,7 +41,9 @@ class Link:
             if datagram[0] == WATERMARK == self._pending[-1][0][0]:
                 self._pending.pop()
             self._pending.append((datagram, memory))
-            if len(self._pending) > self._most:  # it gives credit for messages that it cannot have read
+            if (
+                len(self._pending) > self._most
+            ):  # the reader gives credit for messages that it cannot have read
                 self.expel()
         elif not self._try_send(datagram, memory):
             self._pending.append((datagram, memory))
@@ -96,7 +98,7 @@ class Link:
                 link.socket.shutdown(socket.SHUT_RDWR)
 
     def gone(self) -> bool:
-        """Clear wake-ups, at most so many; True at an end of file, which is the reader's death."""
+        """Clear wake-ups, at most `_WAKES`; True at the end of file: the reader died."""
         try:
             for _ in range(_WAKES):
                 if not self.socket.recv(1):

@@ -35,7 +35,7 @@ class Links:
         self._expelled = 0
         self._perished: list[tuple[int, int]] = []
         self.dismissed: list[Control] = []
-        """Of readers that left the graph: stages may still hold messages in slots."""
+        """Words of readers that left the graph: their stages may still hold messages in slots."""
         self.all = [self._linked(sock, 0, None) for sock in sockets]
         self._note_living()
 
@@ -69,14 +69,17 @@ class Links:
         """Serve another reader in place of one that is gone, by datagrams of its own."""
         old = self.all[index]
         self._expelled += old.expelled
-        self._bury(old, sequence)
+        self._note_death(old, sequence)
         old.socket.close()
         link = self.all[index] = self._linked(sock, sequence, pool)
         self._note_living()
         return link
 
     def dismiss(self, index: int, pool: Slots | None) -> None:
-        """Send a reader nothing more and wait for it no longer; those that it carried for go on alone."""
+        """Send a reader nothing more and wait for it no longer.
+
+        Readers that shared its datagrams get their own.
+        """
         link = self.all[index]
         self.dismissed.append(link.control)
         for other in link.leave():
@@ -88,7 +91,7 @@ class Links:
         """Clear wake-ups, notice deaths. sequence: messages sent so far."""
         for link in self.living:
             if link.gone():
-                self._bury(link, sequence)
+                self._note_death(link, sequence)
         self._note_living()
 
     def close(self) -> None:
@@ -105,7 +108,7 @@ class Links:
             link.send(datagram)
 
     def announce(self, pool: Slots) -> None:
-        """Tell all readers of a new arena; those that are carried for may need it later."""
+        """Tell all readers of a new arena; a reader that shares datagrams now may need it later."""
         for link in self.living:
             link.send(_announced(pool), pool.arena.memory)
 
@@ -114,14 +117,14 @@ class Links:
         for control in self.dismissed:
             control.words[released_word(arena, self._slots) + slot] = stamp
 
-    def expel_liars(self, sequence: int) -> None:
+    def expel_overclaiming(self, sequence: int) -> None:
         """Cut off readers that claim to have consumed more than was sent."""
         for link in self.living:
             if link.control.words[CONSUMED] > sequence:
                 link.expel()
 
-    def _bury(self, link: Link, sequence: int) -> None:
-        """Note the death of a reader and of those that it carried for, which are of the same process."""
+    def _note_death(self, link: Link, sequence: int) -> None:
+        """Note the death of a reader and of those that shared its datagrams: they are in the same process."""
         for dead in (link, *link.part()):
             if dead.alive:
                 dead.alive = False
@@ -134,7 +137,7 @@ class Links:
         self.senders = [link for link in self.living if link.carrier is None]
         self.controls = [link.control for link in self.living]
         self.holding = [*(link.control for link in self.senders), *self.dismissed]
-        """Those that tell which slots are released."""
+        """Words that say which slots are released, also by readers that left the graph."""
 
     def _linked(self, sock: socket.socket, sequence: int, pool: Slots | None) -> Link:
         """The link to a new reader, for which everything so far is consumed and released."""

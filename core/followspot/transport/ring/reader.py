@@ -20,7 +20,7 @@ _MOST_QUEUED = 4096
 
 
 def _nothing() -> None:
-    """Nobody waits for tokens."""
+    """Do nothing: nobody waits for tokens."""
 
 
 class RingReader:
@@ -59,7 +59,7 @@ class RingReader:
         """Called when another reader has handed tokens to this one: poll it."""
 
     @property
-    def strangers(self) -> int:
+    def rejected(self) -> int:
         """How many datagrams came that no writer sends."""
         return self._decoder.refused
 
@@ -79,8 +79,8 @@ class RingReader:
         control = self._memory.control
         return self._closed or (control is not None and self._received >= control.words[SENT])
 
-    def tell_at_once(self, at_once: bool) -> None:
-        """Do nothing: it sees for itself whether it has caught up."""
+    def report_at_once(self, at_once: bool) -> None:
+        """Do nothing: the writer need not know what is taken, `caught_up` sees it in shared memory."""
 
     def matched(self) -> bool:
         """True: the socket exists before the processes do."""
@@ -130,7 +130,7 @@ class RingReader:
         self._socket.close()
 
     def _read(self, most: int) -> None:
-        """Take at most so many datagrams from the socket.
+        """Take at most `most` datagrams from the socket.
 
         A poll stops at the last that the writer says to have sent, which saves a system call.
         """
@@ -173,13 +173,13 @@ class RingReader:
             return False
         if kind == CARRIES:
             return other._join(self)
-        if self._carrier is None:  # it says so in what it has not read yet
+        if self._carrier is None:  # the carrier has not read the datagram that says so yet
             other._read(_MOST_QUEUED)
             other.notify()
         return self._carrier is other
 
     def _join(self, carrier: RingReader) -> bool:
-        """Be handed what the carrier gets."""
+        """Get tokens from the carrier from now on; False if this reader cannot."""
         if self._carrier or self._carried or self._closed:
             return False
         self._carrier = carrier
@@ -202,7 +202,7 @@ class RingReader:
             carrier._notify_carried()
 
     def _part(self) -> None:
-        """Be handed nothing more."""
+        """Get no more tokens from the carrier."""
         if self._carrier is not None:
             self._carrier._carried.remove(self)
             self._carrier = None

@@ -46,14 +46,14 @@ class Lease(ref[Array]):
     __eq__ = object.__eq__
 
     key: int
-    """Under which the lender keeps the lease."""
+    """The key under which the lender keeps the lease."""
     slot: int
     stamp: int
-    """Of the message in the slot, 0 while none was sent from it."""
+    """Stamp of the message in the slot, 0 while none was sent from it."""
 
 
 LEASES: set[Lease] = set()
-"""Of all readers of this process: one that has left the graph still releases its slots later."""
+"""The leases of all readers of this process: a reader that has left the graph still releases slots later."""
 
 
 def lease(array: Array, key: int, slot: int, stamp: int, ended: Callable[[Any], None]) -> Lease:
@@ -77,11 +77,11 @@ class Slots:
         capacity = max(mmap.PAGESIZE, 1 << (smallest - 1).bit_length())
         self.arena = Arena(Memory.create("followspot-slots", slots * capacity), number, slots, capacity)
         self.stamps = [0] * slots
-        """Of the last message sent from each slot."""
+        """Stamp of the last message sent from each slot."""
         self._free = list(range(slots - 1, -1, -1))
-        """Those released last are at the end."""
+        """Free slots; those released last are at the end."""
         self._leases: dict[int, Lease] = {}
-        """Of arrays that this process views, by their identity, which no other has while they live."""
+        """Leases of arrays that this process views, by the identity of the array while it lives."""
         self._sizes = [0] * slots
         """Bytes that are lent of each slot, with their padding, 0 if it is not lent."""
         self._used: list[int] = []
@@ -113,7 +113,7 @@ class Slots:
         return loan
 
     def take(self) -> int:
-        """Take a free slot, one that was used lately, for it is still in the processor's cache."""
+        """Take the free slot that was used last: it is still in the processor's cache."""
         slot = self._free.pop()
         self._used.append(slot)
         return slot

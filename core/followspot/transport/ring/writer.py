@@ -62,8 +62,8 @@ class RingWriter:
         return self._links.perished()
 
     @property
-    def strangers(self) -> int:
-        """Readers that the writer cut off because they did what no reader does."""
+    def rejected(self) -> int:
+        """Number of readers that the writer cut off because they did what no reader does."""
         return self._links.expelled
 
     def matched(self) -> bool:
@@ -78,7 +78,7 @@ class RingWriter:
 
     @property
     def all_taken(self) -> bool:
-        """True: its readers see for themselves whether they have caught up."""
+        """True: readers see in shared memory whether they have caught up."""
         return True
 
     def dismiss(self, index: int) -> None:
@@ -92,7 +92,7 @@ class RingWriter:
         for control in links.controls:
             consumed = control.words[CONSUMED]
             if consumed > self._sequence:
-                links.expel_liars(self._sequence)
+                links.expel_overclaiming(self._sequence)
             elif consumed < slowest:
                 slowest = consumed
         credit += slowest - self._sequence
@@ -168,7 +168,7 @@ class RingWriter:
         self._links.close()
 
     def _pool_for(self, size: int) -> Slots:
-        """The slots, or larger ones; old ones live on while an array views them."""
+        """The slots, or new ones of `size` bytes; the old ones live on while an array views them."""
         pool = self._pool
         if pool is None or pool.arena.capacity < size:
             pool = self._pool = Slots(0 if pool is None else pool.arena.number + 1, self._slots, size)

@@ -96,7 +96,7 @@ class ZenohReader:
         return self._gone and not (self._ended or self._arrived or self._before)
 
     @property
-    def strangers(self) -> int:
+    def rejected(self) -> int:
         """How much came that was malformed or not from the writer; no ledger counts it."""
         return self._refused + self.position.refused + self._flooded
 
@@ -118,8 +118,8 @@ class ZenohReader:
         """True: only the writer can know."""
         return True
 
-    def tell_at_once(self, at_once: bool) -> None:
-        """See `PortReader.tell_at_once`."""
+    def report_at_once(self, at_once: bool) -> None:
+        """See `PortReader.report_at_once`."""
         self._report_after = 1 if at_once else _SELDOM
         self._send_report()
 

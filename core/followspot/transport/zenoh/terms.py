@@ -17,7 +17,7 @@ from followspot.transport.token import MAX_COUNT, MAX_WATERMARK, UNKNOWN
 NUMBER = Struct("<QQQ")
 """Attachment: the writer's incarnation, number of the token, and of messages up to and with it."""
 KNOWN = Struct("<q")
-"""Behind it, the watermark after a message, ns, if it is known already."""
+"""Behind `NUMBER` in the attachment: the watermark after a message, ns, if it is known already."""
 CREDIT = Struct("<QQQQ")
 """A reader's report: incarnations of its writer and of its own, messages consumed, tokens taken."""
 START = Struct("<QQQQ")

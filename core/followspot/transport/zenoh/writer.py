@@ -34,7 +34,7 @@ from followspot.transport.zenoh.terms import (
 )
 
 _REPEAT = 0.5
-"""Seconds after which a reader that does not report is told again where to start."""
+"""Seconds after which a reader that does not report is sent its start again."""
 
 
 class ZenohWriter:
@@ -96,8 +96,8 @@ class ZenohWriter:
         return self._flow.deaths()
 
     @property
-    def strangers(self) -> int:
-        """How much came that was malformed, or not from the host of the reader of whom it spoke."""
+    def rejected(self) -> int:
+        """Count of reports and liveliness tokens that were malformed, or not from their reader's host."""
         return self._flow.refused
 
     def matched(self) -> bool:

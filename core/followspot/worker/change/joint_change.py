@@ -48,7 +48,7 @@ class JointChange:
         if order.step in ("hold", "rest") and self._rewiring is None and rewiring is not None:
             self._rewiring = rewiring
             self._scheduler.sources.hold.freeze()
-            self._scheduler.ends.tell_at_once(True)
+            self._scheduler.ends.report_at_once(True)
         if order.step == "hold" and self._rewiring is not None:
             self._tell(order, "held", Rested(self._scheduler.sources.hold.newest, self._rewiring.window))
         elif order.step == "rest" and self._rewiring is not None:
@@ -72,7 +72,7 @@ class JointChange:
             self._rewiring.close_old()
             self._rewiring = None
             self._scheduler.sources.hold.set_free()
-            self._scheduler.ends.tell_at_once(False)
+            self._scheduler.ends.report_at_once(False)
 
     def _expect_another(self) -> None:
         """Go on without the operator if no other step follows."""
