@@ -26,10 +26,12 @@ def _no_loss(kind: SourceLoss, number: int) -> None:
 
 
 def _fresh(shape: tuple[int, ...], dtype: str) -> Array:
+    """A new array: outside a run there is no shared memory."""
     return np.empty(shape, dtype)
 
 
 def _sleep(seconds: float) -> bool:
+    """Wait, s: outside a run nothing ends the wait."""
     time.sleep(seconds)
     return True
 
@@ -69,24 +71,25 @@ class Context:
     it."""
     pause: Callable[[float], bool] = _sleep
     """Wait (s), for a live source, which has a thread of its own. Returns False at once if the run is ending:
-    the source should return then. With another source its whole worker waits: it says when a message is due
-    (`at`)."""
+    the source should return then. Any other source would hold up its whole worker: it names the time at which
+    a message is due (`at`) instead."""
     resumed: bool = False
     """True if an earlier instance of the stage has worked in this run: a sink keeps what that one wrote."""
     lost: Callable[[SourceLoss, int], None] = _no_loss
-    """Count frames that the device made and that did not come, for a live source: with packets missing
-    (`packet_loss`), given up because they were not taken in time (`device_overrun`), or left out in the
-    numbers of the frames (`gap`). The ledger shows them as lost at the source."""
+    """Count frames that the device made and that a live source did not get: packets were missing
+    (`packet_loss`), the device or its driver gave them up because they were not taken in time
+    (`device_overrun`), or the numbers of the frames leave them out (`gap`). The ledger shows them as lost at
+    the source."""
     run_begun: Callable[[], int] = time.monotonic_ns
     """When the stages of this host began together, ns of `time.monotonic_ns`."""
     post: Post | None = None
     """Channel to the observers of a tap on another host than the operator's."""
 
     def begun(self) -> int:
-        """Since when a source that plays at a pace counts, ns of `time.monotonic_ns`.
+        """The time from which a source that plays at a pace counts, ns of `time.monotonic_ns`.
 
-        That is when all sources of this host began, in whichever workers they are; for one that comes later
-        (`resumed`) it is now.
+        It is the time at which all sources of this host began, in whichever workers they are; now for a
+        source that comes later (`resumed`).
         """
         return time.monotonic_ns() if self.resumed else self.run_begun()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 WINDOW = 10_000_000_000
 """Time after which an old delay is forgotten, ns: clocks of devices drift by less than 1 ms in it."""
 RESTART = 1_000_000_000
-"""A device whose time goes back by more, ns, or ahead of this computer's by more, was started anew."""
+"""A device whose time jumps back, or ahead of this computer's, by more than this, ns, was restarted."""
 LEAST = 1000
 """Smallest interval of capture times, ns."""
 

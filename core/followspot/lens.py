@@ -25,7 +25,7 @@ ORIGIN = np.zeros(3)
 
 
 def _project_polynomial(camera: Camera, local: Array) -> Array:
-    """NaN behind the camera: z <= 0."""
+    """Images of a pinhole camera or rational lens; NaN behind the camera (z <= 0)."""
     import cv2
 
     if len(local) == 0:

@@ -105,7 +105,10 @@ def _layout(kind: type[Message]) -> _Layout:
 
 
 def _apart(column: Column, heads: tuple[str, ...], taken: Collection[str]) -> tuple[str, ...]:
-    """Names that no other column has: xy_x for x, message_time for time. What the type says itself stays."""
+    """Names of table columns that no other has: xy_x for x, message_time for time.
+
+    Names that the declaration gives (`names`) stay.
+    """
     if column.names or not any(head in taken for head in heads):
         return heads
     return tuple(_free(head) if head == column.name else f"{column.name}_{head}" for head in heads)
@@ -116,7 +119,10 @@ def _free(name: str) -> str:
 
 
 def _heads(kind: type[Message], column: Column) -> tuple[str, ...]:
-    """x, y, z for `xyz`; sigma_0, sigma_1, ... for `sigma`; none if rows have no fixed number of numbers."""
+    """Names of the table columns of a column: x, y, z for `xyz`; sigma_0, sigma_1, ... for `sigma`.
+
+    None if its rows have no fixed number of numbers.
+    """
     sizes = [size for size in column.shape[1:] if isinstance(size, int)]
     if column.shape[:1] != kind.columns[0].shape[:1] or len(sizes) < len(column.shape) - 1:
         return ()

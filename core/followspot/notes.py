@@ -12,7 +12,7 @@ class _Shown:
 
 
 def show_notes(shown: bool) -> None:
-    """Decide it for this process."""
+    """Show notes in this process, or leave them out."""
     _Shown.now = shown
 
 

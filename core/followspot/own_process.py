@@ -24,7 +24,7 @@ def start_apart(command: Sequence[str], descriptor: int) -> subprocess.Popen[byt
     """Start a process in a group of its own, which inherits a descriptor: Ctrl-C and a terminal that closes
     reach the operator alone, which ends its workers. Raises OSError.
 
-    These signals wait meanwhile, or they would end the child before it has left the group.
+    The signals of terminals are blocked meanwhile: they would end the child before it has left the group.
     """
     held = signal.pthread_sigmask(signal.SIG_BLOCK, _OF_TERMINALS)
     try:
@@ -34,7 +34,7 @@ def start_apart(command: Sequence[str], descriptor: int) -> subprocess.Popen[byt
 
 
 def ignore_terminal() -> None:
-    """Ignore signals of terminals, also those that waited: the first that a process started apart does."""
+    """Ignore signals of terminals, pending ones too; a process of `start_apart` calls this first."""
     for number in _OF_TERMINALS:
         signal.signal(number, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, _OF_TERMINALS)

@@ -96,7 +96,7 @@ class Ports:
         return next((port for port in self.inputs if self.any_name or port.name == name), None)
 
     def output(self, name: str) -> OutputSpec | None:
-        """The output of that name; a recording reads the firings of a stage with inputs like an output."""
+        """The output of that name; None if there is none. `FIRINGS` is one of any stage with inputs."""
         if name == FIRINGS and self.inputs:
             return OutputSpec(FIRINGS, Firing)
         return next((port for port in self.outputs if port.name == name), None)

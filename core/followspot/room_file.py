@@ -88,7 +88,7 @@ def to_data(room: Room) -> dict[str, Any]:
 
 
 def _sync_data(sync: Sync) -> dict[str, Any]:
-    """What differs from what is meant where nothing is written."""
+    """The trigger, and the other settings that differ from their defaults."""
     usual = Sync(sync.trigger)
     said = {key: value for key, value in asdict(sync).items() if value != getattr(usual, key)}
     return {"trigger": sync.trigger, **said}

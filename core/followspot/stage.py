@@ -50,8 +50,8 @@ class Stage:
     per_target: ClassVar[bool] = False
     """True if an instance serves exactly one target (`self.target`)."""
     by_kind: ClassVar[Mapping[str, str]] = {}
-    """For a source of cameras: the stage that takes its place for a camera of that kind, as
-    `{"depth": "sim.depth_camera"}`, because it gives messages of another type."""
+    """For a source of cameras: the stages that take its place for cameras of other kinds, because they give
+    messages of another type: `{"depth": "sim.depth_camera"}`."""
     tap: ClassVar[bool] = False
     """True for a sink that other programs may put at a port of a running graph. It sends to observers of the
     run only."""
@@ -61,8 +61,7 @@ class Stage:
     and poses in it are scored if the room has ground truth."""
 
     advice: ClassVar[str] = ""
-    """What helps if the stage gets messages and never gives one with rows; the summary of such a run shows
-    it."""
+    """Advice in the summary of a run in which the stage got messages and never gave one with rows."""
 
     join_tolerance: ClassVar[float] = 0.004
     """Largest difference in capture time of messages that fire together, s, unless the graph says another.
@@ -147,7 +146,8 @@ class Stage:
     def nominal_rate(cls, params: Any) -> float | None:
         """Messages per second, Hz, that a source gives with these parameters (of `Params`); None if unknown.
 
-        A live source above 100 Hz keeps half a second of messages for a graph that is busy, any other two.
+        A live source above 100 Hz keeps half a second of messages while the graph is busy; a slower one keeps
+        two messages.
         """
         return None
 

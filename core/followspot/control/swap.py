@@ -45,8 +45,10 @@ class ChangeOrder(RunRequest):
 
 @dataclass(frozen=True)
 class Rested:
-    """What workers say at rest. time: newest capture time that a source has sent, ns; window: the widest in
-    which an input of a stage that comes or goes matches messages, ns; activity: firings and receipts so far.
+    """The state of workers at rest.
+
+    time: newest capture time that a source has sent, ns; window: the widest in which an input of a stage that
+    comes or goes matches messages, ns; activity: firings and receipts so far.
     """
 
     time: Nanoseconds = -1
@@ -55,7 +57,7 @@ class Rested:
 
     @staticmethod
     def of(parts: Collection[Rested]) -> Rested:
-        """What several workers or hosts say together."""
+        """The state of several workers or hosts together."""
         return Rested(
             max((one.time for one in parts), default=-1),
             max((one.window for one in parts), default=0),

@@ -33,7 +33,7 @@ class Budget:
     end: str
     limit: Annotated[float, Field(gt=0, le=LONGEST)]
     written: str = field(default="", compare=False)
-    """The path as the file has it; only the operator has it."""
+    """The path as the placement file writes it; known to the operator only."""
 
     @property
     def name(self) -> str:

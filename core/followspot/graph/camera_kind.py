@@ -21,7 +21,7 @@ def source_for(uses: str, member: Member | None, room: Room) -> str:
         return uses
     try:
         return load_stage(uses).by_kind.get(camera.kind, uses)
-    except PluginError:  # told where the stage is checked
+    except PluginError:  # the check of the stage notes it
         return uses
 
 

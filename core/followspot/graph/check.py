@@ -43,7 +43,7 @@ class Checked:
     risks: tuple[Mistake, ...] = ()
     """Everything that can make two runs differ."""
     warnings: tuple[Mistake, ...] = ()
-    """Everything that can never come to anything."""
+    """Everything that can never give a result."""
     offered: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """The outputs of sub-graphs, SUBGRAPH.NAME, with the ports behind each."""
     room_document: Node | None = None

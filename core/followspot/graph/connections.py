@@ -71,7 +71,7 @@ def connect(
 
 
 def check_types(wires: Iterable[Wire], classes: Mapping[str, type[Stage]], mistakes: list[Mistake]) -> None:
-    """Note each wire whose ends do not fit, whatever else leads to its input."""
+    """Note each wire whose ends have different types, even if another wire feeds its input."""
     for wire in wires:
         found = _ends(wire, classes)
         if found is not None:

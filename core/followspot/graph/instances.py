@@ -47,7 +47,7 @@ class CheckedStage:
 
 @dataclass(frozen=True)
 class Wire:
-    """From an instance to an input port of another; the output port may not be named yet."""
+    """An edge from an instance to an input port of another; its output port may not be known yet."""
 
     source: Instance
     feed: Feed

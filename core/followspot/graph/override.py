@@ -14,7 +14,7 @@ SUBGRAPH = ("graph", "cameras", "each", "optional", "with", "in")
 """Keys of a stage that is a sub-graph."""
 _FILE = "--set"
 WHILE_IT_RAN = "(set while it ran)"
-"""File of the places of values that a change gave, which a file that comes later gets."""
+"""Stands for the file of values that a change gave while the graph ran; files that come later get them."""
 _DEEP = ("in", "with")
 _FORM = "write STAGE.KEY=VALUE, for example fuse.uses=balls.mean"
 

@@ -41,7 +41,7 @@ def _rows(group: str, stages: list[CheckedStage]) -> Iterator[_Row]:
 
 
 def origins(checked: Checked) -> dict[str, dict[str, Origin]]:
-    """What gave each parameter that is written anywhere its value, by instance and parameter."""
+    """What gave a parameter its value, by instance and parameter; for all that are written anywhere."""
     return {
         stage.instance.name: {
             parameter: Origin(origin_of(node, tuned=parameter in stage.instance.tuned), is_set(node))

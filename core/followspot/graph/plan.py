@@ -187,9 +187,9 @@ class Plan:
     room_document: Node | None = field(default=None, repr=False, compare=False)
     """What the room's file says; only the operator has it."""
     origins: Mapping[str, Mapping[str, Origin]] = field(default_factory=dict, compare=False)
-    """What gave each parameter that is no default its value, by stage and parameter; for the operator."""
+    """What gave each parameter a value that is no default, by stage and parameter; for the operator."""
     written: Written | None = field(default=None, compare=False)
-    """The files; None if there are none, or if the plan says something else; for the operator."""
+    """The files that the plan was made of; None without files, or if it was changed; for the operator."""
     numbers: tuple[int, ...] = ()
     """Number of each edge, which it keeps while the run goes on; empty as long as they are 0, 1, 2, ..."""
     former: tuple[tuple[int, PlannedEdge], ...] = ()

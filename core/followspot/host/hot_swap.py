@@ -23,7 +23,7 @@ _AFTER: Mapping[Step, ChangePhase] = {
 
 
 _LATE: tuple[Step, ...] = ("take_over", "go_on", "discard")
-"""Steps that are done without a worker that has died since the others did the steps before."""
+"""Steps that go on without a worker that has died since the steps before."""
 
 
 class HostSwaps:
@@ -33,7 +33,7 @@ class HostSwaps:
         self._pool = pool
         self._change = HostChange()
         self._incarnations: dict[str, int] = {}
-        """Of the workers that build, or have built, what is new."""
+        """Incarnation of each worker that builds, or has built, what is new."""
 
     def obey(self, order: ChangeOrder) -> None:
         """One step of a hot swap, unless it is the one that is being done. Safe beside `attend`.
@@ -69,7 +69,7 @@ class HostSwaps:
         return worker.phase == "running" and worker.incarnation == self._incarnations.get(name)
 
     def _leave_out(self, name: str) -> None:
-        """Do not wait for a worker that died after the build; if the others take over, it begins anew so."""
+        """Do not wait for a worker that died after the build; it restarts with what the others take over."""
         if self._change.died(name):
             self._adopt(self._change.orders[name])
             worker = self._pool.workers[name]

@@ -19,7 +19,7 @@ from followspot.graph.plan import Plan, PlannedStage, Written
 from followspot.operator.run_handle import RunHandle
 
 Entries = Mapping[str, Mapping[str, Any]]
-"""What an overlay says of each stage: `uses`, if that is another, and `with`."""
+"""The entry of each stage in an overlay: `uses`, if the plugin stage is another, and `with`."""
 
 
 def save_overlay(run: RunHandle, path: str | Path) -> tuple[str, ...]:

@@ -44,8 +44,8 @@ def overruns(plan: Plan, workers: Iterable[WorkerStatus]) -> Iterator[str]:
 def largest_part(plan: Plan, origin: str, end: str, stages: Mapping[str, StageStatus]) -> Part | None:
     """What takes the most time from a stage of the graph file to an instance; None if nothing is known.
 
-    The path is followed back from its end along the inputs whose messages are oldest when they are taken.
-    What is older there than its sender's inputs and work explain has waited on the way.
+    Follow the path back from its end, at each stage along the input whose messages are oldest when they are
+    taken. Age beyond that of the sender's inputs and the sender's work is time in which messages waited.
     """
     into = _edges_between(plan, origin, end)
     ages = {edge.name: edge.p95_ms for stage in stages.values() for edge in stage.edges}

@@ -79,7 +79,7 @@ def unkept(
 
 
 def _between(model: PipelineModel, budget: Budget, ends: Sequence[str], expanded: Expanded) -> list[str]:
-    """The instances from which an end of the budget follows, its sources left out."""
+    """The ends of a budget and all instances upstream of them, its sources left out."""
     inputs = model.inputs()
     found, waiting = dict.fromkeys(ends), list(ends)
     while waiting:

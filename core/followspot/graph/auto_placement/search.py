@@ -36,7 +36,10 @@ class Unit:
 
 @dataclass(frozen=True)
 class Choice:
-    """The chosen placement. worker_of: each instance; here: what is expected of it; alone: of one worker."""
+    """The chosen placement.
+
+    worker_of: of each instance; here, alone: timings expected of it and of a single worker.
+    """
 
     worker_of: Mapping[str, str]
     here: Timing
@@ -63,7 +66,7 @@ class _Search:
         return {name: unit.fixed or names[unit.name] for unit in self.units for name in unit.instances}
 
     def score(self, numbers: tuple[int, ...]) -> float:
-        """What is to be small, ms; a worker more must be worth it."""
+        """The figure to minimise, ms; each further worker must gain `_WORTH`."""
         if numbers not in self.timings:
             self.timings[numbers] = self.model.timing(self.instances(numbers))
         timing = self.timings[numbers]
@@ -81,7 +84,11 @@ class _Search:
         return found
 
     def starts(self) -> Iterator[tuple[int, ...]]:
-        """All in one worker; cameras shared out over workers, with the rest apart or beside the fewest."""
+        """Placements to start from.
+
+        All units in one worker; cameras shared out over workers, with the other units in workers of their own
+        or beside the fewest cameras.
+        """
         yield tuple(0 for _ in self.free)
         carriers = [unit for unit in self.free if unit.carrier]
         for count in range(1, min(self.model.cores, len(carriers)) + 1):

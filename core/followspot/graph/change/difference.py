@@ -6,7 +6,7 @@ from followspot.graph.plan import Plan
 
 
 def differing_stages(old: Plan, new: Plan) -> set[str]:
-    """The stages that are in one of the plans only, or otherwise in the other."""
+    """The stages that only one of the plans has, or that differ between them."""
     before = {stage.name: stage for stage in old.stages}
     after = {stage.name: stage for stage in new.stages}
     return {name for name in before.keys() | after.keys() if before.get(name) != after.get(name)}
@@ -30,9 +30,9 @@ def differing_workers(old: Plan, new: Plan) -> set[str]:
 
 
 def only_worker(old: Plan, new: Plan) -> str | None:
-    """The worker in which all that differs is, all new and former edges included; None if there is none.
+    """The only worker in which the plans differ, new and former edges included; None if there are several.
 
-    In a replay it must have all sources of its streams: their capture times say when it is at rest.
+    In a replay no other worker may send to it, because it could not know when it is at rest: None then.
     """
     found = differing_workers(old, new)
     pairs = ((old, dict(new.numbered())), (new, dict(old.numbered())))

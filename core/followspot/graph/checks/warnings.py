@@ -26,7 +26,7 @@ MOST_NAMED = 6
 def warnings(
     stages: Sequence[CheckedStage], edges: Sequence[CheckedEdge], expanded: Expanded
 ) -> list[Mistake]:
-    """Everything in a graph without mistakes that can never come to anything, at its place."""
+    """Everything in a graph without mistakes that can never give a result, at its place."""
     room = expanded.room
     flow = Flow({checked.instance.name: checked for checked in stages}, edges)
     found = [
@@ -104,7 +104,7 @@ def _firing(flow: Flow) -> set[str]:
 
 
 def _fed(stage: type[Stage], edges: Sequence[CheckedEdge], firing: set[str]) -> bool:
-    """Whether some sender of a port fires, and one of every port that the stage cannot do without."""
+    """Whether every required input that fires has a sender that fires, and at least one input has."""
     live = {edge.wire.port for edge in edges if edge.wire.source.name in firing}
     required = {port.name for port in ports(stage).inputs if port.required}
     return bool(live) and required & {edge.wire.port for edge in edges} <= live
