@@ -14,11 +14,11 @@ from followspot.people import Poses
 from followspot.room import Room
 from followspot.tracking import STATES
 
-Misfit = Callable[[Message], str]
+FitCheck = Callable[[Message], str]
 """Check of a message; returns the reason why it does not fit the room, "" if it fits."""
 
 
-def misfit(kind: type[Message], room: Room, camera: str | None = None) -> Misfit | None:
+def misfit(kind: type[Message], room: Room, camera: str | None = None) -> FitCheck | None:
     """The check for messages of this type; None if they need none.
 
     camera: of the sending stage, if it serves one; its messages may name that camera only.
@@ -27,7 +27,7 @@ def misfit(kind: type[Message], room: Room, camera: str | None = None) -> Misfit
     pictures, `T` is the number of targets, and columns that are declared with `refers` lie within what they
     index.
     """
-    asked: list[Misfit] = []
+    asked: list[FitCheck] = []
     scalars = dict(kind.scalars)
     if room.cameras and scalars.get("camera") is str:
         fused = [""] if kind is Poses else []
@@ -53,7 +53,7 @@ _CHANNELS = {"color": (3,), "infrared": (1,)}
 """Channels of the pictures of a camera, by its kind; of other kinds they may have any number."""
 
 
-def _first(asked: Collection[Misfit], message: Message) -> str:
+def _first(asked: Collection[FitCheck], message: Message) -> str:
     for ask in asked:
         if why := ask(message):
             return why

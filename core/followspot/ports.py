@@ -15,28 +15,28 @@ from followspot.errors import FollowspotError
 from followspot.firing import FIRINGS, Firing
 from followspot.messages import Message
 from followspot.port_marks import (
-    DeferredOutput,
-    JoinedInput,
-    LaggedOutputs,
-    LatestInput,
-    NearestInput,
-    SeveralOutputs,
+    DeferredMark,
+    JoinedMark,
+    LaggedMark,
+    LatestMark,
+    NearestMark,
+    OutputsMark,
     Source,
-    WindowInput,
+    WindowMark,
 )
 from followspot.stage import Stage
 
 InputKind = Literal["plain", "latest", "joined", "nearest", "window"]
 _MARKS: dict[type, InputKind] = {
-    LatestInput: "latest",
-    JoinedInput: "joined",
-    NearestInput: "nearest",
-    WindowInput: "window",
+    LatestMark: "latest",
+    JoinedMark: "joined",
+    NearestMark: "nearest",
+    WindowMark: "window",
 }
 Giving = Literal["one", "several", "later", "lagged"]
 """What a stage gives for a firing: one message each, several (`Outputs`), a later one (`Deferred`), or
 messages for earlier firings (`Lagged`)."""
-_GIVING: dict[type, Giving] = {SeveralOutputs: "several", DeferredOutput: "later", LaggedOutputs: "lagged"}
+_GIVING: dict[type, Giving] = {OutputsMark: "several", DeferredMark: "later", LaggedMark: "lagged"}
 SEVERAL = ("joined", "window")
 """Kinds of inputs whose argument is a tuple of messages."""
 ONE_OUTPUT = "out"

@@ -61,7 +61,7 @@ class StageCheckpoint(WorkerMessage):
     state: Any
 
 
-class Change(WorkerMessage):
+class ChangeAnswer(WorkerMessage):
     """The worker's answer to a step of a change."""
 
     status: ChangeStatus

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from followspot.errors import Mistake, did_you_mean
 from followspot.graph.cycles import cycles, cyclic, successors
 from followspot.graph.instances import Wire
-from followspot.graph.sampling import Link
+from followspot.graph.sampling import FlowEdge
 from followspot.messages import Message
 from followspot.ports import InputKind, InputSpec, OutputSpec, Ports, accepts, ports
 from followspot.stage import Stage
@@ -34,10 +34,10 @@ class CheckedEdge:
         return self.sampled or self.wire.feed.delay > 0
 
     @property
-    def link(self) -> Link:
+    def link(self) -> FlowEdge:
         """The edge between the stages of the file."""
         feed, end = self.wire.feed, self.wire.target.declared.name
-        return Link(
+        return FlowEdge(
             feed.stage, feed.origin, end, self.wire.port, feed.delay, self.sampled, feed.policy, feed.place
         )
 

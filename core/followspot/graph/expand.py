@@ -13,7 +13,7 @@ from followspot.graph.declaration import ROOM_SOURCE, StageDeclaration
 from followspot.graph.instances import ANY, Groups, Instance, Wire
 from followspot.graph.load import Loaded
 from followspot.graph.subgraph_use import SubgraphUse
-from followspot.graph.wiring import Wiring
+from followspot.graph.wiring import InstanceWiring
 from followspot.room import Member, Room
 
 MAX_INSTANCES = 10_000
@@ -67,7 +67,7 @@ def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
         )
     instances = _by_name(groups, mistakes)
     room = loaded.room or Room()
-    wiring = Wiring(groups, left_out, room, mistakes)
+    wiring = InstanceWiring(groups, left_out, room, mistakes)
     wires: list[Wire] = []
     for instance in instances.values():
         wires += wiring.into(instance)

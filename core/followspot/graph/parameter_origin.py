@@ -12,7 +12,7 @@ from followspot.graph.check import Checked
 from followspot.graph.instances import CheckedStage, Instance
 from followspot.graph.override import WHILE_IT_RAN, is_set, options
 from followspot.graph.parameters import plain_default
-from followspot.graph.plan import Origin
+from followspot.graph.plan import ParameterOrigin
 
 _Row = tuple[str, str, str]
 """A parameter, its value, and the origin of the value."""
@@ -40,11 +40,11 @@ def _rows(group: str, stages: list[CheckedStage]) -> Iterator[_Row]:
             yield f"{name}.{parameter}", value, origin
 
 
-def origins(checked: Checked) -> dict[str, dict[str, Origin]]:
+def origins(checked: Checked) -> dict[str, dict[str, ParameterOrigin]]:
     """What gave a parameter its value, by instance and parameter; for all that are written anywhere."""
     return {
         stage.instance.name: {
-            parameter: Origin(origin_of(node, tuned=parameter in stage.instance.tuned), is_set(node))
+            parameter: ParameterOrigin(origin_of(node, tuned=parameter in stage.instance.tuned), is_set(node))
             for parameter, node in stage.instance.params.items()
         }
         for stage in checked.stages

@@ -146,7 +146,7 @@ def nearest_kind(start: PlannedWorker, end: PlannedWorker) -> EdgeKind:
 
 
 @dataclass(frozen=True)
-class Origin:
+class ParameterOrigin:
     """What gave a parameter its value. kept: `--set` or a change did, so a tune of the room leaves it."""
 
     text: str
@@ -186,7 +186,7 @@ class Plan:
     """The graph files in the places of stages."""
     room_document: Node | None = field(default=None, repr=False, compare=False)
     """What the room's file says; only the operator has it."""
-    origins: Mapping[str, Mapping[str, Origin]] = field(default_factory=dict, compare=False)
+    origins: Mapping[str, Mapping[str, ParameterOrigin]] = field(default_factory=dict, compare=False)
     """What gave each parameter a value that is no default, by stage and parameter; for the operator."""
     written: Written | None = field(default=None, compare=False)
     """The files that the plan was made of; None without files, or if it was changed; for the operator."""

@@ -19,7 +19,7 @@ _MOST_NAMED = 20
 
 
 @dataclass(frozen=True)
-class Link:
+class FlowEdge:
     """An edge between stages or their instances; origin: STAGE or STAGE.PORT as the file names it."""
 
     start: str
@@ -32,7 +32,7 @@ class Link:
     place: Place | None = None
 
 
-def sampled_cycles(links: Iterable[Link]) -> list[Mistake]:
+def sampled_cycles(links: Iterable[FlowEdge]) -> list[Mistake]:
     """One mistake for each sampled input in a cycle without a delay, at the place of its edge."""
     undelayed = [link for link in links if not link.delay]
     ends = [(link.start, link.end) for link in undelayed]
@@ -54,7 +54,7 @@ def plan_sampled_cycles(plan: Plan) -> list[Mistake]:
     group = {stage.name: stage.group for stage in plan.stages}
     known = {stage.name: ports(load_stage(stage.uses)) for stage in plan.stages}
     links = [
-        Link(
+        FlowEdge(
             edge.from_stage,
             f"{group[edge.from_stage]}.{edge.from_port}",
             edge.to_stage,
@@ -68,7 +68,7 @@ def plan_sampled_cycles(plan: Plan) -> list[Mistake]:
     return sampled_cycles(links)
 
 
-def _mistake(link: Link, cycle: Sequence[str]) -> Mistake:
+def _mistake(link: FlowEdge, cycle: Sequence[str]) -> Mistake:
     text = (
         f'the result depends on timing: input "{link.port}" of stage "{link.end}" samples "{link.origin}" '
         f"in the cycle {' -> '.join(cycle)}, which has no delay"

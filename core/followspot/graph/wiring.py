@@ -14,7 +14,7 @@ _MOST_NAMED = 6
 """Most members that a mistake names."""
 
 
-class Wiring:
+class InstanceWiring:
     """Connects the instances of a graph."""
 
     def __init__(

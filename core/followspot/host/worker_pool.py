@@ -12,7 +12,7 @@ from followspot.control.host import RunOrder
 from followspot.control.lifecycle import EndWorkers, StartRun
 from followspot.control.relay import Relayed
 from followspot.control.swap import ChangeStatus
-from followspot.control.worker_messages import Change, Log, StageCheckpoint
+from followspot.control.worker_messages import ChangeAnswer, Log, StageCheckpoint
 from followspot.control.worker_orders import BuildWorker, TakeRing
 from followspot.errors import FollowspotError
 from followspot.graph.change.move import host_workers
@@ -214,7 +214,7 @@ class WorkerPool:
         """The messages of a worker that concern the whole pool."""
         return {
             StageCheckpoint: self._keep,
-            Change: lambda message: self._answers.append((worker, message.status)),
+            ChangeAnswer: lambda message: self._answers.append((worker, message.status)),
             Log: lambda message: self._log.add(*message.records),
         }
 

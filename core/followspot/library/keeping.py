@@ -11,14 +11,14 @@ from followspot.graph.plan import Plan
 from followspot.library.keep import Keep, seconds_of
 from followspot.plugins.hooks import load_hooks
 
-Failed = Callable[[Sequence[str]], None]
+OnErrors = Callable[[Sequence[str]], None]
 """Takes the errors of a run, none if it succeeded."""
-StartKeeping = Callable[[str], AbstractContextManager[Failed]]
+StartKeeping = Callable[[str], AbstractContextManager[OnErrors]]
 """Keeps a run of this name while the context is open."""
 
 
 @contextmanager
-def unkept(run: str) -> Iterator[Failed]:
+def unkept(run: str) -> Iterator[OnErrors]:
     """Keep nothing."""
     yield lambda errors: None
 

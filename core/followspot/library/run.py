@@ -40,14 +40,14 @@ _BEGIN = 120.0
 _RECORDER_POLL_INTERVAL = 0.05
 """Seconds between two looks whether the flight recorder is ready."""
 
-Ready = tuple[Coordinator, Surroundings]
+PreparedRun = tuple[Coordinator, Surroundings]
 
 
 class RunFailed(FollowspotError):
     """The run ended with errors; the text has them."""
 
 
-class PlanOptions(TypedDict, total=False):
+class PlanSettings(TypedDict, total=False):
     """Options of a plan besides the graph and its parameters, as `run` takes them."""
 
     room: str | Path | None
@@ -62,7 +62,7 @@ def plan_of(
     graph: str | Path | Graph,
     settings: Mapping[str, Any] | None,
     ports: Sequence[str] = (),
-    **options: Unpack[PlanOptions],
+    **options: Unpack[PlanSettings],
 ) -> Plan:
     """The plan of a graph with these options. Raises InputError with every mistake."""
     overrides = [f"{name}={_word(value)}" for name, value in (settings or {}).items()]
@@ -76,7 +76,7 @@ def check(
     *,
     set: Mapping[str, Any] | None = None,  # noqa: A002  # as --set is called
     ports: Sequence[str] = (),
-    **options: Unpack[PlanOptions],
+    **options: Unpack[PlanSettings],
 ) -> list[Mistake]:
     """Every mistake in a graph, its room and its placement, as data; nothing is started.
 
@@ -149,7 +149,11 @@ class OwnRun(ScriptHandle):
     """A run of this process. Its thread goes on until the sources end, `stop`, or the end of the block."""
 
     def __init__(
-        self, subscribed: Subscribed, ready: AbstractContextManager[Ready], out: Path, keep: StartKeeping
+        self,
+        subscribed: Subscribed,
+        ready: AbstractContextManager[PreparedRun],
+        out: Path,
+        keep: StartKeeping,
     ) -> None:
         super().__init__("", subscribed.plan.graph, self._asked, failure=self._failure)
         self.out = out
@@ -222,7 +226,7 @@ class OwnRun(ScriptHandle):
             while self.kept() is None and time.monotonic() < deadline:
                 time.sleep(_RECORDER_POLL_INTERVAL)
 
-    def _live(self, ready: AbstractContextManager[Ready], keep: StartKeeping) -> None:
+    def _live(self, ready: AbstractContextManager[PreparedRun], keep: StartKeeping) -> None:
         try:
             with ready as (coordinator, around):
                 self.run = coordinator.name

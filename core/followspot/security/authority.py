@@ -17,7 +17,14 @@ from pathlib import Path
 
 from followspot.errors import FollowspotError
 from followspot.files import DOCUMENT, read_bytes
-from followspot.transport.host_registry import NAME, REGISTRY, Member, Role, read_host_registry, registry_text
+from followspot.transport.host_registry import (
+    NAME,
+    REGISTRY,
+    HostRole,
+    RegisteredHost,
+    read_host_registry,
+    registry_text,
+)
 
 try:
     from cryptography import x509
@@ -84,14 +91,14 @@ class Authority:
         return self._certificate.not_valid_after_utc
 
     @property
-    def members(self) -> tuple[Member, ...]:
+    def members(self) -> tuple[RegisteredHost, ...]:
         """All hosts, sorted by name."""
         return tuple(self._members[name] for name in sorted(self._members))
 
     def add(
         self,
         name: str,
-        role: Role,
+        role: HostRole,
         addresses: Sequence[str] = (),
         days: int = HOST_DAYS,
         *,
@@ -113,7 +120,7 @@ class Authority:
         if len(self._members) >= MAX_HOSTS:
             raise FollowspotError(f"there are {MAX_HOSTS} hosts, the most that are allowed")
         until = min(self.now + timedelta(days=days), self.expires).replace(microsecond=0)
-        member = Member(name, role, until)
+        member = RegisteredHost(name, role, until)
         key = ec.generate_private_key(ec.SECP256R1())
         certificate = self._issue(member, key, _alternative_names([name, *addresses]))
         self._members[name] = member
@@ -131,7 +138,7 @@ class Authority:
         self._write_registries()
 
     def _issue(
-        self, member: Member, key: ec.EllipticCurvePrivateKey, names: Iterable[x509.GeneralName]
+        self, member: RegisteredHost, key: ec.EllipticCurvePrivateKey, names: Iterable[x509.GeneralName]
     ) -> x509.Certificate:
         usage = [ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH]
         issuer = self._key.public_key()

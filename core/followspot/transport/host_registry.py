@@ -18,10 +18,10 @@ from followspot.errors import FollowspotError
 from followspot.files import DOCUMENT, read_bytes
 from followspot.form import HOST
 
-Role = Literal["camera", "worker", "operator", "router"]
+HostRole = Literal["camera", "worker", "operator", "router"]
 """camera, worker: runs an agent (a worker's stages may see every port); operator: may also start, stop and
 change runs; router: passes on what others send."""
-ROLES: tuple[Role, ...] = get_args(Role)
+ROLES: tuple[HostRole, ...] = get_args(HostRole)
 NAME = HOST
 REGISTRY = "hosts.json"
 FORMAT = 1
@@ -29,11 +29,11 @@ _FILES = ("ca.pem", "cert.pem", "key.pem", REGISTRY)
 
 
 @dataclass(frozen=True)
-class Member:
+class RegisteredHost:
     """A host in the registry; expires: when its certificate ends."""
 
     name: str
-    role: Role
+    role: HostRole
     expires: datetime
 
 
@@ -42,8 +42,8 @@ class Certificates:
     """A checked folder of certificates: its own host, and all hosts."""
 
     folder: Path
-    own: Member
-    members: tuple[Member, ...]
+    own: RegisteredHost
+    members: tuple[RegisteredHost, ...]
 
 
 def read_certificates(folder: Path, now: datetime | None = None) -> Certificates:
@@ -74,7 +74,7 @@ def read_certificates(folder: Path, now: datetime | None = None) -> Certificates
     return Certificates(folder, found, members)
 
 
-def read_host_registry(path: Path) -> tuple[str, tuple[Member, ...]]:
+def read_host_registry(path: Path) -> tuple[str, tuple[RegisteredHost, ...]]:
     """Name of the host whose registry it is ("" the authority's), and all hosts. Raises FollowspotError."""
     try:
         data = json.loads(read_bytes(path, DOCUMENT))
@@ -85,16 +85,16 @@ def read_host_registry(path: Path) -> tuple[str, tuple[Member, ...]]:
         raise FollowspotError(f"{path} is no list of hosts: {error}") from None
 
 
-def registry_text(own: str, members: Mapping[str, Member]) -> str:
+def registry_text(own: str, members: Mapping[str, RegisteredHost]) -> str:
     """The file `hosts.json`."""
     hosts = {m.name: {"role": m.role, "expires": m.expires.isoformat()} for m in members.values()}
     return json.dumps({"format": FORMAT, "own": own, "hosts": hosts}, indent=2) + "\n"
 
 
-def _member(name: str, entry: Any) -> Member:
+def _member(name: str, entry: Any) -> RegisteredHost:
     role, expires = entry["role"], datetime.fromisoformat(entry["expires"])
     if NAME.fullmatch(name) is None or role not in ROLES:
         raise ValueError(f"{str(name)[:80]!r} with the role {str(role)[:80]!r} cannot be a host")
     if expires.tzinfo is None:
         raise ValueError(f"the time {entry['expires']!r} has no time zone")
-    return Member(name, role, expires)
+    return RegisteredHost(name, role, expires)

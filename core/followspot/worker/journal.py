@@ -25,7 +25,7 @@ from followspot.worker.inputs.join import Join, JoinInput
 from followspot.worker.inputs.sampled_input import NearestInput, NewestInput, WindowInput
 from followspot.worker.output_port import OutputPort
 
-Role = Literal["member", "window", "sampled"]
+InputRole = Literal["member", "window", "sampled"]
 _INTERVAL = 1_000_000_000
 """Capture time between two checkpoints, ns."""
 _MOST_HELD = 1 << 20
@@ -36,7 +36,7 @@ _TAPPING = Lock()
 class NotedInput(pydantic.BaseModel, frozen=True):
     """One input. joined: its argument is a tuple; delayed: it gives an empty message before the first."""
 
-    role: Role
+    role: InputRole
     joined: bool
     delayed: bool = False
 
@@ -70,7 +70,7 @@ class Checkpoint(pydantic.BaseModel, frozen=True, ser_json_inf_nan="constants"):
         return self
 
 
-class Counted(Protocol):
+class FiringCounts(Protocol):
     """Counts of a stage's firings."""
 
     fired: int
@@ -86,7 +86,7 @@ class Journaled(Protocol):
     outputs: tuple[tuple[str, OutputPort], ...]
 
     @property
-    def count(self) -> Counted:
+    def count(self) -> FiringCounts:
         """Counts of its firings."""
 
     @property
@@ -210,7 +210,7 @@ def _noted(port: JoinInput) -> NotedInput:
     if isinstance(port.sampled, WindowInput):
         return NotedInput(role="window", joined=True)
     delayed = isinstance(port.sampled, NewestInput) and port.sampled.delay > 0
-    role: Role = "member" if port.sampled is None else "sampled"
+    role: InputRole = "member" if port.sampled is None else "sampled"
     return NotedInput(role=role, joined=port.joined, delayed=delayed)
 
 

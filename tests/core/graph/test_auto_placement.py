@@ -13,7 +13,7 @@ from tests.core.graph.test_placement import HERE
 from followspot.errors import InputError
 from followspot.graph import placement
 from followspot.graph.auto_placement.pipeline_model import HOP_WAIT, HOP_WORK, PipelineModel
-from followspot.graph.auto_placement.search import Choice, Unit, choose, explained
+from followspot.graph.auto_placement.search import Choice, PlacementUnit, choose, explained
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 
@@ -31,9 +31,9 @@ def tracker(
     return PipelineModel(work | {"fuse": fuse}, wires, cores)
 
 
-def units(model: PipelineModel) -> list[Unit]:
-    cameras = [Unit(name, (f"camera/{name}", f"detect/{name}"), carrier=True) for name in CAMERAS]
-    return [*cameras, Unit("fuse", ("fuse",))]
+def units(model: PipelineModel) -> list[PlacementUnit]:
+    cameras = [PlacementUnit(name, (f"camera/{name}", f"detect/{name}"), carrier=True) for name in CAMERAS]
+    return [*cameras, PlacementUnit("fuse", ("fuse",))]
 
 
 def in_one(model: PipelineModel) -> dict[str, str]:

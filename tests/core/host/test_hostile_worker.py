@@ -12,7 +12,7 @@ import pytest
 
 from followspot.control.dispatch import by_verb
 from followspot.control.pipe import MAX_LINE, Channel
-from followspot.control.worker_messages import Change, Log, Ready, StageCheckpoint
+from followspot.control.worker_messages import ChangeAnswer, Log, Ready, StageCheckpoint
 from followspot.host.worker_process import WorkerProcess
 from followspot.host.worker_starts import WorkerStarts
 
@@ -21,7 +21,7 @@ class Speaker:
     """A real worker process, and a socket that sends messages in its name."""
 
     def __init__(self) -> None:
-        handlers = dict.fromkeys((StageCheckpoint, Change, Log), lambda _: None)
+        handlers = dict.fromkeys((StageCheckpoint, ChangeAnswer, Log), lambda _: None)
         self.worker = WorkerProcess("left", 0, WorkerStarts(["left"], (), []).start, handlers)
         kinds = self.worker.channel._kinds
         self.worker.channel.close()

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from followspot.errors import Mistake, Place
 from followspot.graph.auto_placement.costs import MEASURE, Costs
 from followspot.graph.auto_placement.pipeline_model import PipelineModel
-from followspot.graph.auto_placement.search import Aim, Unit, choose, explained
+from followspot.graph.auto_placement.search import Aim, PlacementUnit, choose, explained
 from followspot.graph.budget import Budget
 from followspot.graph.expand import Expanded
 from followspot.graph.instances import Instance
@@ -89,7 +89,7 @@ def _between(model: PipelineModel, budget: Budget, ends: Sequence[str], expanded
     return [name for name in found if expanded.instances[name].declared.name != budget.origin]
 
 
-def _units(instances: Sequence[Instance], hosts: Mapping[str, str]) -> tuple[Unit, ...]:
+def _units(instances: Sequence[Instance], hosts: Mapping[str, str]) -> tuple[PlacementUnit, ...]:
     """The instances that stay together."""
     groups: dict[str, list[Instance]] = {}
     many = len(instances) > _MOST_UNITS
@@ -98,7 +98,9 @@ def _units(instances: Sequence[Instance], hosts: Mapping[str, str]) -> tuple[Uni
         name = carrier or ("main" if many else instance.name)
         groups.setdefault(name, []).append(instance)
     return tuple(
-        Unit(name, tuple(i.name for i in found), bool(_carrier(found[0])), hosts.get(_carrier(found[0]), ""))
+        PlacementUnit(
+            name, tuple(i.name for i in found), bool(_carrier(found[0])), hosts.get(_carrier(found[0]), "")
+        )
         for name, found in groups.items()
     )
 

@@ -22,7 +22,7 @@ MAIN = "main"
 
 
 @dataclass(frozen=True)
-class Unit:
+class PlacementUnit:
     """Instances that stay together: all that serve one camera or sensor, or one other instance.
 
     fixed: the worker that it has on another host, "" if it may be placed here.
@@ -54,7 +54,7 @@ class Choice:
 class _Search:
     """Tries placements of units, each once. Deterministic: the same figures give the same choice."""
 
-    def __init__(self, model: PipelineModel, units: Sequence[Unit], aim: Aim) -> None:
+    def __init__(self, model: PipelineModel, units: Sequence[PlacementUnit], aim: Aim) -> None:
         self.model, self.units, self.aim = model, units, aim
         self.work = {unit.name: sum(model.work[name] for name in unit.instances) for unit in units}
         self.free = [unit for unit in units if not unit.fixed]
@@ -98,7 +98,7 @@ class _Search:
             yield tuple(shared.get(unit.name, 0) for unit in self.free)
         yield from self._cuts()
 
-    def _shared(self, units: Iterable[Unit], count: int) -> dict[str, int]:
+    def _shared(self, units: Iterable[PlacementUnit], count: int) -> dict[str, int]:
         """A worker for each unit, the most work first, to the worker with the least; 0 has the least."""
         load = [0.0] * count
         found = {}
@@ -131,7 +131,7 @@ class _Search:
                     yield _renumbered((*numbers[:place], number, *numbers[place + 1 :]))
 
 
-def choose(model: PipelineModel, units: Sequence[Unit], aim: Aim) -> Choice:
+def choose(model: PipelineModel, units: Sequence[PlacementUnit], aim: Aim) -> Choice:
     """The workers from which the model expects most frame sets a second, or the least latency."""
     search = _Search(model, units, aim)
     found = search.best()

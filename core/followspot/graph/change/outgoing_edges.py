@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from followspot.errors import InputError, Mistake, Place
-from followspot.graph.change.subgraph_plan import Composed
+from followspot.graph.change.subgraph_plan import ComposedFile
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, nearest_kind
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.plugins.registry import load_stage
@@ -16,7 +16,7 @@ from followspot.ports import OutputSpec, accepts, ports
 def leaving(
     plan: Plan,
     use: SubgraphUse,
-    found: Composed,
+    found: ComposedFile,
     edge: PlannedEdge,
     stages: Mapping[str, PlannedStage],
     place: Place,
@@ -70,7 +70,7 @@ def _output(stage: PlannedStage, port: str) -> OutputSpec | None:
 def _refusal(
     use: SubgraphUse,
     names: list[str],
-    found: Composed,
+    found: ComposedFile,
     edge: PlannedEdge,
     given: list[str],
     stages: Mapping[str, PlannedStage],

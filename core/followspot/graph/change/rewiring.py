@@ -13,7 +13,7 @@ from followspot.errors import InputError, Mistake, Place
 from followspot.firing import FIRINGS
 from followspot.graph.arrange import planned_edge, planned_stage
 from followspot.graph.change.outgoing_edges import leaving
-from followspot.graph.change.subgraph_plan import Composed
+from followspot.graph.change.subgraph_plan import ComposedFile
 from followspot.graph.cycles import cyclic, successors, topological
 from followspot.graph.parameters import output_paths
 from followspot.graph.placement import Placed
@@ -24,7 +24,7 @@ from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 
 
-def rewired(plan: Plan, use: SubgraphUse, found: Composed, place: Place) -> Plan:
+def rewired(plan: Plan, use: SubgraphUse, found: ComposedFile, place: Place) -> Plan:
     """The plan with the file in the place of the use. place: of the file's name. Raises InputError."""
     old = {stage.name: stage for stage in plan.stages if use.holds(stage.group)}
     stages = _stages(plan, found, _placed(plan, old, found), old)
@@ -45,7 +45,7 @@ def rewired(plan: Plan, use: SubgraphUse, found: Composed, place: Place) -> Plan
     return new
 
 
-def _placed(plan: Plan, old: Mapping[str, PlannedStage], found: Composed) -> Placed:
+def _placed(plan: Plan, old: Mapping[str, PlannedStage], found: ComposedFile) -> Placed:
     """Stages that stay do so in their worker; a new one comes to those of the same member, else of none."""
     beside = {stage.member: stage.worker for stage in old.values()}
     fallback = beside.get(None) or next(reversed(beside.values()))
@@ -57,7 +57,7 @@ def _placed(plan: Plan, old: Mapping[str, PlannedStage], found: Composed) -> Pla
 
 
 def _stages(
-    plan: Plan, found: Composed, placed: Placed, old: Mapping[str, PlannedStage]
+    plan: Plan, found: ComposedFile, placed: Placed, old: Mapping[str, PlannedStage]
 ) -> dict[str, PlannedStage]:
     """All stages of the new plan, those of the file where the first of the old ones was."""
     inside = {}
@@ -74,7 +74,7 @@ def _stages(
 
 
 def _edges(
-    plan: Plan, use: SubgraphUse, found: Composed, stages: Mapping[str, PlannedStage], place: Place
+    plan: Plan, use: SubgraphUse, found: ComposedFile, stages: Mapping[str, PlannedStage], place: Place
 ) -> list[PlannedEdge]:
     """The edges of the new plan; those that were there before are the same."""
     placed = Placed({stage.name: stage.worker for stage in stages.values()}, plan.workers)
@@ -89,7 +89,7 @@ def _edges(
 
 
 def _outside(
-    plan: Plan, use: SubgraphUse, found: Composed, stages: Mapping[str, PlannedStage], place: Place
+    plan: Plan, use: SubgraphUse, found: ComposedFile, stages: Mapping[str, PlannedStage], place: Place
 ) -> list[PlannedEdge]:
     """The edges to stages outside the file; the firings of a stage are read as long as its results are."""
     outside = [edge for edge in plan.edges if not use.holds(edge.to_stage)]
@@ -142,7 +142,7 @@ def _check_lagging(stages: Mapping[str, PlannedStage], circular: set[tuple[str, 
             raise InputError([Mistake(place, text, "feed back what does not lag")])
 
 
-def _offered(plan: Plan, use: SubgraphUse, found: Composed) -> dict[str, tuple[str, ...]]:
+def _offered(plan: Plan, use: SubgraphUse, found: ComposedFile) -> dict[str, tuple[str, ...]]:
     """The outputs of all sub-graphs."""
     around = {
         name: behind

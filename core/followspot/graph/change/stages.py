@@ -18,13 +18,13 @@ from followspot.graph.names import enclosing
 from followspot.graph.override import SUBGRAPH, Override, read_override
 from followspot.graph.parameter_origin import origin_of
 from followspot.graph.parameters import output_paths, plain_default, validated
-from followspot.graph.plan import Origin, Plan, PlannedStage
+from followspot.graph.plan import ParameterOrigin, Plan, PlannedStage
 from followspot.graph.subgraph_use import SubgraphUse, is_given_by_set
 from followspot.graph.tune import tunes_of
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.stage import Stage
 
-_BY_SET = Origin("--set", kept=True)
+_BY_SET = ParameterOrigin("--set", kept=True)
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Change:
     """
 
     stages: tuple[PlannedStage, ...]
-    origins: Mapping[str, Mapping[str, Origin]]
+    origins: Mapping[str, Mapping[str, ParameterOrigin]]
     subgraphs: tuple[SubgraphUse, ...]
     rewired: Plan | None = None
 
@@ -79,7 +79,7 @@ def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change
     return Change(new, origins, plan.subgraphs, rewired)
 
 
-def _present(origins: Mapping[str, Origin], stage: PlannedStage) -> Mapping[str, Origin]:
+def _present(origins: Mapping[str, ParameterOrigin], stage: PlannedStage) -> Mapping[str, ParameterOrigin]:
     """Those of the parameters that the stage has."""
     return {name: origin for name, origin in origins.items() if name in stage.params}
 
@@ -101,7 +101,7 @@ class _Wish:
     place: Place
     uses: str = ""
     params: dict[str, Node] = field(default_factory=dict)
-    origins: dict[str, Origin] = field(default_factory=dict)
+    origins: dict[str, ParameterOrigin] = field(default_factory=dict)
     """What gave each parameter that is no default its value."""
 
 
@@ -212,7 +212,7 @@ def _tunes(wish: _Wish, plan: Plan, mistakes: list[Mistake]) -> dict[str, Node]:
     found = tunes_of(room_document(plan), replace(wish.old, uses=wish.uses), mistakes)
     kept = {name for name, origin in wish.origins.items() if origin.kept} | wish.params.keys()
     tunes = {name: node for name, node in found.items() if name not in kept}
-    wish.origins |= {name: Origin(origin_of(node, tuned=True)) for name, node in tunes.items()}
+    wish.origins |= {name: ParameterOrigin(origin_of(node, tuned=True)) for name, node in tunes.items()}
     return tunes
 
 

@@ -14,14 +14,14 @@ from typing import Any
 from followspot.document import Node
 from followspot.errors import InputError, Mistake
 from followspot.graph.change.rewiring import rewired
-from followspot.graph.change.subgraph_plan import GIVEN, Composed, composed_in
+from followspot.graph.change.subgraph_plan import GIVEN, ComposedFile, composed_in
 from followspot.graph.instances import CheckedStage
 from followspot.graph.override import WHILE_IT_RAN, is_set
 from followspot.graph.parameter_origin import origin_of
-from followspot.graph.plan import Origin, Plan, PlannedStage
+from followspot.graph.plan import ParameterOrigin, Plan, PlannedStage
 from followspot.graph.subgraph_use import SubgraphUse
 
-BY_A_CHANGE = Origin("while it ran", kept=True)
+BY_A_CHANGE = ParameterOrigin("while it ran", kept=True)
 _Edge = tuple[str, str, str, str, int]
 
 
@@ -32,7 +32,7 @@ class StageChange:
     name: str
     uses: str
     params: Mapping[str, Any]
-    origins: Mapping[str, Origin]
+    origins: Mapping[str, ParameterOrigin]
 
 
 def uses_of(plan: Plan, name: str) -> list[SubgraphUse]:
@@ -75,7 +75,7 @@ def replaced(plan: Plan, use: SubgraphUse, file: Node) -> Replaced:
     return Replaced(replace(new, origins=origins), None)
 
 
-def _passing_on(outer: SubgraphUse, use: SubgraphUse, found: Composed) -> SubgraphUse:
+def _passing_on(outer: SubgraphUse, use: SubgraphUse, found: ComposedFile) -> SubgraphUse:
     """A use of a file with what its parameters set in the new file, if the replaced use is inside."""
     new = next((one for one in found.subgraphs if one.name == use.name), None)
     if new is None or not outer.holds(use.name):
@@ -92,7 +92,7 @@ def _inside(plan: Plan, use: SubgraphUse) -> dict[str, PlannedStage]:
     return {stage.name: stage for stage in plan.stages if use.holds(stage.group)}
 
 
-def _differing(plan: Plan, use: SubgraphUse, found: Composed) -> list[StageChange]:
+def _differing(plan: Plan, use: SubgraphUse, found: ComposedFile) -> list[StageChange]:
     """The stages that are another plugin stage or have other parameters."""
     old = _inside(plan, use)
     changes = []
@@ -105,7 +105,7 @@ def _differing(plan: Plan, use: SubgraphUse, found: Composed) -> list[StageChang
     return changes
 
 
-def _origins(plan: Plan, use: SubgraphUse, stage: CheckedStage) -> dict[str, Origin]:
+def _origins(plan: Plan, use: SubgraphUse, stage: CheckedStage) -> dict[str, ParameterOrigin]:
     """What gives the parameters of a stage of the file their values."""
     name = stage.instance.name
     was = next((old for old in plan.stages if old.name == name), None)
@@ -118,15 +118,15 @@ def _origins(plan: Plan, use: SubgraphUse, stage: CheckedStage) -> dict[str, Ori
     return origins | {k: before.get(k, BY_A_CHANGE) for k in kept if k in stage.params}
 
 
-def _origin(node: Node, use: SubgraphUse, *, tuned: bool) -> Origin:
+def _origin(node: Node, use: SubgraphUse, *, tuned: bool) -> ParameterOrigin:
     """What gives a parameter its value: the new file, the room, or the graph that uses the file."""
     if node.place.file == WHILE_IT_RAN:
         return BY_A_CHANGE
     passed = node.place.file == GIVEN
-    return Origin(use.name if passed else origin_of(node, tuned=tuned), is_set(node))
+    return ParameterOrigin(use.name if passed else origin_of(node, tuned=tuned), is_set(node))
 
 
-def _is_alike(plan: Plan, use: SubgraphUse, found: Composed) -> bool:
+def _is_alike(plan: Plan, use: SubgraphUse, found: ComposedFile) -> bool:
     """True if the file has the stages, edges, outputs and policies of the old one."""
     old, new = _inside(plan, use), {stage.instance.name: stage for stage in found.stages}
     if old.keys() != new.keys() or _edges(plan, old) != found.edges:
@@ -142,7 +142,7 @@ def _is_alike(plan: Plan, use: SubgraphUse, found: Composed) -> bool:
     )
 
 
-def _has_read_outputs(plan: Plan, use: SubgraphUse, found: Composed) -> bool:
+def _has_read_outputs(plan: Plan, use: SubgraphUse, found: ComposedFile) -> bool:
     """True if the file offers all outputs that something outside reads."""
     read = {f"{edge.from_stage}.{edge.from_port}" for edge in plan.edges if not use.holds(edge.to_stage)}
     own = {n: p for n, p in plan.offered.items() if n.partition(".")[0] == use.name and read & set(p)}

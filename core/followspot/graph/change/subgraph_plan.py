@@ -31,7 +31,7 @@ GIVEN = "(given by the graph)"
 
 
 @dataclass(frozen=True)
-class Composed:
+class ComposedFile:
     """The file in its place. edges, links: into its stages; outputs: the ports behind each, SUBGRAPH.NAME."""
 
     stages: tuple[CheckedStage, ...]
@@ -41,7 +41,7 @@ class Composed:
     subgraphs: tuple[SubgraphUse, ...]
 
 
-def composed_in(plan: Plan, use: SubgraphUse, file: Node, mistakes: list[Mistake]) -> Composed | None:
+def composed_in(plan: Plan, use: SubgraphUse, file: Node, mistakes: list[Mistake]) -> ComposedFile | None:
     """The file in the place of a use in a plan; None if mistakes leave its stages unknown.
 
     file: its path. What the graph gives the use has the values that the stages have now.
@@ -85,7 +85,7 @@ def _checked(
     found: InPlace,
     old: Mapping[str, PlannedStage],
     mistakes: list[Mistake],
-) -> Composed:
+) -> ComposedFile:
     """The instances with their parameters, and the edges into them. own: those of the file, tuned."""
     classes = {}
     for instance in expanded.instances.values():
@@ -105,7 +105,7 @@ def _checked(
         for edge in links
     }
     outputs = subgraph_ports(found.outputs, stages, plan.room)
-    return Composed(tuple(stages), frozenset(edges), outputs, links, found.subgraphs)
+    return ComposedFile(tuple(stages), frozenset(edges), outputs, links, found.subgraphs)
 
 
 def _class(instance: Instance, mistakes: list[Mistake]) -> type[Stage] | None:

@@ -14,7 +14,7 @@ from followspot.room import Member, Room
 
 
 @dataclass(frozen=True)
-class Surroundings:
+class UseContext:
     """What a graph file is used in.
 
     room: None if it has mistakes; named: whether the graph names a room; prefix: full name of the sub-graph
@@ -48,7 +48,7 @@ class FanOut:
     complete: bool = True
 
 
-def fan_out(stage: str, entry: Form, around: Surroundings, mistakes: list[Mistake]) -> FanOut:
+def fan_out(stage: str, entry: Form, around: UseContext, mistakes: list[Mistake]) -> FanOut:
     """The uses that the entry of a sub-graph stands for: one, or one for each member that it names.
 
     Where the room is not known, one use stands for all.
@@ -86,12 +86,12 @@ def fan_out(stage: str, entry: Form, around: Surroundings, mistakes: list[Mistak
     return FanOut(tuple(uses), {name: _absent(name, found, around) for name, found in empty.items()})
 
 
-def _absent(name: str, wanted: Selector, around: Surroundings) -> Mistake:
+def _absent(name: str, wanted: Selector, around: UseContext) -> Mistake:
     text = f'sub-graph "{below(around.prefix, name)}" is left out: the room has no {wanted.text}'
     return Mistake(wanted.place, text)
 
 
-def _lacking(name: str, wanted: Selector, verb: str, around: Surroundings) -> Mistake:
+def _lacking(name: str, wanted: Selector, verb: str, around: UseContext) -> Mistake:
     """The mistake of a sub-graph that asks for what the room does not have; verb: how it asks."""
     if not around.named or around.room is None:
         text = f'sub-graph "{name}" {verb} {wanted.text}, but the graph names no room'

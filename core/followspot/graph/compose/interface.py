@@ -21,7 +21,7 @@ SECTION = {"parameter": "params", "input": "inputs", "output": "outputs"}
 
 
 @dataclass(frozen=True)
-class Target:
+class InterfaceTarget:
     """A stage inside, and one of its parameters or ports; node: the text that names it."""
 
     stage: str
@@ -38,9 +38,9 @@ class Target:
 class Interface:
     """What each name of the interface stands for inside; nothing if a mistake was noted."""
 
-    params: Mapping[str, tuple[Target, ...]]
-    inputs: Mapping[str, tuple[Target, ...]]
-    outputs: Mapping[str, tuple[Target, ...]]
+    params: Mapping[str, tuple[InterfaceTarget, ...]]
+    inputs: Mapping[str, tuple[InterfaceTarget, ...]]
+    outputs: Mapping[str, tuple[InterfaceTarget, ...]]
 
 
 def read_interface(file: GraphFile, mistakes: list[Mistake]) -> Interface:
@@ -54,7 +54,7 @@ def read_interface(file: GraphFile, mistakes: list[Mistake]) -> Interface:
 
 def _read(
     key: str, entries: Mapping[str, Node], file: GraphFile, mistakes: list[Mistake]
-) -> Iterator[tuple[str, tuple[Target, ...]]]:
+) -> Iterator[tuple[str, tuple[InterfaceTarget, ...]]]:
     for name, node in entries.items():
         if not is_name(name):
             text = f'"{name}" cannot be a name among the {key}'
@@ -67,7 +67,9 @@ def _read(
         yield name, tuple(target for target in found if target is not None)
 
 
-def _target(key: str, name: str, node: Node, file: GraphFile, mistakes: list[Mistake]) -> Target | None:
+def _target(
+    key: str, name: str, node: Node, file: GraphFile, mistakes: list[Mistake]
+) -> InterfaceTarget | None:
     named = sender(node) if isinstance(node.value, str) else None
     if named is None or (key == "params" and named[1] is None):
         mistakes.append(_malformed(key, name, node))
@@ -78,7 +80,7 @@ def _target(key: str, name: str, node: Node, file: GraphFile, mistakes: list[Mis
         text = f'{key}: {name} names the stage "{named[0]}", which the graph lacks'
         mistakes.append(Mistake(node.place, text, did_you_mean(named[0], file.stages.keys(), "stages")))
         return None
-    return Target(named[0], named[1], node)
+    return InterfaceTarget(named[0], named[1], node)
 
 
 def _malformed(key: str, name: str, node: Node) -> Mistake:

@@ -8,7 +8,7 @@ from typing import Literal
 
 from followspot.document import child
 from followspot.errors import Mistake, Place, did_you_mean
-from followspot.graph.compose.interface import SECTION, Target
+from followspot.graph.compose.interface import SECTION, InterfaceTarget
 from followspot.graph.compose.unit import Unit
 from followspot.graph.names import below
 
@@ -23,7 +23,7 @@ class Promise:
     """
 
     noun: Noun
-    target: Target
+    target: InterfaceTarget
     uses: str
 
 
@@ -54,7 +54,7 @@ def check_nested(unit: Unit, mistakes: list[Mistake]) -> None:
         check_nested(found, mistakes)
 
 
-def is_told(target: Target, mistakes: list[Mistake]) -> bool:
+def is_told(target: InterfaceTarget, mistakes: list[Mistake]) -> bool:
     """Whether one of the mistakes shows the place of a target."""
     at = _position(target.node.place)
     return any(
@@ -72,12 +72,12 @@ def _inner(unit: Unit) -> Iterator[Unit]:
     return (inner for found in unit.units.values() for inner in found)
 
 
-def _targets(unit: Unit) -> Iterator[tuple[Noun, Target]]:
+def _targets(unit: Unit) -> Iterator[tuple[Noun, InterfaceTarget]]:
     for noun, names in _names(unit).items():
         for target in (target for targets in names.values() for target in targets):
             yield noun, target
 
 
-def _names(unit: Unit) -> dict[Noun, Mapping[str, tuple[Target, ...]]]:
+def _names(unit: Unit) -> dict[Noun, Mapping[str, tuple[InterfaceTarget, ...]]]:
     own = unit.interface
     return {"parameter": own.params, "input": own.inputs, "output": own.outputs}

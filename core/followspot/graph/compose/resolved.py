@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from followspot.document import plain
 from followspot.graph.compose.feeds import items
-from followspot.graph.compose.interface import Target
+from followspot.graph.compose.interface import InterfaceTarget
 from followspot.graph.compose.senders import senders
 from followspot.graph.compose.unit import Unit
 from followspot.graph.names import below
@@ -44,7 +44,7 @@ def resolved(unit: Unit, stage: str) -> SubgraphUse:
     )
 
 
-def _leaves(unit: Unit, target: Target) -> Iterator[str]:
+def _leaves(unit: Unit, target: InterfaceTarget) -> Iterator[str]:
     """The parameters of stages, STAGE.PARAMETER, that a parameter of an interface stands for."""
     for inner in unit.units.get(target.stage, ()):
         for below_it in inner.interface.params.get(target.name or "", ()):

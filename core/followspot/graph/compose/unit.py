@@ -8,10 +8,10 @@ from dataclasses import dataclass, field, replace
 from followspot.document import Node
 from followspot.errors import Mistake, Place, did_you_mean
 from followspot.form import Form
-from followspot.graph.compose.fan_out import Surroundings, Use, fan_out
+from followspot.graph.compose.fan_out import Use, UseContext, fan_out
 from followspot.graph.compose.feeds import items
 from followspot.graph.compose.graph_file import GraphFile, GraphFiles
-from followspot.graph.compose.interface import SECTION, Interface, Target, read_interface
+from followspot.graph.compose.interface import SECTION, Interface, InterfaceTarget, read_interface
 from followspot.graph.compose.narrowing import Limit
 from followspot.graph.compose.removed import check_removed
 from followspot.graph.names import below
@@ -103,7 +103,7 @@ class Units:
     def _below(self, parent: Unit, stage: str, node: Node, overrides: Sequence[Override]) -> Iterator[Unit]:
         """The units of a stage that is a sub-graph: one, or one for each member that it fans out over."""
         entry = Form(node, f'sub-graph "{below(parent.name, stage)}"', SUBGRAPH, self.mistakes)
-        around = Surroundings(self.room, self.named, parent.name, parent.limits)
+        around = UseContext(self.room, self.named, parent.name, parent.limits)
         found = fan_out(stage, entry, around, self.mistakes)
         parent.left_out |= found.left_out
         if stage in found.left_out:
@@ -178,7 +178,7 @@ class Units:
 
     def _connect(self, unit: Unit, inputs: Mapping[str, Wired]) -> None:
         """Connect inputs of the interface."""
-        connected: list[tuple[Target, str]] = []
+        connected: list[tuple[InterfaceTarget, str]] = []
         for name, wired in inputs.items():
             targets = unit.interface.inputs.get(name)
             if targets is None:
@@ -191,7 +191,12 @@ class Units:
                     self._connect_to(unit, target, name, wired, connected)
 
     def _connect_to(
-        self, unit: Unit, target: Target, name: str, wired: Wired, connected: list[tuple[Target, str]]
+        self,
+        unit: Unit,
+        target: InterfaceTarget,
+        name: str,
+        wired: Wired,
+        connected: list[tuple[InterfaceTarget, str]],
     ) -> None:
         """Connect an input to one of its targets, unless one of those connected before has taken it."""
         first = next((other for known, other in connected if _overlap(known, target)), None)
@@ -232,7 +237,7 @@ class Units:
                     entry_of = unit.stages[target.stage]
                     unit.stages[target.stage] = with_value(entry_of, keys, (key,) * len(keys), found)
 
-    def _wrong(self, place: Place, target: Target, text: str, remedy: str) -> None:
+    def _wrong(self, place: Place, target: InterfaceTarget, text: str, remedy: str) -> None:
         """Note a mistake at a use of an interface, together with the place of the interface."""
         self.mistakes.append(Mistake(place.beside(target.node.place), text, remedy))
 
@@ -249,7 +254,7 @@ def is_subgraph(node: Node) -> bool:
     return isinstance(node.value, Mapping) and "graph" in node.value
 
 
-def _overlap(first: Target, second: Target) -> bool:
+def _overlap(first: InterfaceTarget, second: InterfaceTarget) -> bool:
     """True if both stand for one port, or one for the stage of the other."""
     return first.stage == second.stage and (first.name == second.name or None in (first.name, second.name))
 

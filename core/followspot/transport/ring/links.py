@@ -24,7 +24,7 @@ class Home(NamedTuple):
     edge: int
 
 
-class Links:
+class ReaderLinks:
     """The links to all readers of a port; a reader is named by its index."""
 
     def __init__(self, sockets: Sequence[socket.socket], depth: int, quota: int, slots: int) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from followspot.messages import MAX_BYTES, Array, Message
 from followspot.transport.ring.control import CONSUMED
 from followspot.transport.ring.heads import HeadPacker
-from followspot.transport.ring.links import Home, Links
+from followspot.transport.ring.links import Home, ReaderLinks
 from followspot.transport.ring.notification import (
     INLINE,
     INLINE_BYTES,
@@ -48,7 +48,7 @@ class RingWriter:
         self._over = False
         self._pool: Slots | None = None
         self._heads: HeadPacker | None = None
-        self._links = Links(sockets, depth, self._quota, self._slots)
+        self._links = ReaderLinks(sockets, depth, self._quota, self._slots)
         if homes:
             self._links.share(homes)
 

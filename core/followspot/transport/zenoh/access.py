@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from followspot.transport.host_registry import Member
+from followspot.transport.host_registry import RegisteredHost
 from followspot.transport.keys import AGENTS, OPERATOR, ROOT, agent_key, reader_key, request_key
 
 _ALL = (
@@ -29,7 +29,7 @@ _PORT = f"{ROOT}/*/*/*/*/**"
 """All keys below a port: RUN, HOST, STAGE and PORT are at least four chunks."""
 
 
-def access_control(members: Sequence[Member]) -> dict[str, Any]:
+def access_control(members: Sequence[RegisteredHost]) -> dict[str, Any]:
     """Zenoh's setting ``access_control``, which denies all that it does not allow."""
     rules = [_rule("out", "egress", _ALL, [f"{ROOT}/**"]), _rule("see", "ingress", _SEE, [f"{ROOT}/**"])]
     policies = [{"rules": ["out", "see"], "subjects": [member.name for member in members]}]
@@ -50,7 +50,7 @@ def access_control(members: Sequence[Member]) -> dict[str, Any]:
     }
 
 
-def _grants(member: Member) -> list[tuple[Sequence[str], list[str]]]:
+def _grants(member: RegisteredHost) -> list[tuple[Sequence[str], list[str]]]:
     """Kinds of Zenoh messages, and the keys on which sessions accept them from this host."""
     name, role = member.name, member.role
     if role == "router":

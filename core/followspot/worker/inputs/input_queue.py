@@ -6,7 +6,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-from followspot.belonging import Misfit
+from followspot.belonging import FitCheck
 from followspot.messages import Message
 from followspot.transport.edge import PortReader
 from followspot.transport.token import ABSENT, END, Invalid, Token, Watermark
@@ -93,7 +93,7 @@ class InputQueue:
         """The watermark when the writer dies: `ABSENT` or `UNCHANGED` if it is started again."""
         self.ages: deque[int] = deque(maxlen=_AGES)
         """Ages of some messages when they were taken, ns since they entered the graph."""
-        self.unfit: Misfit | None = None
+        self.unfit: FitCheck | None = None
         """Says why a message from another worker does not fit the room."""
         self.stale = 0
         """How many of the oldest messages give the writer no credit when they leave: they were excused, or

@@ -11,7 +11,7 @@ from itertools import count
 from followspot.control.checkpoint import state_to_data
 from followspot.control.pipe import Channel, ChannelClosed
 from followspot.control.swap import ChangeStatus
-from followspot.control.worker_messages import Change, Log, Progress, StageCheckpoint, Stages
+from followspot.control.worker_messages import ChangeAnswer, Log, Progress, StageCheckpoint, Stages
 from followspot.log.collector import LogCollector
 from followspot.worker.reporting.report import Warnings
 from followspot.worker.reporting.stage_status import Idleness, paths_now, stages_now
@@ -81,7 +81,7 @@ class HostReporter:
     def send_change(self, status: ChangeStatus) -> None:
         """Send how far a hot swap is."""
         with suppress(ChannelClosed):  # the worker notices that when it next reads orders
-            self._channel.send(Change(status=status))
+            self._channel.send(ChangeAnswer(status=status))
 
     def _send_progress(self, scheduler: Scheduler, on_closed: Callable[[], None]) -> None:
         for turn in count():

@@ -11,7 +11,7 @@ from collections import defaultdict
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from followspot.worker.runners.stage_runner import Firing, StageRunner
+from followspot.worker.runners.stage_runner import FiringInputs, StageRunner
 
 
 class BatchGroup:
@@ -61,7 +61,7 @@ def batch_groups(runners: Sequence[StageRunner], mark: Callable[[int], None]) ->
     return [BatchGroup(members, mark) for members in alike.values() if len(members) > 1]
 
 
-def _together(runners: Sequence[StageRunner], firings: Sequence[Firing]) -> Sequence[Any]:
+def _together(runners: Sequence[StageRunner], firings: Sequence[FiringInputs]) -> Sequence[Any]:
     """What the stages return; if that raises, each works alone, so that the error names the right stage."""
     started = time.monotonic_ns()
     for runner in runners:
@@ -83,5 +83,5 @@ def _together(runners: Sequence[StageRunner], firings: Sequence[Firing]) -> Sequ
     return results
 
 
-def _each_alone(runners: Sequence[StageRunner], firings: Sequence[Firing]) -> Sequence[Any]:
+def _each_alone(runners: Sequence[StageRunner], firings: Sequence[FiringInputs]) -> Sequence[Any]:
     return [runner.run(firing) for runner, firing in zip(runners, firings, strict=True)]

@@ -18,7 +18,7 @@ from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.output_port import OutputPort
 from followspot.worker.runners.error_policy import RAISED
 from followspot.worker.runners.source import NOTHING, SourceRunner
-from followspot.worker.runners.stage_runner import Changed
+from followspot.worker.runners.stage_runner import Returned
 
 
 class LiveSourceRunner(SourceRunner):
@@ -75,7 +75,7 @@ class LiveSourceRunner(SourceRunner):
             for port, output in self.outputs:
                 output.reconnect(readers[port], self._waiting(output))
 
-    def exchange(self, output: OutputPort, change: Callable[[], Changed]) -> Changed:
+    def exchange(self, output: OutputPort, change: Callable[[], Returned]) -> Returned:
         """See `StageRunner.exchange`. The edges that come count the frames that wait for the worker."""
         with self._lock:
             before = output.all_rows

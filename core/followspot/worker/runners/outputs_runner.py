@@ -12,7 +12,7 @@ from followspot.messages import UNSTAMPED, Header, in_range
 from followspot.outputs import WrongOutput, check_one_of_several
 from followspot.transport.token import END
 from followspot.worker.runners.error_policy import RAISED, recover
-from followspot.worker.runners.stage_runner import Firing, StageRunner
+from followspot.worker.runners.stage_runner import FiringInputs, StageRunner
 
 MAX_OUTPUTS = 10_000
 """Most messages for one firing; a generator that goes on for ever ends there."""
@@ -32,7 +32,7 @@ class OutputsRunner(StageRunner):
         self._send_waiting()
         return None if self._unsent else super().due()
 
-    def run(self, firing: Firing) -> Sequence[Any]:
+    def run(self, firing: FiringInputs) -> Sequence[Any]:
         """All results of the firing, none if the stage raised. Raises StageError if the policy is `fail`."""
         result = super().run(firing)
         if result is None:

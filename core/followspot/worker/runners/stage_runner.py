@@ -25,10 +25,10 @@ from followspot.worker.runners.error_policy import RAISED, StageError, recover
 from followspot.worker.runners.runner_count import RunnerCount
 
 _capture_time = attrgetter("time")
-Changed = TypeVar("Changed")
+Returned = TypeVar("Returned")
 
 
-class Firing(NamedTuple):
+class FiringInputs(NamedTuple):
     """The arguments of `process`, and the header of its outputs."""
 
     arguments: Sequence[object]
@@ -141,7 +141,7 @@ class StageRunner:
         self.blocked = not self.has_room()
         return None if self.blocked else fire_at
 
-    def take(self, fire_at: int) -> Firing:
+    def take(self, fire_at: int) -> FiringInputs:
         """Take the inputs of the firing that is due at this time."""
         note = self.journal.before(self, fire_at) if self.journal.read else None
         arguments, fired = self.join.take(fire_at)
@@ -150,9 +150,9 @@ class StageRunner:
         header = _header(fired, fire_at)
         if note is not None:
             self.journal.after(self, header._replace(time=fire_at), note, arguments)
-        return Firing(arguments, header)
+        return FiringInputs(arguments, header)
 
-    def run(self, firing: Firing) -> Any:
+    def run(self, firing: FiringInputs) -> Any:
         """What the stage returns, None if it raised. Raises StageError if the policy is `fail`."""
         started = time.monotonic_ns()
         self.working = True
@@ -225,7 +225,7 @@ class StageRunner:
         for port, output in self.outputs:
             output.reconnect(readers[port])
 
-    def exchange(self, output: OutputPort, change: Callable[[], Changed]) -> Changed:
+    def exchange(self, output: OutputPort, change: Callable[[], Returned]) -> Returned:
         """Let `change` add or remove edges of an output to other workers; returns what it returns."""
         return change()
 
