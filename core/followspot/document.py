@@ -63,6 +63,7 @@ class _Dumper(yaml.SafeDumper):
     """Quotes text that YAML 1.2 reads as another value; PyYAML by itself quotes by the rules of YAML 1.1."""
 
     def text(self, value: str) -> yaml.ScalarNode:
+        """A text, quoted if it would be read as something else."""
         try:
             plain_text = resolve(value) == value
         except ValueError:
@@ -78,6 +79,7 @@ def _mistake(place: Place, text: str, remedy: str) -> InputError:
 
 
 def _node_of(value: Any, place: Place, depth: int) -> Node:
+    """See `node_of`; depth: levels that are left."""
     if depth == 0:
         raise _mistake(place, f"values are nested more than {MAX_DEPTH} deep", "flatten them")
     if isinstance(value, Mapping):

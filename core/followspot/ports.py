@@ -109,6 +109,7 @@ def ports(stage: type[Stage]) -> Ports:
 
 @cache
 def _ports(stage: Any) -> Ports:
+    """See `ports`."""
     process = getattr(stage, "process", None)
     if not inspect.isfunction(process):
         raise SignatureError(f"{stage.__name__} has no method `process`: define process(self, ...) -> ...")
@@ -140,6 +141,7 @@ def accepts(wanted: type[Message], offered: type[Message]) -> bool:
 
 
 def _hints(stage: type[Stage], process: Callable[..., Any]) -> dict[str, Any]:
+    """Types of the parameters and of the result of `process`. Raises SignatureError."""
     try:
         return typing.get_type_hints(process, include_extras=True)
     except (NameError, TypeError, AttributeError) as error:
@@ -149,6 +151,7 @@ def _hints(stage: type[Stage], process: Callable[..., Any]) -> dict[str, Any]:
 
 
 def _input(stage: type[Stage], parameter: inspect.Parameter, hints: dict[str, Any]) -> InputSpec:
+    """The input that a parameter of `process` declares. Raises SignatureError."""
     name = parameter.name
     if parameter.kind not in (parameter.POSITIONAL_ONLY, parameter.POSITIONAL_OR_KEYWORD):
         raise SignatureError(f"{stage.__name__}.process: *{name} cannot be a port; name each input")
@@ -192,6 +195,7 @@ def _giving(stage: type[Stage], returned: Any) -> tuple[Giving, Any]:
 
 
 def _outputs(stage: type[Stage], returned: Any) -> tuple[OutputSpec, ...]:
+    """The outputs that a return type, within `Source` or `Outputs`, declares. Raises SignatureError."""
     if returned is types.NoneType:
         return ()
     message = _message(returned)

@@ -102,6 +102,7 @@ def _cameras(form: Form, folder: str | None) -> dict[str, Camera]:
 
 
 def _camera(name: str, node: Node, folder: str | None, mistakes: list[Mistake]) -> Camera | None:
+    """The camera that an entry describes; None if a mistake leaves it unknown."""
     form = Form(node, f"camera {name}", _CAMERA_KEYS, mistakes)
     kind = word(form, "kind")
     model = form.text("model", choices=tuple(_COEFFICIENTS)) or "pinhole"
@@ -125,22 +126,23 @@ def _camera(name: str, node: Node, folder: str | None, mistakes: list[Mistake]) 
     elif model == "pinhole":
         distortion = np.pad(distortion, (0, 5 - len(distortion)))
     return Camera(
-        name,
-        kind,
-        size,
-        matrix,
-        distortion,
-        rotation,
-        translation,
-        cast(LensModel, model),
-        use,
-        host,
-        clock_offset,
-        tags,
+        name=name,
+        kind=kind,
+        size=size,
+        matrix=matrix,
+        distortion=distortion,
+        rotation=rotation,
+        translation=translation,
+        model=cast(LensModel, model),
+        source=use,
+        host=host,
+        clock_offset=clock_offset,
+        tags=tags,
     )
 
 
 def _size(form: Form) -> tuple[int, int] | None:
+    """Width and height, px; None if they are wrong or missing."""
     size = form.array("size", [(2,)], required=True)
     if size is None:
         return None
@@ -156,6 +158,7 @@ def _size(form: Form) -> tuple[int, int] | None:
 
 
 def _matrix(form: Form) -> Array | None:
+    """The camera matrix, (3, 3) px; None if it is wrong or missing."""
     matrix = form.array("matrix", [(3, 3)], required=True, most=_MOST_FOCAL)
     if matrix is None:
         return None
@@ -170,6 +173,7 @@ def _matrix(form: Form) -> Array | None:
 
 
 def _rotation(form: Form) -> Array | None:
+    """The rotation, (3, 3); None if it is wrong or missing."""
     rotation = form.array("rotation", [(3, 3)], required=True)
     if rotation is None:
         return None
@@ -184,6 +188,7 @@ def _rotation(form: Form) -> Array | None:
 
 
 def _plane(form: Form, name: str, node: Node) -> Array:
+    """The plane, (4,), with unit normal; zeros if it cannot be read."""
     plane = form.numbers(node, f"plane {name}", [(4,)], most=_FAR)
     if plane is None:
         return np.zeros(4)

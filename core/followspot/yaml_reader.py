@@ -100,11 +100,13 @@ class _Builder:
         self.total = 0
 
     def fail(self, place: Place, text: str, remedy: str) -> None:
+        """Note a mistake; raises _TooLarge after too many."""
         self.mistakes.append(Mistake(place, text, remedy))
         if len(self.mistakes) >= _MAX_MISTAKES:
             raise _TooLarge
 
     def take(self, event: Any) -> None:
+        """Take the next event of the parser."""
         if isinstance(event, yaml.ScalarEvent):
             self._add(self._scalar(event), event.anchor)
         elif isinstance(event, yaml.AliasEvent):
@@ -123,6 +125,7 @@ class _Builder:
         return Place(self.file, start.line + 1, start.column + 1, max(1, width), self.written)
 
     def _scalar(self, event: yaml.ScalarEvent) -> Node:
+        """A scalar with the value that YAML 1.2 gives it; notes tags and values that are not allowed."""
         place = self._place(event)
         value: Scalar = event.value
         if event.tag not in (None, "!", STR_TAG):
@@ -165,6 +168,7 @@ class _Builder:
         self._add(Node(value, done.place, done.place, nodes, depth), done.anchor)
 
     def _mapping(self, items: list[Node]) -> dict[str, Node]:
+        """A mapping of keys and values in turn, with what `<<` merges; notes keys that stand twice."""
         own: dict[str, Node] = {}
         merged: dict[str, Node] = {}
         for key, node in zip(items[::2], items[1::2], strict=True):
@@ -199,6 +203,7 @@ class _Builder:
         return {}
 
     def _add(self, node: Node, anchor: str | None) -> None:
+        """Put a finished node where it belongs; raises _TooLarge at a limit."""
         if len(self.open) + node.depth > MAX_DEPTH:
             self._too_deep(node.key)
         aliased = node.key != node.place
@@ -219,6 +224,7 @@ class _Builder:
 
 
 def _syntax(error: yaml.MarkedYAMLError, text: str, file: str) -> Mistake:
+    """A mistake of YAML's own, at its place."""
     mark = error.problem_mark or error.context_mark
     problem = error.problem or "this is not YAML"
     lines = text.splitlines() or [""]

@@ -116,6 +116,7 @@ class Channel:
             self.socket.shutdown(socket.SHUT_RDWR)
 
     def _received_bytes(self) -> bytes:
+        """Read what has arrived. Raises ChannelClosed, ValueError if the other process sends too much."""
         try:
             data, descriptors, _, _ = socket.recv_fds(
                 self.socket, 1 << 16, self._most, socket.MSG_CMSG_CLOEXEC

@@ -144,6 +144,7 @@ class _Server:
             thread.join(max(0.0, deadline - time.monotonic()))
 
     def _serve(self) -> None:
+        """Accept clients of this user until `close`."""
         while True:
             try:
                 client, _ = self._socket.accept()
@@ -157,6 +158,7 @@ class _Server:
             thread.start()
 
     def _answer(self, client: socket.socket) -> None:
+        """Answer the one request of a client."""
         try:
             with client, suppress(OSError):
                 client.settimeout(_TIMEOUT)
@@ -165,6 +167,7 @@ class _Server:
             del self._clients[threading.current_thread()]
 
     def _reply(self, line: bytes) -> dict[str, Any]:
+        """The answer to a request, or why it is refused."""
         try:
             request = json.loads(line)
             return {
@@ -175,6 +178,7 @@ class _Server:
 
 
 def _exchange(name: str, request: dict[str, Any], timeout: float) -> Any:
+    """Send a request and return its answer. Raises FollowspotError if it is refused, OSError."""
     with socket.socket(socket.AF_UNIX) as ours:
         ours.settimeout(timeout)
         ours.connect(f"\0{name}")

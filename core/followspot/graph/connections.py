@@ -118,6 +118,7 @@ def _check_settings(wire: Wire, port: InputSpec, mistakes: list[Mistake]) -> Non
 
 
 def _check_multiplicity(members: Sequence[Wire], port: InputSpec, mistakes: list[Mistake]) -> None:
+    """Note an input for one message that several edges feed."""
     if port.several or len(members) < 2:
         return
     first = members[0]

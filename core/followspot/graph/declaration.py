@@ -152,6 +152,7 @@ def _input(port: str, node: Node, mistakes: list[Mistake]) -> InputDeclaration:
 
 
 def _feed(node: Node, mistakes: list[Mistake]) -> Feed | None:
+    """One sender of an input; None if its name cannot be read."""
     delay, depth, codec = 0, PlannedEdge.depth, PlannedEdge.codec
     policy, tolerance = PlannedEdge.policy, PlannedEdge.tolerance
     chosen: Selector | None = None
@@ -175,7 +176,18 @@ def _feed(node: Node, mistakes: list[Mistake]) -> Feed | None:
         text = f"an input is fed from STAGE or STAGE.PORT, not {kind_of(origin)}"
         mistakes.append(Mistake(origin.place, text, "for example: track, or track.forecast"))
         return None
-    return Feed(named[1], named[2], delay, depth, codec, policy, origin.place, tolerance, chosen, places)
+    return Feed(
+        stage=named[1],
+        port=named[2],
+        delay=delay,
+        depth=depth,
+        codec=codec,
+        policy=policy,
+        place=origin.place,
+        tolerance=tolerance,
+        only=chosen,
+        places=places,
+    )
 
 
 def _delay(form: Form) -> int:

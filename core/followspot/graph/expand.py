@@ -140,6 +140,7 @@ def _by_name(groups: Groups, mistakes: list[Mistake]) -> dict[str, Instance]:
 def _instance(
     stage: StageDeclaration, member: Member | None, loaded: Loaded, mistakes: list[Mistake]
 ) -> Instance:
+    """The instance of a stage for a member; its plugin stage is "" if a mistake leaves it unknown."""
     name = stage.name if member is None else f"{stage.name}/{member.name}"
     known = None if member == ANY else member
     room = loaded.room or Room()

@@ -113,6 +113,7 @@ def plan_from_data(data: Any) -> Plan:
 
 
 def _check_names(found: _Data) -> None:
+    """Raise PlanDataError if names or numbers of a plan contradict each other."""
     stages = {stage.name for stage in found.stages}
     workers = {worker.name for worker in found.workers}
     if len(stages) < len(found.stages) or len(workers) < len(found.workers):

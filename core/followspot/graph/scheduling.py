@@ -45,6 +45,7 @@ def read_scheduling(form: Form) -> Scheduling:
 
 
 def _cores(form: Form) -> tuple[int, ...]:
+    """The cores of a worker; notes mistakes."""
     node = form.get("cores")
     if node is None:
         return ()

@@ -133,6 +133,7 @@ class Agent:
                 self.tell(f"run {order.run[:8]}: cannot be resumed: {error}")
 
     def _loop(self, server: RpcServer) -> None:
+        """Answer requests and supervise workers until `stop` and the end of all runs."""
         while not (self._stopping and all(agent_run.over for agent_run in self.agent_runs)):
             poll = select.poll()
             for fd in (self._wakeup.fileno(), *(agent_run.run.fileno() for agent_run in self.agent_runs)):

@@ -40,6 +40,7 @@ class WorkerThread:
         self.main.channel.shut()
 
     def _run(self) -> None:
+        """The life of the worker, in its thread."""
         code = 1
         try:
             with ONE_BLAS_THREAD, collecting(self.main.log):

@@ -140,6 +140,7 @@ class Repetition:
         build: Callable[[], Stage],
         sent: Callable[[str, Message], None],
     ) -> StageRunner:
+        """The runner of the stage, with outputs whose messages go to `sent`."""
         found = ports(kind)
         outputs = {}
         for port in found.outputs:
@@ -154,6 +155,7 @@ class Repetition:
         return runner
 
     def _restore(self) -> None:
+        """Set the stage up, with the state and the random numbers of the checkpoint."""
         stage, saved = self._runner.stage, self._checkpoint
         stage.context = replace(stage.context, resumed=True)
         self._runner.setup()
@@ -180,6 +182,7 @@ class Repetition:
         return RecordedFiring(firing.header.time, arguments, fired)
 
     def _argument(self, spec: InputSpec, noted: NotedInput, found: Sequence[Message]) -> object:
+        """The argument for an input that took these messages."""
         if noted.joined:
             return tuple(found)
         if found:

@@ -227,6 +227,7 @@ class OwnRun(ScriptHandle):
                 time.sleep(_RECORDER_POLL_INTERVAL)
 
     def _live(self, ready: AbstractContextManager[PreparedRun], keep: StartKeeping) -> None:
+        """The life of the run, in a thread: prepare, run, and tell all that wait for its end."""
         try:
             with ready as (coordinator, around):
                 self.run = coordinator.name

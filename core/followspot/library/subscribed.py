@@ -67,6 +67,7 @@ class Subscribed:
             subscription.end()
 
     def _with_sinks(self, plan: Plan, words: Sequence[str]) -> Plan:
+        """The plan with a sink for each port that one of the words names."""
         known = output_ports(plan)
         takers: dict[str, list[Subscription[Any]]] = defaultdict(list)
         for word in words:
@@ -90,6 +91,7 @@ class Subscribed:
         return plan
 
     def _with_sink(self, plan: Plan, port: str, subscriptions: Sequence[Subscription[Any]]) -> Plan:
+        """The plan with a sink that hands the messages of a port to these subscriptions."""
         key = uuid4().hex
         self._keys.append(key)
         offer_subscriptions(key, subscriptions)

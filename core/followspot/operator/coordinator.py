@@ -229,6 +229,7 @@ class Coordinator:
                 host.ask(EndWorkers(workers=tuple(sorted(self._ended))))
 
     def _poll_hosts(self, on_progress: OnProgress | None) -> None:
+        """Take the newest status of each host, and report what has changed."""
         for host in self.hosts:
             try:
                 host.attend(PROGRESS_PERIOD / len(self.hosts))

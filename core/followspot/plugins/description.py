@@ -39,6 +39,7 @@ def describe(name: str, stage: type[Stage]) -> dict[str, Any]:
 
 
 def _parameter(name: str, info: Any) -> dict[str, Any]:
+    """Description of a parameter in JSON types."""
     limits = [
         f"{_SIGNS[type(m).__name__]} {next(iter(asdict(m).values()))}"
         for m in info.metadata

@@ -140,6 +140,7 @@ class Authority:
     def _issue(
         self, member: RegisteredHost, key: ec.EllipticCurvePrivateKey, names: Iterable[x509.GeneralName]
     ) -> x509.Certificate:
+        """A host's certificate, signed by the authority."""
         usage = [ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH]
         issuer = self._key.public_key()
         return (
@@ -197,6 +198,7 @@ def create_authority(folder: Path, now: datetime | None = None) -> Authority:
 def _builder(
     subject: x509.Name, key: ec.EllipticCurvePrivateKey, now: datetime, until: datetime
 ) -> x509.CertificateBuilder:
+    """The parts of a certificate that hosts and the authority have in common."""
     public = key.public_key()
     return (
         x509.CertificateBuilder()

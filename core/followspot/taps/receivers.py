@@ -115,6 +115,7 @@ class RemoteReceiver:
                 self._changed.notify()
 
     def _records(self) -> Iterator[Record]:
+        """Records from the queue until `close`; malformed ones are left out."""
         while True:
             with self._changed:
                 while not (self._waiting or self._over):

@@ -56,6 +56,7 @@ def _scalar(name: str, kind: Any, room: Room, camera: str, content: Content) -> 
 
 
 def _values(column: Column, shape: tuple[int, ...], content: Content, rng: np.random.Generator) -> Array:
+    """Values of a column of this shape."""
     dtype = column.dtype
     if dtype.kind == "f":
         if content == "unknown":

@@ -117,6 +117,7 @@ class Builder:
     def _source_runner(
         self, rank: int, stage: PlannedStage, build: Callable[[], Stage], outputs: Mapping[str, OutputPort]
     ) -> StageRunner:
+        """The runner of a source."""
         kind = LiveSourceRunner if stage.live else SourceRunner
         source = kind(
             stage.name,
@@ -136,6 +137,7 @@ class Builder:
     def _stage_runner(
         self, rank: int, stage: PlannedStage, build: Callable[[], Stage], outputs: Mapping[str, OutputPort]
     ) -> StageRunner:
+        """The runner of a stage with inputs."""
         deadline = self.wiring.deadline[stage.name] if self.wiring.live else None
         runner = RUNNERS[self.wiring.ports[stage.name].gives](
             stage.name,
@@ -171,6 +173,7 @@ class Builder:
         )
 
     def _outputs(self, stage: PlannedStage) -> dict[str, OutputPort]:
+        """The output ports of a stage by name, with all their edges."""
         outputs = {}
         found = self.wiring.ports[stage.name]
         ways = {n: self.plan.edge(n).from_port for n in self.wiring.out_of[stage.name]}
@@ -184,6 +187,7 @@ class Builder:
         return outputs
 
     def _attach(self, output: OutputPort, numbers: list[int], stage: str) -> None:
+        """Add edges of the same way to an output port."""
         kind = self.plan.edge(numbers[0]).kind
         if kind == "reference":
             for number in numbers:

@@ -174,6 +174,7 @@ class WorkerMain:
             self._early.append(received)
 
     def _run(self) -> None:
+        """Run the stages to the end of all streams, and obey the orders of the host meanwhile."""
         assert self.scheduler is not None
         assert self.links is not None
         if self.links.session is not None:

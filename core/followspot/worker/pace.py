@@ -36,6 +36,7 @@ class Pace:
         self._end.set()
 
     def _wait(self, seconds: float, watched: dict[int, Callable[[], bool]]) -> bool:
+        """See `wait`; `watched`: what to call when a descriptor is readable."""
         due = time.monotonic() + seconds
         while True:
             left = max(0.0, due - time.monotonic())

@@ -38,6 +38,7 @@ def misfits(old: PlannedStage, present: type[Stage], stage: type[Stage], plan: P
 
 
 def _inputs(old: PlannedStage, before: Ports, after: Ports, plan: Plan) -> Iterator[Misfit]:
+    """What does not fit at the inputs."""
     fed = _fed(old, plan)
     one_each = len(before.inputs) == len(after.inputs) == 1
     for name, types in fed.items():
@@ -78,6 +79,7 @@ def _like(port: InputSpec, new: InputSpec, edges: int) -> bool:
 
 
 def _outputs(old: PlannedStage, before: Ports, after: Ports, plan: Plan) -> Iterator[Misfit]:
+    """What does not fit at the outputs that others read."""
     read = {edge.from_port for edge in plan.edges if edge.from_stage == old.name}
     for port in before.outputs:
         new = after.output(port.name)

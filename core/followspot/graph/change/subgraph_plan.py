@@ -141,6 +141,7 @@ def _around(plan: Plan, use: SubgraphUse, place: Place) -> dict[str, StageDeclar
 
 
 def _declaration(plan: Plan, name: str, stages: list[PlannedStage], place: Place) -> StageDeclaration:
+    """A declaration with the plugin stage and the members of these instances."""
     first, *_ = stages
     members = tuple(stage.member.name for stage in stages if stage.member is not None)
     each = None if first.member is None else _selector(first.member.set, members, place)

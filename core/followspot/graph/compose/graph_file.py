@@ -106,6 +106,7 @@ class GraphFiles:
     def _read(
         self, path: Path, above: tuple[str, ...], outer: Place | None, remedy: str, at: Place | None = None
     ) -> GraphFile:
+        """The file at a path, over those that it extends; counts it towards the limits. Raises InputError."""
         real = _real(path)
         self._uses += 1
         if real not in self._seen:

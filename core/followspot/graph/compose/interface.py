@@ -55,6 +55,7 @@ def read_interface(file: GraphFile, mistakes: list[Mistake]) -> Interface:
 def _read(
     key: str, entries: Mapping[str, Node], file: GraphFile, mistakes: list[Mistake]
 ) -> Iterator[tuple[str, tuple[InterfaceTarget, ...]]]:
+    """Each name of one section of the interface, with its targets."""
     for name, node in entries.items():
         if not is_name(name):
             text = f'"{name}" cannot be a name among the {key}'
@@ -70,6 +71,7 @@ def _read(
 def _target(
     key: str, name: str, node: Node, file: GraphFile, mistakes: list[Mistake]
 ) -> InterfaceTarget | None:
+    """The target that a text names; None if a mistake was noted."""
     named = sender(node) if isinstance(node.value, str) else None
     if named is None or (key == "params" and named[1] is None):
         mistakes.append(_malformed(key, name, node))

@@ -203,6 +203,7 @@ def _import(module: str, answer: Connection) -> None:
 
 
 def _closed(trial: Trial, *, setup: bool, times: int) -> Iterator[str]:
+    """What `close` raises if it is called so often."""
     if not trial.buildable:
         return
     with tempfile.TemporaryDirectory(prefix="followspot-") as folder:

@@ -110,6 +110,7 @@ class Link:
         return False
 
     def _try_send(self, datagram: bytes, memory: Memory | None) -> bool:
+        """Send a datagram now; False if the socket takes none."""
         try:
             if memory is None:
                 self.socket.send(datagram)

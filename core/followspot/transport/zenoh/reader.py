@@ -197,6 +197,7 @@ class ZenohReader:
             tokens.append(Watermark(watermark))
 
     def _token(self, sample: zenoh.Sample) -> Token:
+        """The token of a sample, or an `Invalid` in its place."""
         if len(sample.payload) > MAX_PACKED:
             return Invalid(f"{len(sample.payload)} bytes, at most {MAX_PACKED} allowed")
         try:
@@ -225,6 +226,7 @@ class ZenohReader:
             self._report.put(report)
 
     def _on_arrival(self, sample: zenoh.Sample) -> None:
+        """Queue a sample, in a thread of Zenoh."""
         if len(self._arrived) < self._limit:  # else it is a flood; the numbers show what is missing
             self._arrived.append(sample)
         else:
@@ -232,6 +234,7 @@ class ZenohReader:
         self._wakeup.set()
 
     def _on_presence(self, sample: zenoh.Sample) -> None:
+        """Note that a writer came or left, in a thread of Zenoh."""
         incarnation = chunks(sample, 1)[0]
         if not is_incarnation(incarnation):
             self._refused += 1

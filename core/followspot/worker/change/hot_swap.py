@@ -78,6 +78,7 @@ class HotSwap:
         self.answer(ChangeStatus(order.id, "done", turn=order.turn))
 
     def _build(self, order: ChangeOrder) -> None:
+        """Build what is new, then have it tried on between two firings; answers if that fails."""
         built: Sequence[Replacement] = ()
         rewiring: Rewiring | None = None
         try:
@@ -112,6 +113,7 @@ class HotSwap:
             self.answer(ChangeStatus(order.id, "built", turn=order.turn))
 
     def _take_over(self, order: ChangeOrder) -> None:
+        """Let what was built take over: at once, or at rest if stages or edges come or go."""
         if self._rewiring is not None:
             patience = _LIVE_REST_TIMEOUT if self._rewiring.wiring.live else _REST_TIMEOUT
             deadline = time.monotonic() + patience

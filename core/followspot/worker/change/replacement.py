@@ -89,6 +89,7 @@ def discarded(replacements: Sequence[Replacement]) -> None:
 
 
 def _restore_checkpoint(replacement: Replacement) -> None:
+    """Let a replacement carry on from the present state of the old stage. Raises FollowspotError."""
     if type(replacement.stage).restore is Stage.restore:
         return
     try:

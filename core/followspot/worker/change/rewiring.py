@@ -151,6 +151,7 @@ class Rewiring:
         self.replacements, self.new = [], []
 
     def _build(self) -> None:
+        """Build the queues, the stages that come, and replacements of stages that stay but change."""
         builder = self._builder
         for stage in builder.mine:
             for number in self.wiring.into[stage.name]:

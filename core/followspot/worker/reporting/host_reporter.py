@@ -84,6 +84,7 @@ class HostReporter:
             self._channel.send(ChangeAnswer(status=status))
 
     def _send_progress(self, scheduler: Scheduler, on_closed: Callable[[], None]) -> None:
+        """Report until `stop`, or until the host has closed the channel; in a thread."""
         for turn in count():
             if self._over.wait(_PROGRESS_PERIOD):
                 return

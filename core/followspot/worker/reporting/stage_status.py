@@ -51,25 +51,26 @@ def paths_now(scheduler: Scheduler) -> tuple[PathStatus, ...]:
 
 
 def _status(runner: StageRunner, error: str, at_work: str) -> StageStatus:
+    """Status of one stage; see `stages_now`."""
     state, on = _state(runner, at_work)
     queues = (*runner.join.members, *(queue for sampled in runner.join.sampled for queue in sampled.queues))
     invalid = next((f"{i.name}: {i.invalid_reason}" for i in queues if i.invalid_reason), "")
     count = runner.count
-    busy = round(count.busy_ns / 1e6, 3)
     return StageStatus(
-        runner.name,
-        state,
-        on,
-        count.fired,
-        count.skipped,
-        count.restarts,
-        busy,
-        error or invalid,
-        tuple(_age(queue, runner.clock) for queue in queues),
+        stage=runner.name,
+        state=state,
+        on=on,
+        fired=count.fired,
+        skipped=count.skipped,
+        restarts=count.restarts,
+        busy_ms=round(count.busy_ns / 1e6, 3),
+        error=error or invalid,
+        edges=tuple(_age(queue, runner.clock) for queue in queues),
     )
 
 
 def _age(queue: InputQueue, clock: Clock) -> EdgeAge:
+    """Ages of the messages of one edge when they were taken."""
     ages = sorted(queue.ages.copy())
     if not ages:
         return EdgeAge(queue.name, None, None, queue.invalid_reason)

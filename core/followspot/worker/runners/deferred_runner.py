@@ -55,6 +55,7 @@ class DeferredRunner(StageRunner):
         return False
 
     def due(self) -> int | None:
+        """Send the answers that have come; then see `StageRunner.due`."""
         self._send_answers()
         if self.blocked or len(self._answers) >= self.concurrency:
             return None
@@ -101,6 +102,7 @@ class DeferredRunner(StageRunner):
         return nothing
 
     def _send_answers(self) -> None:
+        """Send the answers that have come, in the order of the firings, as far as the outputs have room."""
         self.blocked = False
         while self._answers:
             future, header, _ = self._answers[0]

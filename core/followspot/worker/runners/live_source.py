@@ -106,6 +106,7 @@ class LiveSourceRunner(SourceRunner):
         self._begin()
 
     def _grab(self, stage: Stage) -> None:
+        """Take frames from the device until it ends or another stage replaces this one; in a thread."""
         try:
             for item in stage.process():
                 if not self._keep(item, stage):
@@ -135,6 +136,7 @@ class LiveSourceRunner(SourceRunner):
             return not self.stopped and self._grabbed != self.limit
 
     def _drop(self, item: Any) -> None:
+        """Count an item that is dropped."""
         self._overrun += 1
         for output in self._outputs_of(item):
             output.overrun()
@@ -146,13 +148,11 @@ class LiveSourceRunner(SourceRunner):
                 yield output
 
     def _next(self) -> Any:
+        """The oldest item that waits; `NOTHING` if none does. Ends the stream behind the last one."""
         with self._lock:
             overrun, self._overrun = self._overrun, 0
             item = self._newest.popleft() if self._newest else None
-            over, error = (
-                self._over,
-                self._error,
-            )  # under the lock: what comes later is seen next time
+            over, error = self._over, self._error  # read under the lock: later changes are seen next time
             self._shut = item is None and error is None and (over or self.stopped)
         self.yielded += overrun
         if item is not None:

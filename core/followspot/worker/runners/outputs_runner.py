@@ -29,6 +29,7 @@ class OutputsRunner(StageRunner):
         self._unsent: deque[tuple[Any, Header]] = deque()
 
     def due(self) -> int | None:
+        """See `StageRunner.due`; None as long as messages of the last firing wait."""
         self._send_waiting()
         return None if self._unsent else super().due()
 

@@ -118,6 +118,7 @@ class SourceRunner(StageRunner):
         return False
 
     def _next(self) -> Any:
+        """The next item of the generator; `NOTHING` if it has ended or failed. Raises StageError."""
         if self.stopped or self.yielded == self.limit:
             self.finish()
             return NOTHING
