@@ -76,7 +76,16 @@ def room_of(root: Node, folder: str | None) -> Room:
     sync = sync_of(form, names)
     if mistakes:
         raise InputError(mistakes)
-    return Room(name, cameras, planes, targets, use, sensors, tune, sync)
+    return Room(
+        name=name,
+        cameras=cameras,
+        planes=planes,
+        targets=targets,
+        truth=use,
+        sensors=sensors,
+        tune=tune,
+        sync=sync,
+    )
 
 
 def _named(form: Form, key: str, most: int) -> Mapping[str, Node]:

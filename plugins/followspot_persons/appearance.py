@@ -58,14 +58,14 @@ class Appearance(Stage):
         self.recognition = Recognition(p.confirmation_score, p.minimum_likeness, self.relations)
         self.assignment = BoxAssignment(self.camera, self.shape, self.relations, p.specific_beats_generic)
         self.update = PersonUpdate(
-            p,
-            self.shape,
-            girths_of(self.shape),
-            Weights(real_valued=p.real_valued_boxes),
-            Walkable.within(p.walkable),
-            self.bodies,
-            self.assignment,
-            self.rng,
+            params=p,
+            shape=self.shape,
+            girths=girths_of(self.shape),
+            weights=Weights(real_valued=p.real_valued_boxes),
+            walkable=Walkable.within(p.walkable),
+            bodies=self.bodies,
+            assignment=self.assignment,
+            rng=self.rng,
         )
         self.background = Background(turn_of(self.camera))
         self.illumination = Illumination()

@@ -38,7 +38,14 @@ class CheckedEdge:
         """The edge between the stages of the file."""
         feed, end = self.wire.feed, self.wire.target.declared.name
         return FlowEdge(
-            feed.stage, feed.origin, end, self.wire.port, feed.delay, self.sampled, feed.policy, feed.place
+            start=feed.stage,
+            origin=feed.origin,
+            end=end,
+            port=self.wire.port,
+            delay=feed.delay,
+            sampled=self.sampled,
+            policy=feed.policy,
+            place=feed.place,
         )
 
 

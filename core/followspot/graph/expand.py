@@ -103,7 +103,16 @@ def _nothing(loaded: Loaded, text: str, remedy: str, mistakes: list[Mistake]) ->
     """No instances, because of a mistake of the whole graph."""
     first = next(iter(loaded.stages.values())).place
     mistakes.append(Mistake(first, text, remedy))
-    return Expanded(loaded.name, Room(), None, False, loaded.seed, {}, (), {})
+    return Expanded(
+        name=loaded.name,
+        room=Room(),
+        room_node=None,
+        complete=False,
+        seed=loaded.seed,
+        instances={},
+        wires=(),
+        left_out={},
+    )
 
 
 def _members(stage: StageDeclaration, loaded: Loaded, mistakes: list[Mistake]) -> Sequence[Member | None]:

@@ -78,19 +78,19 @@ def load(
         mistakes.append(Mistake(composed.place, problem, "stages: {NAME: {uses: ...}, ...}"))
     stages = {name: read_stage(name, node, mistakes) for name, node in islice(nodes.items(), MAX_STAGES)}
     return Loaded(
-        composed.name,
-        found,
-        document,
-        composed.seed,
-        stages,
-        composed.offered,
-        composed.promises,
-        composed.left_out,
-        tuple(read_stage(name, node, mistakes) for name, node in composed.apart.items()),
-        composed.optional,
-        composed.tuned,
-        composed.outputs,
-        composed.subgraphs,
+        name=composed.name,
+        room=found,
+        room_node=document,
+        seed=composed.seed,
+        stages=stages,
+        offered=composed.offered,
+        promises=composed.promises,
+        left_out=composed.left_out,
+        apart=tuple(read_stage(name, node, mistakes) for name, node in composed.apart.items()),
+        optional=composed.optional,
+        tuned=composed.tuned,
+        outputs=composed.outputs,
+        subgraphs=composed.subgraphs,
     )
 
 

@@ -98,15 +98,15 @@ class AgentRuns:
         now = time.monotonic()
         return [
             ListedRun(
-                agent_run.order.run,
-                agent_run.graph,
-                agent_run.over,
-                agent_run.order.detached,
-                agent_run.operator.seconds(now),
-                agent_run.order.origin,
-                max((worker.fired for worker in agent_run.run.status().workers), default=0),
-                now - agent_run.began,
-                agent_run.run.out,
+                run=agent_run.order.run,
+                graph=agent_run.graph,
+                over=agent_run.over,
+                detached=agent_run.order.detached,
+                silent_s=agent_run.operator.seconds(now),
+                origin=agent_run.order.origin,
+                fired=max((worker.fired for worker in agent_run.run.status().workers), default=0),
+                age_s=now - agent_run.began,
+                folder=agent_run.run.out,
             )
             for agent_run in self
         ]

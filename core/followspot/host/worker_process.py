@@ -147,16 +147,16 @@ class WorkerProcess:
     def status(self) -> WorkerStatus:
         """The newest status of the worker."""
         return WorkerStatus(
-            self.name,
-            self.phase,
-            self.fired,
-            self.time,
-            self.expected,
-            self.incarnation,
-            self.report,
-            self.stages,
-            self.paths,
-            time.monotonic() - self.heard,
+            name=self.name,
+            phase=self.phase,
+            fired=self.fired,
+            time=self.time,
+            expected=self.expected,
+            restarts=self.incarnation,
+            report=self.report,
+            stages=self.stages,
+            paths=self.paths,
+            age_s=time.monotonic() - self.heard,
             last_times=self.last_times,
         )
 

@@ -61,14 +61,14 @@ class RunView:
     def status(self) -> RunStatus:
         """The status of the run, as the handle, the page and `top` show it."""
         return RunStatus(
-            tuple(self._worker_statuses()),
-            tuple(self._ledger().words.tolist()),
-            self.progress().fired,
-            self.expected(),
-            self._news(),
-            self._clocks(),
-            tuple(self._host_statuses()),
-            self.late(),
+            workers=tuple(self._worker_statuses()),
+            counts=tuple(self._ledger().words.tolist()),
+            fired=self.progress().fired,
+            expected=self.expected(),
+            news=self._news(),
+            clocks=self._clocks(),
+            hosts=tuple(self._host_statuses()),
+            late=self.late(),
         )
 
     def late(self) -> tuple[str, ...]:

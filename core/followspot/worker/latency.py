@@ -70,16 +70,16 @@ class LatencyHistogram:
     def summary(self, origin: str, sink: str) -> PathLatency:
         """Median, 95th and 99th percentiles and maximum of the path."""
         return PathLatency(
-            origin,
-            sink,
-            self.count,
-            self.quantile(0.5),
-            self.quantile(0.95),
-            self.worst / 1e6,
-            self.worst_id,
-            self.limit / 1e6 if self.limit else None,
-            self.late,
-            self.quantile(0.99),
+            origin=origin,
+            sink=sink,
+            count=self.count,
+            p50_ms=self.quantile(0.5),
+            p95_ms=self.quantile(0.95),
+            worst_ms=self.worst / 1e6,
+            worst_id=self.worst_id,
+            budget_ms=self.limit / 1e6 if self.limit else None,
+            late=self.late,
+            p99_ms=self.quantile(0.99),
         )
 
 

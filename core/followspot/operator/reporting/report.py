@@ -131,5 +131,13 @@ def merge(
     if not (errors or plan.live or any((restarts or {}).values())):
         errors = tuple(_unread_error(edge, count) for edge, count in edges if count.away)
     return RunReport(
-        plan, seconds, stopped, tuple(workers), edges, errors, tuple(news), clocks or {}, outs or {}
+        plan=plan,
+        seconds=seconds,
+        stopped=stopped,
+        workers=tuple(workers),
+        edges=edges,
+        errors=errors,
+        news=tuple(news),
+        clocks=clocks or {},
+        outs=outs or {},
     )
