@@ -65,7 +65,7 @@ class Appearance(Stage):
             walkable=Walkable.within(p.walkable),
             bodies=self.bodies,
             assignment=self.assignment,
-            rng=self.rng,
+            random=lambda: self.rng,
         )
         self.background = Background(turn_of(self.camera))
         self.illumination = Illumination()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -40,7 +41,8 @@ TRUSTED = 12.0
 class PersonUpdate:
     """Updates a person by a box or by the foreground alone, and initiates one at a box; of one camera.
 
-    girths: of :func:`girths_of`; assignment: says whose box it is; rng: of the particles.
+    girths: of :func:`girths_of`; assignment: says whose box it is; random:
+    gives the generator of the stage, which is not made before its first use.
     """
 
     params: AppearanceParams
@@ -50,7 +52,7 @@ class PersonUpdate:
     walkable: Walkable | None
     bodies: Bodies
     assignment: BoxAssignment
-    rng: np.random.Generator
+    random: Callable[[], np.random.Generator]
 
     @property
     def camera(self) -> Camera:
@@ -64,10 +66,10 @@ class PersonUpdate:
 
         others: (K, 4) px, upper bodies of known people.
         """
-        particles = spawned(self.camera, detection, self.params.particles, self.rng)
+        particles = spawned(self.camera, detection, self.params.particles, self.random())
         known = stood(seen.scene, detection, particles.mean(axis=0), USUAL, others)
         if known.part:
-            particles = spawned(self.camera, known.detection, self.params.particles, self.rng)
+            particles = spawned(self.camera, known.detection, self.params.particles, self.random())
         if self.walkable is not None and self.walkable.excludes(particles[:, :2]):
             return None
         return Acquaintance.tentative(
@@ -99,7 +101,7 @@ class PersonUpdate:
         fitness = self._fitness(picture, known.detection, contact)
         search = Search(self.params.particles)
         before = self._joined(person.track, known.detection)
-        track = followed(before, seen.seconds, fitness, self.girths, search, self.rng)
+        track = followed(before, seen.seconds, fitness, self.girths, search, self.random())
         if track.shown < HIDDEN:
             longest = self.params.maximum_missed_time
             return missed(replace(person, track=track), 0.0, seen.now, longest, left=False)
@@ -157,7 +159,7 @@ class PersonUpdate:
         fitness = self._fitness(picture, known.detection, contact)
         search = Search(self.params.particles)
         before = self._joined(person.track, known.detection) if known.part else person.track
-        track = followed(before, seen.seconds, fitness, self.girths, search, self.rng)
+        track = followed(before, seen.seconds, fitness, self.girths, search, self.random())
         shown = presence(seen.scene, track.pose, others)
         stature = person.stature.stood(None if shown is None else shown.height)
         track = replace(track, stature=stature.estimate)
@@ -193,7 +195,7 @@ class PersonUpdate:
     def _joined(self, track: Track, detection: Detection) -> Track:
         """The track with a share of its particles where a detection is."""
         count = int(JOINING * self.params.particles)
-        return track.joined_by(spawned(self.camera, detection, count, self.rng))
+        return track.joined_by(spawned(self.camera, detection, count, self.random()))
 
     def _fitness(self, picture: Picture, detection: Detection, contact: Contact | None) -> Fitness:
         """Weighs poses of a person by edges, box, feet and the limits of space."""
