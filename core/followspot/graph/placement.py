@@ -51,10 +51,13 @@ def place(expanded: Expanded, placement: str | None, mistakes: list[Mistake]) ->
         measured = _measured(expanded, found["report"], _option(placement), mistakes)
         return _together(expanded) if measured is None else _auto(measured, found["aim"])
     root = _read(placement, mistakes)
-    if root is None:
+    if root is None or not expanded.complete:  # names cannot be judged before the room is mended
         return _together(expanded)
-    if not expanded.complete:
-        return _together(expanded)  # its names cannot be judged before the room is mended
+    return _as_written(root, placement, expanded, mistakes)
+
+
+def _as_written(root: Node, file: str, expanded: Expanded, mistakes: list[Mistake]) -> Placed:
+    """Place a graph as the document of a placement file says; notes mistakes."""
     form = Form(root, "a placement", ("placement", "by", "workers", "budget", "costs", "aim"), mistakes)
     form.title("placement")
     by = form.text("by", choices=(*_BY, "auto"))
@@ -69,8 +72,8 @@ def place(expanded: Expanded, placement: str | None, mistakes: list[Mistake]) ->
     aim, measured = form.text("aim", choices=AIMS), None
     if by == "auto" or "costs" in form.entries:
         where, report = form.entries.get("costs", form.entries.get("by", root)).place, form.text("costs")
-        file = None if report is None else str(Path(placement).parent / report)
-        measured = _measured(expanded, file, where, mistakes)
+        path = None if report is None else str(Path(file).parent / report)
+        measured = _measured(expanded, path, where, mistakes)
     if by == "auto":
         placed = _together(expanded) if measured is None else _auto(measured, aim)
     else:

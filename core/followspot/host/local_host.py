@@ -146,13 +146,13 @@ class LocalHost:
     def status(self) -> HostStatus:
         """The newest status. Safe from any thread."""
         return HostStatus(
-            tuple(worker.status() for worker in tuple(self.workers.values())),
-            tuple(self._counts()),
-            tuple(self.news),
-            self.out,
-            ChangeStatus() if self._swaps is None else self._swaps.status(),
-            self.clock.status(),
-            self.log.last,
+            workers=tuple(worker.status() for worker in tuple(self.workers.values())),
+            counts=tuple(self._counts()),
+            news=tuple(self.news),
+            out=self.out,
+            change=ChangeStatus() if self._swaps is None else self._swaps.status(),
+            clock=self.clock.status(),
+            logged=self.log.last,
             age_s=0.0,
         )
 
