@@ -138,8 +138,8 @@ class PoseTracker(Stage):
         """Initiate persons that the slow instance has found, and mix its poses into the particles of tracked
         ones.
         """
-        rows = zip(people.person.tolist(), people.pose, people.stature, people.seen.tolist(), strict=True)
-        for row, (number, pose, (tall, sigma), seen) in enumerate(rows):
+        rows = zip(people.person.tolist(), people.pose, people.seen.tolist(), strict=True)
+        for row, (number, pose, seen) in enumerate(rows):
             before = self.slow_poses.get(number)
             if (before is not None and seen <= before.time) or not np.isfinite(pose).all():
                 continue
@@ -149,19 +149,36 @@ class PoseTracker(Stage):
             if known is not None and then is not None and self.astray(then, pose):
                 self.known[number], known = self.people.pop(number).track, None
             if known is None:
-                kept = self.past.between(seen, now)
-                track = replace(self.initiated(number, before, seen if kept else now), stature=(tall, sigma))
-                track = replace(track, velocity=self.slow_poses[number].velocity(before)) if kept else track
-                track, trail = reprocessed(track, seen, kept, partial(self.followed_then, people, row))
-                self.people[number] = Followed(number, track, now, seen, trail=trail)
-                continue
-            track = replace(known.track, stature=(tall, sigma))
-            told = pose if then is None else carried_pose(pose, then, track.pose)
-            joining = max(1, int(JOINING * len(track.particles)))
-            track = track.joined_by(scattered_about(told, joining, self.rng))
-            if people.contact[row, 1] == 0:
-                track = replace(track, pose=between(track.pose, told, self.camera.center))
-            self.people[number] = replace(known, track=track, boxed=max(known.boxed, seen))
+                self.people[number] = self.found(people, row, before, now)
+            else:
+                self.people[number] = self.corrected(known, people, row, then)
+
+    def found(self, people: Appearances, row: int, before: SlowPose | None, now: int) -> Followed:
+        """A person that the slow instance has found, followed through the pictures that were kept since.
+
+        before: the slow pose of the person before this one, if any; now: ns.
+        """
+        number, seen = int(people.person[row]), int(people.seen[row])
+        kept = self.past.between(seen, now)
+        stature = (people.stature[row, 0], people.stature[row, 1])
+        track = replace(self.initiated(number, before, seen if kept else now), stature=stature)
+        track = replace(track, velocity=self.slow_poses[number].velocity(before)) if kept else track
+        track, trail = reprocessed(track, seen, kept, partial(self.followed_then, people, row))
+        return Followed(number, track, now, seen, trail=trail)
+
+    def corrected(self, known: Followed, people: Appearances, row: int, then: Array | None) -> Followed:
+        """A tracked person with particles about the pose that the slow instance reports.
+
+        then: the track's pose (6,) when the slow instance saw the person, None if it is not known any more.
+        """
+        pose = people.pose[row]
+        track = replace(known.track, stature=(people.stature[row, 0], people.stature[row, 1]))
+        told = pose if then is None else carried_pose(pose, then, track.pose)
+        joining = max(1, int(JOINING * len(track.particles)))
+        track = track.joined_by(scattered_about(told, joining, self.rng))
+        if people.contact[row, 1] == 0:
+            track = replace(track, pose=between(track.pose, told, self.camera.center))
+        return replace(known, track=track, boxed=max(known.boxed, int(people.seen[row])))
 
     def astray(self, then: Array, pose: Array) -> bool:
         """Whether the track's pose (6,) is not that of the person whom the slow instance saw in this pose."""
