@@ -58,5 +58,8 @@ class AssociateTracked(ViewAssociation):
     def sought(
         self, number: int, found: Weighed, forecast: Forecast | None, tracked: Array
     ) -> tuple[Existence, int]:
-        """Nothing is known of targets that are not tracked."""
-        return Existence.unknown(), -1
+        """What was known of a track fades while it is not followed; of one that was given up nothing is."""
+        odds = self.existence[number].odds
+        if odds < self.rules.silent:
+            return Existence.unknown(), -1
+        return Existence.unknown()._replace(odds=self.rules.memory ** self.steps(forecast) * odds), -1

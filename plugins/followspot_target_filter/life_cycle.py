@@ -2,7 +2,8 @@
 
 A lost target that shows candidates is tentative. Enough evidence confirms it: its status is TRACKED. Without
 measurements it coasts as MISSING, or as PREDICTED while one view bridges the gap, and is deleted after some
-frames: it is LOST again.
+frames: it is LOST again. A track that few candidates have shown for long is doubted: it may have left its
+target, so that is also sought elsewhere.
 """
 
 from __future__ import annotations
@@ -14,6 +15,10 @@ import numpy as np
 
 from followspot.messages import Array
 from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Positions
+
+EVERY = 5
+"""A doubted target is sought everywhere in every fifth frame, and in the next one if it was found elsewhere:
+what two frames show is no coincidence."""
 
 
 @dataclass(frozen=True)
@@ -60,12 +65,15 @@ class LifeCycle(NamedTuple):
     count and does not end the streak; nor does a search everywhere, if the streak is there."""
     place: Array
     """(T, 3) m, the candidate in the last of these frames."""
+    poor: Array
+    """(T,) frames in a row with a position that fewer candidates show than confirm a target, from the first
+    measurement of that kind on."""
 
     @classmethod
     def lost(cls, count: int) -> Self:
         """All targets lost."""
         zeros = np.zeros(count, int)
-        return cls(np.full(count, LOST, np.uint8), zeros, zeros, zeros, np.zeros((count, 3)))
+        return cls(np.full(count, LOST, np.uint8), zeros, zeros, zeros, np.zeros((count, 3)), zeros)
 
 
 def roaming(life: LifeCycle, near: int) -> Array:
@@ -73,13 +81,29 @@ def roaming(life: LifeCycle, near: int) -> Array:
     return np.asarray((life.status == MISSING) & (life.missed > near))
 
 
-def sought(life: LifeCycle, near: int, marked: Array) -> Array:
+def followed(status: Array) -> Array:
+    """Targets that have a position: (T,) bool. status: (T,) u8."""
+    return np.asarray((status == TRACKED) | (status == PREDICTED))
+
+
+def doubted(life: LifeCycle, patience: int) -> Array:
+    """Tracked targets that few candidates showed for `patience` frames or more, in frames in which they are
+    also sought elsewhere: (T,) bool. patience: 0 for never.
+    """
+    beyond = life.poor - patience
+    first = (beyond % EVERY == 0) & (life.status == TRACKED)
+    again = (beyond % EVERY == 1) & followed(life.status) & (life.streak > 0)
+    return np.asarray((patience > 0) & (beyond >= 0) & (first | again))
+
+
+def sought(life: LifeCycle, near: int, marked: Array, doubted: Array) -> Array:
     """The status that decides where the next frame is searched: (T,) u8.
 
-    A roaming target counts as lost in every second frame; near: frames before it roams. A lost target with
-    a mark counts as missing there, unless it is the only one that is not tracked; marked: (T,) bool.
+    A roaming target counts as lost in every second frame; near: frames before it roams. A doubted one counts
+    as lost; doubted: (T,) bool. A lost target with a mark counts as missing there, unless it is the only one
+    that is not tracked; marked: (T,) bool.
     """
-    status = life.status.copy()
+    status = np.where(doubted, LOST, life.status).astype(np.uint8)
     everywhere = roaming(life, near)
     if everywhere.any():
         status[everywhere & ((life.missed - near) % 2 == 1)] = LOST
@@ -93,7 +117,8 @@ def confirmed(
 ) -> tuple[LifeCycle, Array]:
     """Which measurements count: those of tracked targets, and those that confirm a tentative target.
 
-    Only confirmed pairs recover a target that was sought as lost.
+    Only confirmed pairs recover a target that was sought as lost, and only two frames in a row find a doubted
+    one elsewhere.
     status, near: of :func:`sought`. Returns the life cycle with new streaks, and (M,) bool.
     """
     target, xyz = positions.target, positions.xyz
@@ -101,15 +126,15 @@ def confirmed(
     if kept.any():
         kept &= (status == MISSING) != close(life.place, left.last, evidence.back)
     streak = life.streak * kept
-    status = status.take(target)
-    known = (status == TRACKED) | (status == PREDICTED)
+    status, before = status.take(target), life.status.take(target)
+    known = followed(status)
     if known.all():
         return life._replace(streak=streak), known
     possible = (positions.support > 0) & (positions.confirmed | (status != LOST)) & ~positions.predicted
     possible &= ~occupied(xyz, known, evidence.apart)
     again = np.linalg.norm(xyz - life.place[target], axis=1) <= evidence.reach
     # Two candidates are enough if one of them is evident; a target missing nearby needs one less.
-    near_by = (status == MISSING) & (life.status.take(target) == MISSING)
+    near_by = (status == MISSING) & (before == MISSING)
     agreeing = positions.support >= np.where(positions.evident, 2, evidence.support) - near_by
     # One candidate alone confirms a target where it was last measured, an unconfirmed one within half of
     # `back`. Only targets with many measurements come back so easily: the others may be false.
@@ -121,12 +146,12 @@ def confirmed(
     shown = np.where(there, (evidence.frames + 1) // 2, positions.evident)
     shown = np.where(agreeing, evidence.frames, shown)
     row = np.where(possible, np.where(again, life.streak[target], 0) + shown, 0)
-    # A vague position of a lost target needs twice as many frames.
-    doubted = (status == LOST) & vague(positions, evidence)
-    strong = possible & (shown > 0) & (row >= evidence.frames * (1 + doubted))
+    # A vague position of a lost target, and one elsewhere of a doubted target, need twice as many frames.
+    twice = (status == LOST) & (followed(before) | vague(positions, evidence))
+    strong = possible & (shown > 0) & (row >= evidence.frames * (1 + twice))
     place = life.place.copy()
     streak[target], place[target] = row, xyz
-    return LifeCycle(life.status, life.missed, life.hits, streak, place), known | strong
+    return life._replace(streak=streak, place=place), known | strong
 
 
 def close(xyz: Array, place: Array, reach: Array | float) -> Array:
@@ -155,6 +180,15 @@ def occupied(xyz: Array, known: Array, apart: float) -> Array:
     return np.asarray((beside & first).any(axis=1) & ~known)
 
 
+def weighed(life: LifeCycle, measured: Array, agreed: Array) -> LifeCycle:
+    """The life cycle with the counters of poor frames one frame later.
+
+    What one view alone shows from the beginning is not poor: no more can be asked of it.
+    measured, agreed: (T,) bool, targets with a measurement, and with one by as many candidates as confirm it.
+    """
+    return life._replace(poor=np.where(agreed, 0, life.poor + (measured | (life.poor > 0))))
+
+
 def coasted(life: LifeCycle, measured: Array, bridged: Array, maximum_missed: int) -> LifeCycle:
     """The life cycle one frame later: measured targets are tracked, others coast or are deleted.
 
@@ -165,9 +199,10 @@ def coasted(life: LifeCycle, measured: Array, bridged: Array, maximum_missed: in
     hits = life.hits + measured
     if measured.all():
         status = np.full(len(hits), TRACKED, np.uint8)
-        return LifeCycle(status, np.zeros(len(hits), int), hits, life.streak, life.place)
+        return life._replace(status=status, missed=np.zeros(len(hits), int), hits=hits)
     missed = np.where(measured, 0, life.missed + 1)
     coasting = ~measured & (life.status != LOST) & (missed <= np.minimum(hits, maximum_missed))
     absent = np.where(coasting, np.where(bridged, PREDICTED, MISSING), LOST)
     status = np.where(measured, TRACKED, absent).astype(np.uint8)
-    return LifeCycle(status, missed, hits * (status != LOST), life.streak, life.place)
+    there = status != LOST
+    return life._replace(status=status, missed=missed, hits=hits * there, poor=life.poor * there)

@@ -15,11 +15,25 @@ from followspot.messages import Array
 from followspot.room import Camera, Member, Room
 from followspot.stage import Stage
 from followspot.stage_params import Field, StageParams
-from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Forecast, Positions, Tracks
-from followspot_target_filter.life_cycle import Evidence, Left, LifeCycle, coasted, confirmed, sought
+from followspot.tracking import LOST, MISSING, PREDICTED, Forecast, Positions, Tracks
+from followspot_target_filter.life_cycle import (
+    Evidence,
+    Left,
+    LifeCycle,
+    close,
+    coasted,
+    confirmed,
+    doubted,
+    followed,
+    sought,
+    weighed,
+)
 from followspot_target_filter.marks import marked, untold
 from followspot_target_filter.motion_model import MotionModel
+from followspot_target_filter.sight import Sight
 
+SHOWING = 3
+"""Cameras that have a target in their pictures, from which on few candidates are a reason to doubt it."""
 DEFAULT_PERIOD = 1 / 30
 """Frame interval before the second frame, s."""
 
@@ -96,6 +110,14 @@ class TargetFilter(Stage, ABC):
             "missing target that had as many measurements as it may miss frames; 0: never; raising it finds "
             "covered targets sooner, and takes other things for them",
         )
+        doubt_frames: int = Field(
+            8,
+            ge=0,
+            unit="frames",
+            description="frames in a row in which fewer candidates than minimum_support show a tracked "
+            "target, after which it is also sought everywhere in every fifth frame, if three cameras have it "
+            "in their pictures; 0: never; raising it keeps tracks longer that have left their targets",
+        )
         fade_time: float = Field(
             0.1,
             ge=0,
@@ -144,6 +166,7 @@ class TargetFilter(Stage, ABC):
         )
         self.constant = np.eye(3) * p.measurement_sigma**2
         self.motion = self.motion_model(count)
+        self.sight = Sight(self.room.cameras.values())
         self.life = LifeCycle.lost(count)
         self.last, self.before, self.measured = np.zeros((3, count, 3))
         self.time, self.period = -1, DEFAULT_PERIOD
@@ -151,28 +174,56 @@ class TargetFilter(Stage, ABC):
     def process(self, positions: Positions) -> Outputs:
         p = self.params
         self.advance(positions.header.time)
-        status = sought(self.life, p.local_search_frames, self.marks.there)
+        doubt = self.doubted()
+        status = self.sought(doubt)
+        self.motion.predict(self.period)
+        if doubt.any():
+            status = self.unless_there(status, doubt, positions)
         left = Left(self.last, self.measured)
         life, counted = confirmed(self.life, status, p.local_search_frames, positions, left, self.evidence)
         if not counted.all():
             positions = positions.where(counted)
         target, xyz = positions.target.astype(np.intp), positions.xyz
         noise, sure = self.noise(positions.covariance), positions.support >= p.minimum_support
-        self.motion.predict(self.period)
         new = ((status == LOST) | (self.life.status == LOST)).take(target)
         old = slice(None)
         if new.any():
             self.motion.initiate(target[new], xyz[new], noise[new])
             old = ~new
         self.motion.update(target[old], xyz[old], noise[old], sure[old], self.period)
-        measured, bridged = np.zeros((2, len(life.status)), bool)
-        measured[target] = ~positions.predicted
-        if positions.predicted.any():
-            vague = self.motion.estimate.sigma.take(target, axis=0).max(axis=1) > p.maximum_predicted_sigma
-            bridged[target] = positions.predicted & ~vague
+        measured, agreed, bridged = np.zeros((3, len(life.status)), bool)
+        measured[target], agreed[target] = ~positions.predicted, sure
+        bridged[target] = positions.predicted
+        bridged |= doubt & ~measured
+        if bridged.any():
+            bridged &= self.motion.estimate.sigma.max(axis=1) <= p.maximum_predicted_sigma
+        life = weighed(life, measured, agreed)
         self.life = coasted(life, measured, bridged, p.maximum_missed_frames)
         self.remember(target, target[new], measured)
         return Outputs(self.tracks(), self.forecast())
+
+    def doubted(self) -> Array:
+        """Targets that are also sought elsewhere in the next frame, of which more cameras should show
+        more: (T,) bool.
+        """
+        doubt = doubted(self.life, self.params.doubt_frames) & ~self.marks.there
+        if doubt.any():
+            doubt &= self.sight.count(self.motion.estimate.xyz) >= SHOWING
+        return doubt
+
+    def sought(self, doubt: Array) -> Array:
+        """The status that decides where the next frame is searched: (T,) u8. doubt: (T,) bool."""
+        return sought(self.life, self.params.local_search_frames, self.marks.there, doubt)
+
+    def unless_there(self, status: Array, doubt: Array, positions: Positions) -> Array:
+        """The status with which targets were sought, as tracked if a doubted one is where it is forecast."""
+        there = doubt.take(positions.target)
+        ahead = self.motion.estimate.xyz.take(positions.target, axis=0)
+        there &= close(positions.xyz, ahead, self.params.return_distance)
+        target = positions.target[there]
+        status = status.copy()
+        status[target] = self.life.status[target]
+        return status
 
     def advance(self, time: int) -> None:
         """Measure the period from capture times, ns; frame intervals may vary."""
@@ -207,7 +258,7 @@ class TargetFilter(Stage, ABC):
 
     def tracks(self) -> Tracks:
         """Rows of the targets that are tracked or predicted."""
-        target = ((self.life.status == TRACKED) | (self.life.status == PREDICTED)).nonzero()[0]
+        target = followed(self.life.status).nonzero()[0]
         now = self.motion.estimate
         return Tracks(
             target=target.astype(np.int32),
@@ -219,7 +270,7 @@ class TargetFilter(Stage, ABC):
 
     def forecast(self) -> Forecast:
         """The targets one period later; the rows of lost targets are zero."""
-        status = sought(self.life, self.params.local_search_frames, self.marks.there)
+        status = self.sought(self.doubted())
         known = status != LOST
         ahead = self.motion.ahead(self.period)
         keep = known[:, None]

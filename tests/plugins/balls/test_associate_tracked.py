@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from tests.plugins.balls.scene import forecast_at
 from tests.plugins.balls.sightings import (
     BALL,
@@ -66,12 +67,24 @@ def test_of_sought_targets_all_candidates_stay() -> None:
     paint = candidates_of(views({PATCH: COLOR}))
     assert associate.process(paint, None).candidates is paint
     tracked = forecast_at([BALL, (-1, 0, 0.5)])
-    for _ in range(4):
-        associated(associate, views({BALL: INFRARED}), tracked)
-    assert associate.existence[0].odds < 0
     missing = seal(replace(tracked, state=np.array([MISSING, TRACKED], np.uint8)))
     assert associate.process(paint, missing).candidates is paint
-    assert associate.existence[0].odds == 0
+
+
+def test_what_was_known_of_a_track_fades_while_it_is_not_followed() -> None:
+    """Unless it was given up: what is found later in its place is another track."""
+    tracked = forecast_at([BALL, (-1, 0, 0.5)])
+    missing = seal(replace(tracked, state=np.array([MISSING, TRACKED], np.uint8)))
+    for frames, fades in ((3, True), (30, False)):
+        associate = stage()
+        for _ in range(frames):
+            associated(associate, views({BALL: INFRARED}), tracked)
+        before = associate.existence[0].odds
+        assert before < 0
+        assert (before >= associate.rules.silent) == fades
+        associate.process(candidates_of(views({PATCH: COLOR})), missing)
+        kept = associate.rules.memory * before if fades else 0.0
+        assert associate.existence[0].odds == pytest.approx(kept)
 
 
 def test_a_poor_track_on_a_reflector_goes_silent_and_one_in_its_colour_stays() -> None:

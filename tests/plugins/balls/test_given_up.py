@@ -60,7 +60,7 @@ def test_what_infrared_cameras_alone_show_is_silent_once_it_is_given_up(
     given_up = states.index(None, 20)
     assert given_up < 20 + FPS
     assert states[given_up:] == [None] * (80 - given_up)
-    assert PREDICTED not in states
+    assert PREDICTED not in states[:28]  # from then on it is doubted, and sought elsewhere in some frames
 
 
 def test_one_infrared_view_goes_on_for_a_second_in_which_no_colour_camera_shows_the_ball() -> None:
