@@ -21,7 +21,8 @@ class Video(Stage):
     """Play a video file as the camera's pictures; frame f is captured at f / fps, or at its recorded time.
 
     Frames that cannot be decoded leave a gap in the numbers if the file has time stamps. They are reported at
-    the end, as is a file that ends early.
+    the end, as is a file that ends early. If the size of the pictures changes within a file, the others are
+    stretched to the size that the file states, and nothing tells: give each part a file of its own.
     """
 
     per_camera = True

@@ -5,12 +5,13 @@ from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.datasets import dataset, needs_data
-from tests.plugins.cameras.recordings import SIZE, context, numbers, record
+from tests.plugins.cameras.recordings import SIZE, context, numbers, picture, record
 
 import followspot as fs
 from followspot import InputError, Room, room_file
@@ -119,6 +120,20 @@ def test_a_file_that_is_cut_off_is_a_warning_of_check_where_its_path_is_written(
     assert mistake.warning
     assert mistake.place is not None
     assert mistake.place.line == 4
+
+
+def test_pictures_of_another_size_within_a_file_are_stretched_as_is_documented(tmp_path: Path) -> None:
+    """The decoder gives them like the others. Once a decoder tells, the source should."""
+    path = tmp_path / "a.mjpeg"
+    parts = [picture(0), np.pad(picture(0), ((0, 0), (0, SIZE[0]), (0, 0)))]  # black at the right
+    path.write_bytes(b"".join(cv2.imencode(".jpg", part)[1].tobytes() for part in parts))
+    frames, warnings = play(path)
+    assert [f.pixels.shape for f in frames] == [(SIZE[1], SIZE[0], 3)] * 2
+    brightness = [[f.pixels[:, half].mean() for half in (slice(28), slice(36, None))] for f in frames]
+    assert [left > 20 for left, _ in brightness] == [True, True]
+    assert [right > 20 for _, right in brightness] == [True, False]
+    assert not warnings
+    assert "stretched to the size that the file states" in " ".join((Video.__doc__ or "").split())
 
 
 def test_mp4_without_its_end_is_refused_as_cut_off(tmp_path: Path) -> None:
