@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterable
-from io import FileIO
+from contextlib import suppress
+from io import SEEK_END, FileIO
+from itertools import accumulate
 from os import pread
 from pathlib import Path
 
@@ -60,15 +63,26 @@ class LineSink(Stage):
         """Hand all lines to the operating system. Raises FollowspotError."""
         if self.file is None:
             return
-        data = memoryview("".join(self.pending).encode())
+        lines = [line.encode() for line in self.pending]
         self.pending.clear()
         self.due, self.pending_bytes = False, 0
+        data, done = memoryview(b"".join(lines)), 0
         try:
-            while data:
-                data = data[self.file.write(data) :]
+            while done < len(data):
+                done += self.file.write(data[done:])
         except OSError as error:
+            ends = list(accumulate(map(len, lines)))
+            whole = bisect_right(ends, done)
+            self._take_back(done - (ends[whole - 1] if whole else 0))
+            text = f"{self.file.name} is cut short: {error.strerror}; {len(lines) - whole} lines are lost"
             remedy = "free space on the disk or choose another output folder"
-            raise FollowspotError(f"{self.file.name} is cut short: {error.strerror}\n    {remedy}") from None
+            raise FollowspotError(f"{text}\n    {remedy}") from None
+
+    def _take_back(self, count: int) -> None:
+        """Let the file end before its last bytes, which are half a line. A device cannot be shortened."""
+        if self.file is not None and count:
+            with suppress(OSError):
+                self.file.truncate(self.file.seek(-count, SEEK_END))
 
     def close(self) -> None:
         """Write the remaining lines and close. Raises FollowspotError."""

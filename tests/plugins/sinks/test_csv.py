@@ -1,5 +1,6 @@
 """Tracks and blobs as CSV files."""
 
+import resource
 from pathlib import Path
 
 import numpy as np
@@ -118,6 +119,28 @@ def test_full_disk_is_an_error_that_says_so(tmp_path: Path) -> None:
     sink.setup()
     with pytest.raises(FollowspotError, match=r"/dev/full is cut short: No space left on device"):
         sink.close()
+
+
+def test_a_disk_that_becomes_full_leaves_whole_rows_and_the_error_counts_the_others(tmp_path: Path) -> None:
+    messages = [tracks(n, n * 10) for n in range(20)]
+    whole = saved(tmp_path / "whole", *messages).read_bytes()
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    for limit in (1, 1_000, whole.index(b"\n") + 1, len(whole) - 1):
+        sink = CsvFile(Context(room=ROOM, out=tmp_path, receives=(Tracks,)))
+        sink.setup()
+        for message in messages:
+            sink.process((message,))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, before[1]))
+        with pytest.raises(FollowspotError) as told:
+            sink.close()
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        rest = whole[: whole.rfind(b"\n", 0, limit) + 1]
+        assert (tmp_path / "tracks.csv").read_bytes() == rest
+        lost = whole.count(b"\n") - rest.count(b"\n")
+        assert str(told.value) == (
+            f"{tmp_path}/tracks.csv is cut short: File too large; {lost} lines are lost\n"
+            "    free space on the disk or choose another output folder"
+        )
 
 
 def test_blobs_are_one_row_per_blob_and_target(tmp_path: Path) -> None:
