@@ -145,12 +145,35 @@ class FlightProcess:
                     self._conditions.take(port, packed)
 
 
-def _found(wanted: str, over: threading.Event) -> RunHandle | None:
-    """The run as soon as it answers; None if it is over before."""
+def _begun(order: FlightOrder, over: threading.Event) -> FlightProcess | None:
+    """The recorder of the run as soon as that answers; None if the run is over before.
+
+    Raises FollowspotError if the run cannot be kept.
+    """
     while not over.wait(_START_POLL_INTERVAL):
         with suppress(FollowspotError):
-            return run_here(wanted)
-    return None
+            run = run_here(order.run)
+            break
+    else:
+        return None
+    try:
+        return FlightProcess(run, order)
+    except FollowspotError:
+        if not _ended(run):
+            raise
+        over.wait()  # or its operator would take the end of this process for that of a recorder at work
+        return None
+
+
+def _ended(run: RunHandle) -> bool:
+    """Whether a run takes no requests any more."""
+    try:
+        run.status()
+    except NoAnswer:
+        return False
+    except FollowspotError:
+        return True
+    return False
 
 
 def main() -> int:
@@ -165,14 +188,14 @@ def main() -> int:
         over.set()
 
     threading.Thread(target=listen, daemon=True).start()
-    run = _found(order.run, over)
-    if run is None:
-        return 0
     try:
-        process = FlightProcess(run, order)
+        process = _begun(order, over)
     except FollowspotError as error:
         print(f"nothing is kept of the run: {error}", flush=True)
         return 1
+    if process is None:
+        print("nothing is kept: the run was over before its flight recorder had begun", flush=True)
+        return 0
     process.watch(over)
     over.wait(_LEAVING)  # the run's process tells how it ended
     for line in process.close(ends[0].errors if ends else ()):
