@@ -18,6 +18,8 @@ from followspot.messages import MAX_TIME
 MOST_ROWS = 5_000_000
 FIRST_ROWS = 100
 """Rows that are read before a run."""
+FIRST_LINE = 2
+"""Number of the line that has the first row."""
 LONGEST_NAME = 100
 LARGEST = 2**31 - 1
 DECIMALS = {"s": 9, "ms": 6, "us": 3, "ns": 0}
@@ -166,7 +168,7 @@ def _rows(
     head = _head(file, lines)
     index = _positions(file, head, columns, optional, named)
     needed = max(index.values(), default=-1) + 1
-    for line, cells in enumerate(lines, 2):
+    for line, cells in enumerate(lines, FIRST_LINE):
         if not cells:
             continue
         if any("\n" in cell for cell in cells):

@@ -9,7 +9,8 @@ from typing import Literal
 import numpy as np
 
 from followspot import Field, Mistake, Room, Source, Stage, at
-from followspot.csv_rows import FIRST_ROWS, Row
+from followspot.csv_rows import FIRST_LINE, FIRST_ROWS, Row
+from followspot.errors import Place
 from followspot.people import Boxes
 from followspot.points import Points2D
 from followspot.room import Member
@@ -23,6 +24,7 @@ from followspot_vision.picture_points import (
     label_of,
     points_of,
     score_of,
+    shares_as_pixels,
 )
 
 
@@ -74,9 +76,10 @@ class BoxesCsv(Stage):
 
     @classmethod
     def check_files(cls, params: Params, room: Room, member: Member | None) -> Iterable[Mistake]:
-        """Read the first rows. Raises InputError."""
-        _read(params, member.name if member is not None else None, room, FIRST_ROWS)
-        return ()
+        """Read the first rows. Raises InputError. Warn if they are in another unit."""
+        found = _read(params, member.name if member is not None else None, room, FIRST_ROWS)
+        corners = np.array([box.corners for frame in found.own for box in frame.rows])
+        return shares_as_pixels(corners, params, Place(str(params.path), FIRST_LINE, 1))
 
     def setup(self) -> None:
         """Read the file whole. Raises InputError with file, line and remedy."""
@@ -111,11 +114,13 @@ class BoxesCsv(Stage):
 def _read(given: BoxesCsv.Params, camera: str | None, room: Room, most: int | None = None) -> FrameTable[Box]:
     columns = tuple(given.box.split())
     names = ("label", "score")
-    return read_frames(given, columns, names, lambda row: _box(row, columns), camera, room.cameras, most)
+    return read_frames(
+        given, columns, names, lambda row: _box(row, columns, given), camera, room.cameras, most
+    )
 
 
-def _box(row: Row, columns: tuple[str, ...]) -> Box:
-    a, b, c, d = (coordinate(row, column) for column in columns)
+def _box(row: Row, columns: tuple[str, ...], given: PictureParams) -> Box:
+    a, b, c, d = (coordinate(row, column, given) for column in columns)
     if columns[2] == "width":
         a, b = (a - c / 2, b - d / 2) if columns[0] == "center_x" else (a, b)
         c, d = a + c, b + d

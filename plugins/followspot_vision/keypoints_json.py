@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from followspot import Field, InputPath, Mistake, Room, Source, Stage, at
 from followspot.errors import InputError
 from followspot.frame_times import capture_time, exact_rate
@@ -12,7 +14,13 @@ from followspot.points import Points2D
 from followspot.room import Member
 from followspot_vision.frame_table import MOST_FRAMES
 from followspot_vision.keypoint_files import Person, picture_files, read_picture, read_results
-from followspot_vision.picture_points import Found, PictureParams, points_of
+from followspot_vision.picture_points import (
+    Found,
+    PictureParams,
+    points_of,
+    shares_as_pixels,
+    wrong_unit,
+)
 from followspot_vision.skeletons import joint_names
 
 _SMALL = 1_000_000
@@ -47,7 +55,9 @@ class KeypointsJson(Stage):
 
     @classmethod
     def check_files(cls, params: Params, room: Room, member: Member | None) -> Iterable[Mistake]:
-        """Read the first picture of a folder, or the file if it is small. Raises InputError."""
+        """Read the first picture of a folder, or the file if it is small. Raises InputError. Warn if it is in
+        another unit.
+        """
         place = of_camera(params.path, member.name) if member is not None else params.path
         if place.is_dir():
             persons = [
@@ -59,7 +69,8 @@ class KeypointsJson(Stage):
             persons = []
         for count in sorted({len(person) for person in persons if person}):
             joint_names(count, params.joints, str(params.path))
-        return ()
+        places = np.array([(one.x, one.y) for one in joints_of(persons, params, params.joints, str(place))])
+        return shares_as_pixels(places, params, None)
 
     def setup(self) -> None:
         """Find the files. Raises InputError if they are none."""
@@ -94,16 +105,22 @@ class KeypointsJson(Stage):
         persons: Sequence[Person] = self.results.get(picture, ())
         if picture in self.files:
             persons = read_picture(self.files[picture])
-        return joints_of(persons, self.params.joints, str(self.params.path))
+        return joints_of(persons, self.params, self.params.joints, str(self.params.path))
 
 
-def joints_of(persons: Sequence[Person], names: Sequence[str], file: str) -> list[Found]:
+def joints_of(
+    persons: Sequence[Person], given: PictureParams, names: Sequence[str], file: str
+) -> list[Found]:
     """The joints that were found of all persons. names: the user's, if any. Raises InputError."""
     found = []
     for instance, person in enumerate(persons):
         own = joint_names(len(person), names, file) if person else ()
         joints = zip(own, person, strict=True)
         found += [Found(x, y, name, instance, score) for name, (x, y, score) in joints if score > 0]
+    for one in found:
+        if wrong := wrong_unit(one.x, given) or wrong_unit(one.y, given):
+            text = f"{file}: {one.label} of person {one.instance} of a picture is at {one.x:g}, {one.y:g}"
+            raise InputError.of(text, f"needs {wrong}")
     return found
 
 

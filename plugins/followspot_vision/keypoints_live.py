@@ -94,6 +94,6 @@ class KeypointsLive(Stage):
     def message(self, number: int, path: Path, persons: list[Person]) -> Iterator[Points2D]:
         """The joints of one picture. Raises InputError if they have no names."""
         rate = self.params.fps
-        found = joints_of(persons, self.params.joints, str(path))
+        found = joints_of(persons, self.params, self.params.joints, str(path))
         when = capture_time(number, exact_rate(rate)) if rate else path.stat().st_mtime_ns
         yield at(when, points_of(found, self.camera, self.params), seq=number)

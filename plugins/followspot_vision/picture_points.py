@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -10,12 +10,17 @@ import numpy as np
 
 from followspot import Camera, Field, StageParams
 from followspot.csv_rows import Row
+from followspot.errors import Mistake, Place
 from followspot.geometry import distort, undistort
 from followspot.messages import Array
 from followspot.points import Points2D
 
 FARTHEST = 1e6
 """Largest coordinate, px."""
+FARTHEST_SHARE = 10.0
+"""Largest share of the width or height: places beside a picture have shares beyond 0 to 1."""
+NEAR_SHARES = (-0.5, 1.5)
+"""Places that all lie between these are no pixels."""
 
 
 class PictureParams(StageParams):
@@ -48,12 +53,27 @@ class Found:
     score: float
 
 
-def coordinate(row: Row, column: str) -> float:
+def coordinate(row: Row, column: str, given: PictureParams) -> float:
     """A number that can be a place in a picture. Raises InputError."""
     value = row.number(column)
-    if abs(value) > FARTHEST:
-        raise row.mistake(column, f"a place in the picture, within {FARTHEST:.0f} px")
+    if wrong := wrong_unit(value, given):
+        raise row.mistake(column, wrong)
     return value
+
+
+def wrong_unit(value: float, given: PictureParams) -> str:
+    """What a place in a picture needs to be, if this number is none in the unit that is given; else ""."""
+    if given.unit == "share" and abs(value) > FARTHEST_SHARE:
+        return "a share of the width or height, 0 to 1; places in px need with: {unit: px}"
+    return f"a place in the picture, within {FARTHEST:.0f} px" if abs(value) > FARTHEST else ""
+
+
+def shares_as_pixels(places: Array, given: PictureParams, file: Place | None) -> Iterator[Mistake]:
+    """A warning if all places (N, 2) are said to be px, and can only be shares. file: where they are."""
+    low, high = NEAR_SHARES
+    if given.unit == "px" and len(places) and ((places > low) & (places < high)).all() and (places % 1).any():
+        text = "all places lie within a pixel of the corner of the picture: they are shares of its size"
+        yield Mistake(file, text, "with: {unit: share}", warning=True)
 
 
 def label_of(row: Row) -> str:

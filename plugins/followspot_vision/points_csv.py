@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+import numpy as np
+
 from followspot import Mistake, Room, Source, Stage, at
-from followspot.csv_rows import FIRST_ROWS, Row
+from followspot.csv_rows import FIRST_LINE, FIRST_ROWS, Row
+from followspot.errors import Place
 from followspot.points import Points2D
 from followspot.room import Member
 from followspot_vision.frame_table import FrameParams, FrameTable, read_frames
-from followspot_vision.picture_points import Found, PictureParams, coordinate, label_of, points_of, score_of
+from followspot_vision.picture_points import (
+    Found,
+    PictureParams,
+    coordinate,
+    label_of,
+    points_of,
+    score_of,
+    shares_as_pixels,
+)
 
 
 class PointsCsv(Stage):
@@ -28,9 +39,10 @@ class PointsCsv(Stage):
 
     @classmethod
     def check_files(cls, params: Params, room: Room, member: Member | None) -> Iterable[Mistake]:
-        """Read the first rows. Raises InputError."""
-        _read(params, member.name if member is not None else None, room, FIRST_ROWS)
-        return ()
+        """Read the first rows. Raises InputError. Warn if they are in another unit."""
+        found = _read(params, member.name if member is not None else None, room, FIRST_ROWS)
+        places = np.array([(one.x, one.y) for frame in found.own for one in frame.rows])
+        return shares_as_pixels(places, params, Place(str(params.path), FIRST_LINE, 1))
 
     def setup(self) -> None:
         """Read the file whole. Raises InputError with file, line and remedy."""
@@ -48,11 +60,14 @@ class PointsCsv(Stage):
             yield at(frame.time, points_of(frame.rows, self.camera, self.params), seq=frame.number)
 
 
-def _read(given: FrameParams, camera: str | None, room: Room, most: int | None = None) -> FrameTable[Found]:
+def _read(
+    given: PointsCsv.Params, camera: str | None, room: Room, most: int | None = None
+) -> FrameTable[Found]:
     names = ("label", "score", "instance")
-    return read_frames(given, ("x", "y"), names, _point, camera, room.cameras, most)
+    return read_frames(given, ("x", "y"), names, lambda row: _point(row, given), camera, room.cameras, most)
 
 
-def _point(row: Row) -> Found:
+def _point(row: Row, given: PictureParams) -> Found:
     instance = row.integer("instance") if row.has("instance") else -1
-    return Found(coordinate(row, "x"), coordinate(row, "y"), label_of(row), instance, score_of(row))
+    x, y = (coordinate(row, column, given) for column in ("x", "y"))
+    return Found(x, y, label_of(row), instance, score_of(row))

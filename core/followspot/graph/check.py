@@ -16,6 +16,7 @@ from followspot.graph.checks.reproducibility import risks
 from followspot.graph.checks.warnings import warnings
 from followspot.graph.connections import CheckedEdge, check_cycles, check_lagged_cycles, check_types, connect
 from followspot.graph.declaration import InputDeclaration
+from followspot.graph.distinct_mistakes import told_once
 from followspot.graph.expand import Expanded
 from followspot.graph.instances import CheckedStage, Instance
 from followspot.graph.parameters import output_paths, validated
@@ -88,7 +89,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
         edges=tuple(edges),
         notes=notes,
         risks=tuple(risks(stages, edges)),
-        warnings=() if mistakes else (*doubts, *warnings(stages, edges, expanded)),
+        warnings=() if mistakes else (*told_once(doubts), *warnings(stages, edges, expanded)),
         offered=subgraph_ports(expanded.outputs, stages, expanded.room),
         room_document=expanded.room_node,
         subgraphs=expanded.subgraphs,

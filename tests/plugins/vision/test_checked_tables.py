@@ -75,6 +75,71 @@ def test_a_mistake_in_the_first_rows_is_told_once_with_its_line_and_the_graph(
     assert [Path(place.file).name for place in mistake.place.outer_places] == ["graph.yaml"]
 
 
+def warned(folder: Path, uses: str, path: str, more: str) -> tuple[Mistake, ...]:
+    room_file.save(tiny_room(), folder / "room.yaml")
+    (folder / "graph.yaml").write_text(GRAPH % (uses, "each: cameras,", path, more))
+    found = compile_graph(folder / "graph.yaml").warnings
+    return tuple(one for one in found if "shares" in one.text)
+
+
+def row(places: list[float]) -> str:
+    return ",".join(map(str, places))
+
+
+PLACES = {
+    "points_csv": ("x,y", [[0.5, 0.25], [0.75, 1.0]], [[320, 120], [480, 480]]),
+    "boxes_csv": ("x0,y0,x1,y1", [[0.1, 0.2, 0.3, 0.4]], [[64, 96, 192, 192]]),
+}
+
+
+@pytest.mark.parametrize("stage", PLACES)
+def test_shares_that_are_taken_for_pixels_are_told_with_their_file_line_and_parameter(
+    tmp_path: Path, stage: str
+) -> None:
+    columns, shares, pixels = PLACES[stage]
+    both = [f"0,{camera},{row(one)}\n" for camera in ("cam0", "cam1") for one in shares]
+    (tmp_path / "both.csv").write_text(f"frame,camera,{columns}\n" + "".join(both))
+    (mistake,) = warned(tmp_path, f"vision.{stage}", "both.csv", "fps: 30")
+    assert mistake.place is not None
+    assert (Path(mistake.place.file).name, mistake.place.line) == ("both.csv", 2)
+    assert "shares" in mistake.text
+    assert mistake.remedy == "with: {unit: share}"
+    assert warned(tmp_path, f"vision.{stage}", "both.csv", "fps: 30, unit: share") == ()
+    mixed = f"frame,camera,{columns}\n" + "".join(f"0,cam0,{row(one)}\n" for one in [*shares, *pixels])
+    (tmp_path / "mixed.csv").write_text(mixed)
+    assert warned(tmp_path, f"vision.{stage}", "mixed.csv", "fps: 30") == (), "some lie in the corner"
+
+
+@pytest.mark.parametrize("stage", PLACES)
+def test_pixels_that_are_taken_for_shares_are_refused(tmp_path: Path, stage: str) -> None:
+    columns, shares, pixels = PLACES[stage]
+    text = f"frame,camera,{columns}\n" + "".join(f"0,cam0,{row(one)}\n" for one in [*shares, *pixels])
+    (tmp_path / "table.csv").write_text(text)
+    (mistake,) = checked(tmp_path, f"vision.{stage}", "table.csv", "fps: 30, unit: share")
+    assert mistake.place is not None
+    assert (Path(mistake.place.file).name, mistake.place.line) == ("table.csv", 2 + len(shares))
+    assert "{unit: px}" in mistake.remedy
+
+
+def test_joints_in_another_unit_are_told(tmp_path: Path) -> None:
+    shares = {"people": [{"pose_keypoints_2d": [0.5, 0.25, 0.5] * 18}]}
+    (tmp_path / "shares.json").write_text(json.dumps([{"image_id": 0, "keypoints": [0.5, 0.25, 0.9] * 17}]))
+    (tmp_path / "pixels.json").write_text(json.dumps([{"image_id": 0, "keypoints": [320, 120, 0.9] * 17}]))
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "cam_000000000000_keypoints.json").write_text(json.dumps(shares))
+    for name in ("shares.json", "folder"):
+        (mistake,) = warned(tmp_path, "vision.keypoints_json", name, "fps: 30")
+        assert (mistake.place is not None and mistake.place.line, mistake.remedy) == (
+            4,
+            "with: {unit: share}",
+        )
+        assert warned(tmp_path, "vision.keypoints_json", name, "fps: 30, unit: share") == ()
+    assert warned(tmp_path, "vision.keypoints_json", "pixels.json", "fps: 30") == ()
+    (mistake,) = checked(tmp_path, "vision.keypoints_json", "pixels.json", "fps: 30, unit: share")
+    assert "nose of person 0 of a picture is at 320, 120" in mistake.text
+    assert "{unit: px}" in mistake.remedy
+
+
 def test_what_has_no_line_is_told_where_the_path_is_written(tmp_path: Path) -> None:
     (tmp_path / "table.csv").write_text(POINTS)
     (mistake,) = checked(tmp_path, "vision.points_csv", "table.csv", "time_unit: ms")

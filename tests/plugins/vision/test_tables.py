@@ -60,19 +60,18 @@ def test_times_may_be_in_the_file_exact_and_in_any_unit(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("params", "pixel"),
+    ("params", "place", "pixel"),
     [
-        ({}, [32, 12]),
-        ({"pixel_origin": "corner"}, [31.5, 11.5]),
-        ({"unit": "share"}, [32 * 64 - 0.5, 12 * 48 - 0.5]),
+        ({}, "32,12", [32, 12]),
+        ({"pixel_origin": "corner"}, "32,12", [31.5, 11.5]),
+        ({"unit": "share"}, "0.5,-1.25", [0.5 * 64 - 0.5, -1.25 * 48 - 0.5]),
     ],
 )
 def test_the_frame_of_reference_is_said(
-    tmp_path: Path, params: Mapping[str, Any], pixel: list[float]
+    tmp_path: Path, params: Mapping[str, Any], place: str, pixel: list[float]
 ) -> None:
-    (found,) = points(
-        tmp_path / "a.csv", "frame,camera,u,v\n0,cam0,32,12\n", fps=1, columns={"x": "u", "y": "v"}, **params
-    )
+    text = f"frame,camera,u,v\n0,cam0,{place}\n"
+    (found,) = points(tmp_path / "a.csv", text, fps=1, columns={"x": "u", "y": "v"}, **params)
     np.testing.assert_allclose(found.pixel, [pixel])
     np.testing.assert_allclose(found.xy, undistort(ROOM.cameras["cam0"], found.pixel))
 
