@@ -10,6 +10,7 @@ from operator import or_
 from followspot.document import Node, child
 from followspot.errors import Mistake
 from followspot.graph.checks.flow import Flow
+from followspot.graph.checks.lengths import odd_lengths
 from followspot.graph.checks.rates import joins_of_unequal_rates
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.distinct_mistakes import told_once
@@ -35,6 +36,7 @@ def warnings(
         *_never(flow),
         *joins_of_unequal_rates(flow, room),
         *_foreseen(flow, room),
+        *odd_lengths(room, expanded.room_node),
     ]
     return [replace(mistake, warning=True) for mistake in told_once(found)]
 
