@@ -120,3 +120,37 @@ def test_several_truths_are_for_poses(tmp_path: Path, capsys: pytest.CaptureFixt
     arguments = files(tmp_path)
     assert main([*arguments, arguments[-1]]) == 2
     assert "several files of truth are for poses" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("span", "said"),
+    [
+        (("2", "1"), "--between 2 1 is no span of time"),
+        (("0.02", "0.02"), "is no span of time"),
+        (("nan", "1"), "is no span of time"),
+        (("0", "nan"), "is no span of time"),
+        (("0", "inf"), "is no span of time"),
+        (("-3", "-1"), "is between -3 and -1 s"),
+        (("5", "6"), "is between 5 and 6 s"),
+        (("0.04", "0.05"), "is between 0.04 and 0.05 s"),
+    ],
+)
+def test_a_span_in_which_nothing_is_is_refused(
+    tmp_path: Path, span: tuple[str, str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*files(tmp_path), "--plot", str(tmp_path / "out"), "--between", *span]) == 2
+    assert said in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_span_without_a_drawing_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*files(tmp_path), "--between", "0", "1"]) == 2
+    assert "add --plot DIR" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("area", [("2", "0", "1", "3"), ("0", "0", "1", "nan"), ("0", "3", "1", "3")])
+def test_an_area_without_a_place_in_it_is_refused(
+    tmp_path: Path, area: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*files(tmp_path), "--area", *area]) == 2
+    assert "is no area" in capsys.readouterr().err

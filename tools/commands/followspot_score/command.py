@@ -6,6 +6,8 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from followspot.csv_rows import header_of
 from followspot.errors import InputError
 from followspot.messages import Array
@@ -26,7 +28,7 @@ from followspot_accuracy import (
 )
 from followspot_accuracy.persons.tracking import Area
 from followspot_score.plot import draw
-from followspot_score.trajectories import Span, draw_trajectories
+from followspot_score.trajectories import Span, draw_trajectories, within
 
 
 def score_files(
@@ -44,6 +46,7 @@ def score_files(
     reported: tracks or poses; room: for tracks; plots: a folder for pictures; span: of the trajectories
     that are drawn, s; area: part of the floor that the truth of persons covers.
     """
+    check_area(area)
     if "person" in header_of(reported):
         if span is not None:
             raise InputError.of(f"{reported} has poses of persons", "--between is for tracks of targets")
@@ -53,13 +56,33 @@ def score_files(
     if len(truth) > 1:
         text = f"{reported} has tracks of targets, which are scored against one file"
         raise InputError.of(text, "several files of truth are for poses of persons")
+    check_span(span, plots)
     tracks, true = read_tracks_csv(reported), read_truth_csv(truth[0])
     _require_common(reported, truth[0], tracks, true)
+    if span is not None and len(true.time) and not len(within(true, span).time):
+        text = f"no frame of {truth[0]} is between {span[0]:g} and {span[1]:g} s"
+        raise InputError.of(text, f"it has frames from {true.time[0]:g} to {true.time[-1]:g} s")
     scores = score(tracks, true, load(room) if room else None)
     drawn = draw_trajectories(tracks, true, plots, span) if plots is not None else ""
     if as_json:
         return json.dumps(to_json(scores))
     return table(scores) + (f"\n\n{drawn}" if drawn else "")
+
+
+def check_span(span: Span | None, plots: Path | None) -> None:
+    """Raises InputError unless a span of time goes from a time to a later one, and is drawn."""
+    if span is not None and not -np.inf < span[0] < span[1] < np.inf:
+        text = f"--between {span[0]:g} {span[1]:g} is no span of time"
+        raise InputError.of(text, "give the first and the last second, for example --between 3.3 6.7")
+    if span is not None and plots is None:
+        raise InputError.of("--between chooses what is drawn, and nothing is", "add --plot DIR")
+
+
+def check_area(area: Area | None) -> None:
+    """Raises InputError unless an area goes from a corner to one beyond it on both axes."""
+    if area is not None and not all(-np.inf < area[i] < area[i + 2] < np.inf for i in (0, 1)):
+        text = f"--area {' '.join(f'{value:g}' for value in area)} is no area"
+        raise InputError.of(text, "give the smallest x and y, then the largest, for example --area 2 0 6 3.4")
 
 
 def score_poses(
