@@ -39,8 +39,10 @@ class Draw(Stage):
         path: OutputPath = Field(
             "drawn", description="folder below the output folder, with a file per camera"
         )
-        format: Literal["mp4", "jpg", "png"] = Field(
-            "mp4", description="mp4: a video; jpg, png: a folder of pictures"
+        format: Literal["mp4", "mkv", "jpg", "png"] = Field(
+            "mp4",
+            description="mp4: a video that can be played once it is complete; mkv: a video that can be played"
+            " if its worker dies, too, but for its last megabyte; jpg, png: a folder of pictures",
         )
         layout: Literal["each", "grid"] = Field(
             "each", description="each: a file per camera; grid: one of all cameras side by side"
@@ -124,10 +126,10 @@ class Draw(Stage):
         """The file for the camera's pictures."""
         if camera not in self.files:
             form = self.params.format
-            path = self.folder / f"{camera}.mp4"
+            path = self.folder / f"{camera}.{form}"
             self.files[camera] = (
                 PictureFolder(self.folder, camera, form)
-                if form != "mp4"
+                if form in ("jpg", "png")
                 else VideoFile(unused_path(path) if self.context.resumed else path)
             )
         return self.files[camera]

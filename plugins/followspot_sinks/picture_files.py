@@ -17,7 +17,7 @@ from followspot.messages import Array
 SMALLEST = 16
 """Smallest width and height for the codec, px; it needs even ones."""
 LEAST_SPACE = 1 << 20
-"""Bytes that must be free on the disk: a video that is cut off cannot be played at all."""
+"""Bytes that must be free on the disk: an .mp4 that is cut off cannot be played at all."""
 SLOWEST, FASTEST = 1.0, 240.0
 """Smallest and largest frame rate of a video, 1/s."""
 
@@ -33,7 +33,10 @@ class PictureFile(Protocol):
 
 
 class VideoFile:
-    """An .mp4 with the frame rate of the first two pictures. It can be played once it is complete."""
+    """A video with the frame rate of the first two pictures.
+
+    An .mp4 can be played once it is complete, an .mkv up to where it was cut off.
+    """
 
     def __init__(self, path: Path) -> None:
         self.path = path

@@ -1,5 +1,8 @@
 """Results drawn into pictures."""
 
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import cv2
@@ -286,3 +289,41 @@ def test_the_video_of_a_stage_that_is_resumed_stands_beside_the_first_one(tmp_pa
         sink.process((frame(),))
         sink.close()
     assert sorted(path.name for path in (tmp_path / "drawn").iterdir()) == ["left-2.mp4", "left.mp4"]
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+import numpy as np
+from followspot_sinks.picture_files import VideoFile
+file, rng = VideoFile(Path(sys.argv[1])), np.random.default_rng(0)
+for number in range(100):
+    file.write(rng.integers(0, 255, (240, 320, 3), "u1"), number, number * 10**8)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_an_mkv_can_be_played_after_a_kill_but_for_its_last_megabyte(tmp_path: Path) -> None:
+    path = tmp_path / "left.mkv"
+    assert subprocess.run([sys.executable, "-c", KILLED, path], check=False).returncode == -signal.SIGKILL
+    whole = tmp_path / "whole.mkv"
+    file, rng = VideoFile(whole), np.random.default_rng(0)
+    for number in range(100):
+        file.write(rng.integers(0, 255, (240, 320, 3), "u1"), number, number * 10**8)
+    file.close()
+    assert path.stat().st_size > whole.stat().st_size - (1 << 20)
+    frames = [cv2.VideoCapture(str(one)) for one in (path, whole)]
+    played = [sum(1 for _ in iter(video.grab, False)) for video in frames]
+    assert played[1] == 100
+    assert played[0] >= int(100 * path.stat().st_size / whole.stat().st_size) - 2
+
+
+def test_videos_have_the_ending_of_their_format(tmp_path: Path) -> None:
+    sink = Draw(Context(room=ROOM, out=tmp_path), format="mkv")
+    sink.setup()
+    for seq in range(3):
+        sink.process((frame(seq),), (poses(),))
+    sink.close()
+    video = cv2.VideoCapture(str(tmp_path / "drawn/left.mkv"))
+    assert sum(1 for _ in iter(video.grab, False)) == 3
+    assert video.get(cv2.CAP_PROP_FPS) == pytest.approx(10)
