@@ -26,6 +26,47 @@ def test_what_cannot_be_written_is_named_without_a_traceback(words: tuple[object
     assert "Traceback" not in done.stderr
 
 
+def full(limit: int, *words: object) -> subprocess.CompletedProcess[str]:
+    """A command on a disk that takes no more than so many bytes of a file."""
+    done = subprocess.run(
+        ["prlimit", f"--fsize={limit}", *COMMAND, *map(str, words)], capture_output=True, text=True
+    )
+    assert "Traceback" not in done.stderr
+    return done
+
+
+def test_a_full_disk_leaves_no_half_copy_of_a_graph(tmp_path: Path) -> None:
+    done = full(10, "graphs", "glowballs", "--to", tmp_path)
+    assert done.returncode == 2
+    assert f"{tmp_path}/glowballs.yaml cannot be written: File too large" in done.stderr
+    assert not (tmp_path / "glowballs.yaml").exists()
+    assert full(1 << 20, "graphs", "glowballs", "--to", tmp_path).returncode == 0
+
+
+def test_a_full_disk_leaves_a_package_as_it_was(tmp_path: Path) -> None:
+    done = full(10, "new", "plugin", "other", "--dir", tmp_path)
+    assert done.stderr == (
+        f"followspot: {tmp_path}/followspot-other/pyproject.toml cannot be written: File too large\n"
+    )
+    assert command("new", "plugin", "studio", "--dir", tmp_path).returncode == 0
+    project = tmp_path / "followspot-studio/pyproject.toml"
+    before = project.read_bytes()
+    for limit in (10, len(before)):  # the second takes the stage
+        done = full(limit, "new", "stage", f"low{limit}", "--dir", project.parent)
+        assert "cannot be written: File too large" in done.stderr
+        assert project.read_bytes() == before
+
+
+def test_a_table_that_a_full_disk_cuts_short_is_named(tmp_path: Path) -> None:
+    recording = tmp_path / "show.mcap"
+    words = ("--frames", 3, "--out", tmp_path / "out", "--record-ports", "track", "--record", recording)
+    command("run", GRAPH, *words, check=True)
+    for form in ("csv", "jsonl", "parquet"):
+        done = full(100, "export", recording, "--to", form, tmp_path / form)
+        assert done.returncode == 1
+        assert f"{tmp_path}/{form}/track.tracks.{form} cannot be written: " in done.stderr
+
+
 def test_a_full_disk_behind_the_output_is_told() -> None:
     with Path("/dev/full").open("w") as full:
         done = subprocess.run([*COMMAND, "plugins"], stdout=full, stderr=subprocess.PIPE, text=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 
 from followspot.errors import InputError
@@ -22,11 +23,13 @@ def copy_graphs(names: Iterable[str], to: Path) -> list[Path]:
     for path, target in wanted.items():
         if path not in new and (not target.is_file() or target.read_bytes() != path.read_bytes()):
             raise InputError.of(f"{target} exists and says something else", "choose another folder with --to")
-    try:
-        for path, target in new.items():
+    for path, target in new.items():
+        try:
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(path, target)
-    except OSError as error:
-        text = f"{error.filename or to} cannot be written: {error.strerror}"
-        raise InputError.of(text, "choose another folder with --to") from None
+        except OSError as error:
+            with suppress(OSError):
+                target.unlink()  # half a copy would be taken for another file
+            text = f"{target} cannot be written: {error.strerror}"
+            raise InputError.of(text, "choose another folder with --to") from None
     return list(new.values())

@@ -10,7 +10,7 @@ from importlib.metadata import version
 from pathlib import Path
 from string import Template
 
-from followspot.errors import InputError
+from followspot.errors import InputError, writing
 from followspot.graph.declaration import ROOM_SOURCE
 from followspot.plugins.registry import catalogue
 from followspot_new.stub import stub, stub_test
@@ -78,9 +78,11 @@ def new_stage(
     text = project.read_text(encoding="utf-8").rstrip() + "\n"
     line = f'"{plugin}.{name}" = "followspot_{plugin}.{name}:{words["class_name"]}"'
     begin = text.index("\n", text.index(GROUP)) + 1
-    project.write_text(f"{text[:begin]}{line}\n{text[begin:]}", encoding="utf-8")
     for target, content in targets.items():
         _write(target, content)
+    waiting = project.with_name(f".{project.name}.new")
+    _write(waiting, f"{text[:begin]}{line}\n{text[begin:]}")
+    waiting.replace(project)
     return package / f"followspot_{plugin}" / f"{name}.py", f"{plugin}.{name}"
 
 
@@ -124,8 +126,9 @@ def _filled(template: str, words: Mapping[str, str]) -> str:
 
 
 def _write(path: Path, text: str) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8")
+    with writing(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
 
 
 def _wrong(text: str, remedy: str) -> InputError:

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from followspot import Room
-from followspot.errors import InputError
+from followspot.errors import InputError, writing
 from followspot.graph.output_ports import chosen_ports
 from followspot.messages import Message
 from followspot.people import Gradients
@@ -42,13 +42,15 @@ def export_command(args: argparse.Namespace) -> int:
         if not names:
             remedy = recording.problem or f"recorded: {', '.join(recording.ports) or 'none'}"
             raise InputError.of(f"{recording.path} has no such ports", remedy)
-        folder.mkdir(parents=True, exist_ok=True)
+        with writing(folder):
+            folder.mkdir(parents=True, exist_ok=True)
         room = recorded_room(recording)
         counts = {}
         for name in names:
             kind = type_of(recording.ports[name])
             path = folder / f"{name.replace('/', '.')}.{form.suffix}"
-            counts[str(path)] = form.write(path, Port(name, kind, decoded(recording, name, kind), room))
+            with writing(path):
+                counts[str(path)] = form.write(path, Port(name, kind, decoded(recording, name, kind), room))
             if not args.json:
                 print(f"{path}  {counts[str(path)]}")
         problem = recording.problem
