@@ -22,7 +22,8 @@ def open_video(path: Path) -> cv2.VideoCapture:
     except OSError as error:
         text = f"{path} cannot be read as a video: {error.strerror}"
         raise InputError([Mistake(None, text, "give the file of a recording")]) from None
-    capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG, [cv2.CAP_PROP_N_THREADS, 2])
+    name = str(path.absolute())  # FFmpeg takes what is before the colon of "12:30.mkv" for a protocol
+    capture = cv2.VideoCapture(name, cv2.CAP_FFMPEG, [cv2.CAP_PROP_N_THREADS, 2])
     if not capture.isOpened():
         raise InputError(
             [

@@ -39,6 +39,14 @@ def test_every_frame_comes_once_with_its_number_and_exact_time(tmp_path: Path) -
     assert not warnings
 
 
+@pytest.mark.parametrize("name", ["12:30:01.mkv", "http:a.mkv", "concat:b.mkv", "cam%03d.mkv", "-i.mkv"])
+def test_a_file_may_have_any_name(tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    record(tmp_path / name, frames=3)
+    record(tmp_path / "b.mkv", frames=2)
+    monkeypatch.chdir(tmp_path)
+    assert len(play(Path(name))[0]) == 3
+
+
 def test_color_camera_gives_three_channels_and_infrared_camera_one(tmp_path: Path) -> None:
     path = record(tmp_path / "a.avi", frames=2)
     (color, *_), _ = play(path)

@@ -55,6 +55,12 @@ def test_a_video_gives_back_every_pixel(recording, name):
     assert not video.read()[0]
 
 
+def test_the_folder_may_have_any_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["simulate", "--room", str(ROOM_FILE), "--out", "12:30 %d", "--frames", "1"]) == 0
+    assert len(list((tmp_path / "12:30 %d").glob("*.mkv"))) == len(ROOM.cameras)
+
+
 def test_the_truth_has_a_row_for_each_frame_and_target(recording):
     with (recording / "truth.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
