@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.commands import command
 
 import followspot as fs
 from followspot.cli.main import main
@@ -52,6 +53,14 @@ def test_a_stage_that_gives_no_message_at_all_is_named(tmp_path: Path) -> None:
         'stage "c" (quiet.never) gave nothing at out: "a" gave it 10 messages; it gave none. So "save" got '
         "nothing; `followspot echo` shows what it gets, `followspot plugins quiet.never` lists its parameters"
     ]
+
+
+def test_a_run_that_fails_before_its_first_message_blames_no_source(tmp_path: Path) -> None:
+    stages = f"stages:\n{SOURCE}  save: {{uses: sinks.udp_json, in: {{message: a}}, with: {{host: '::1'}}}}\n"
+    (tmp_path / "graph.yaml").write_text(f"graph: quiet\n{stages}")
+    done = command("run", tmp_path / "graph.yaml", "--plugin", QUIET, "--out", tmp_path / "out")
+    assert "stage save failed" in done.stdout
+    assert "gave nothing" not in done.stdout
 
 
 def test_a_source_that_gives_nothing_is_named(tmp_path: Path) -> None:

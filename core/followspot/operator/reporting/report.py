@@ -47,8 +47,11 @@ class RunReport:
 
     @cached_property
     def silences(self) -> tuple[Silence, ...]:
-        """Ports that never gave a message with rows, although all that feeds their stage did."""
-        return silences(self.plan, self.edges)
+        """Ports that never gave a message with rows, although all that feeds their stage did; none of a run
+        that failed before its first message, of which the errors say why.
+        """
+        begun = not self.errors or any(count.produced for _, count in self.edges)
+        return silences(self.plan, self.edges) if begun else ()
 
     @property
     def unbalanced(self) -> tuple[str, ...]:
