@@ -61,6 +61,12 @@ def test_the_grid_has_every_combination() -> None:
         (["a.x=1:2:0"], "is no range"),
         (["a.x=1:2:-1"], "is no range"),
         (["a.x=0:1e9:1"], "is no range"),
+        (["a.x=0:0:0"], "is no range"),
+        (["a.x=1:2"], "is no range"),
+        (["a.x=nan:2:1"], "is no range"),
+        (["a.x=1:inf:1"], "is no range"),
+        (["a.x=1:1e9999999:1"], "is no range"),
+        (["a.x=1:2:1e-9999999"], "is no range"),
         (["a.x=1:1000:1", "b.x=1:1000:1"], f"at most {MAX_POINTS}"),
     ],
 )

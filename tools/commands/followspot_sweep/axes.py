@@ -61,22 +61,33 @@ def _axis(option: str, mistakes: list[Mistake]) -> Axis | None:
         example = "STAGE.KEY=A,B,C or STAGE.KEY=START:STOP:STEP"
         mistakes.append(Mistake(place, f'"{option}" is nothing to sweep', f"write {example}"))
         return None
-    parts = text.split(":")
-    numbers = [_number(part) for part in parts]
-    if len(parts) != 3 or None in numbers:
+    numbers = [_number(part) for part in text.split(":")]
+    if None in numbers or len(numbers) not in (2, 3):
         return Axis(name, tuple(dict.fromkeys(value.strip() for value in _COMMA.split(text))))
-    start, stop, step = (number for number in numbers if number is not None)
-    if step == 0 or (stop - start) / step < 0 or (stop - start) / step > MAX_POINTS:
+    values = _range([number for number in numbers if number is not None])
+    if not values:
         remedy = f"START:STOP:STEP leads from START to STOP in at most {MAX_POINTS} steps"
         mistakes.append(Mistake(place, f'"{text}" is no range', remedy))
         return None
-    count = int((stop - start) / step) + 1
-    return Axis(name, tuple(f"{start + number * step}" for number in range(count)))
+    return Axis(name, values)
+
+
+def _range(numbers: Sequence[Decimal]) -> tuple[str, ...]:
+    """START, START + STEP, ... up to STOP; nothing if that is no range, or has too many values."""
+    if len(numbers) != 3 or not all(number.is_finite() for number in numbers):
+        return ()
+    start, stop, step = numbers
+    try:
+        steps = (stop - start) / step
+        if not 0 <= steps <= MAX_POINTS:
+            return ()
+        return tuple(f"{start + number * step}" for number in range(int(steps) + 1))
+    except ArithmeticError:  # a step of 0, or an exponent beyond all bounds
+        return ()
 
 
 def _number(text: str) -> Decimal | None:
     try:
-        number = Decimal(text.strip())
+        return Decimal(text.strip())
     except InvalidOperation:
         return None
-    return number if number.is_finite() else None
