@@ -24,8 +24,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add(
         "--interface", default="", metavar="ADDRESS", help="own address that faces the cameras (default: all)"
     )
-    add("--timeout", type=float, default=1.0, metavar="S", help="time for answers (default: 1)")
+    add("--timeout", type=_seconds, default=1.0, metavar="S", help="time for answers (default: 1)")
     add("--json", action="store_true", help="print one JSON object")
+
+
+def _seconds(text: str) -> float:
+    """Parse a length of time, s. Raises argparse.ArgumentTypeError."""
+    seconds = float(text)
+    if not 0.001 <= seconds <= 3600:
+        raise argparse.ArgumentTypeError("from 0.001 to 3600")
+    return seconds
 
 
 def run(args: argparse.Namespace) -> int:

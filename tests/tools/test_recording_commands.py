@@ -315,7 +315,13 @@ def test_messages_of_a_stranger_are_recorded_replayed_and_verified(
         (["replay", "SHOW", "--set", "fuse.uses=balls.mean"], "add --graph GRAPH"),
         (["replay", "SHOW", "--cameras", "cam0"], "--cameras serves another graph"),
         (["replay", "SHOW", "--from", "2", "--to", "1"], "0 <= from < to"),
+        (["replay", "SHOW", "--from", "1e300"], "0 <= from < to"),
+        (["replay", "SHOW", "--from", "1e-300"], "0 <= from < to"),
+        (["replay", "SHOW", "--to", "1e300"], "0 <= from < to"),
+        (["replay", "SHOW", "--to", "1e-300"], "0 <= from < to"),
+        (["replay", "SHOW", "--to", "nan"], "0 <= from < to"),
         (["replay", "SHOW", "--speed", "nan"], "--speed cannot be nan"),
+        (["replay", "SHOW", "--speed", "1e-300"], "--speed cannot be 1e-300"),
         (["export", "SHOW", "out", "--to", "csv", "--ports", "nothing"], 'no port "nothing"'),
     ],
 )

@@ -9,6 +9,7 @@ import pytest
 from tests.plugins.cameras.genicam_port import own_port
 
 from followspot import room_file
+from followspot.cli.main import main
 from followspot.room import Camera
 from followspot_cameras.genicam.camera import CameraInfo
 from followspot_cameras.genicam.facts import Facts
@@ -34,6 +35,13 @@ def test_cameras_that_a_room_lacks_are_added_with_their_serial_numbers() -> None
     assert list(second) == ["left_side", "left_side_2"]
     assert second["left_side"] is camera
     assert second["left_side_2"].kind == "infrared"
+
+
+@pytest.mark.parametrize("seconds", ["nan", "inf", "-1", "0", "1e300", "soon"])
+def test_a_time_for_answers_that_is_none_is_refused(seconds: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["cameras", "--timeout", seconds])
+    assert "argument --timeout: " in capsys.readouterr().err
 
 
 def test_a_camera_that_the_room_names_by_its_address_is_known() -> None:

@@ -131,6 +131,15 @@ def said(*line: str) -> int:
     return code
 
 
+@pytest.mark.parametrize("seconds", ["nan", "inf", "-1", "0"])
+def test_a_time_between_tables_that_is_none_is_refused(
+    seconds: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        said("top", "--every", seconds)
+    assert "argument --every: from 0.1 to 3600" in capsys.readouterr().err
+
+
 def test_top_tells_once_what_everything_is_doing(run: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert said("top", "--run", run) == 0
     text = capsys.readouterr().out

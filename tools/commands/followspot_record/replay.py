@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -24,6 +23,9 @@ from followspot.ports import ports
 from followspot_record.embedded import offered_ports, recorded_plan
 from followspot_record.played import NAMES, Clip, played, replays
 from followspot_recording.recording import Recording
+
+_SHORTEST, _LONGEST = 1e-9, 4e9
+"""Smallest and largest time in a recording that --from and --to name, s."""
 
 
 def replay_command(args: argparse.Namespace) -> int:
@@ -81,9 +83,11 @@ def _mistakes(args: argparse.Namespace) -> Iterator[Mistake]:
         yield Mistake(None, "--room serves another graph, and none is named", "add --graph GRAPH")
     if args.cameras and not args.graph:
         yield Mistake(None, "--cameras serves another graph, and none is named", "add --graph GRAPH")
-    if not 0.0 <= args.speed <= 1000.0:
-        yield Mistake(None, f"--speed cannot be {args.speed:g}", "0 to 1000; 0 is as fast as it can")
-    if not (0.0 <= args.start < math.inf and (args.stop is None or args.start < args.stop < math.inf)):
+    if args.speed and not 1e-6 <= args.speed <= 1000.0:
+        yield Mistake(None, f"--speed cannot be {args.speed:g}", "1e-6 to 1000; 0 is as fast as it can")
+    begins = args.start == 0.0 or _SHORTEST <= args.start <= _LONGEST
+    ends = args.stop is None or (args.start < args.stop <= _LONGEST and args.stop >= _SHORTEST)
+    if not (begins and ends):
         yield Mistake(None, "--from and --to name no part of the recording", "seconds, 0 <= from < to")
 
 

@@ -31,7 +31,7 @@ def _configure_top(parser: argparse.ArgumentParser) -> None:
     add_run_option(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object, and exit")
     parser.add_argument(
-        "--every", type=float, default=1.0, metavar="S", help="seconds between two tables (default 1)"
+        "--every", type=_seconds, default=1.0, metavar="S", help="seconds between two tables (default 1)"
     )
     add_network_options(parser)
 
