@@ -121,6 +121,23 @@ def test_nothing_but_loopback_is_opened_without_certificates_or_consent() -> Non
         config_of(Network((endpoint,)))
 
 
+@pytest.mark.parametrize(
+    "endpoint",
+    ["", "x", "tcp", "tcp/", "tcp/x", "tcp/:7450", "tcp/127.0.0.1", "tcp/127.0.0.1:99999", "tcp/a:-1"],
+)
+def test_what_is_no_endpoint_is_refused_with_one_that_is(endpoint: str) -> None:
+    for network in (Network((endpoint,)), Network(connect=(endpoint,), insecure=True)):
+        with pytest.raises(FollowspotError, match=r"no endpoint; write PROTOCOL/HOST:PORT"):
+            config_of(network)
+
+
+@pytest.mark.parametrize(
+    "endpoint", ["tcp/[::1]:0", "tcp/127.0.0.1:65535#iface=lo", "unixsock-stream//tmp/a.sock"]
+)
+def test_endpoints_of_other_forms_are_accepted(endpoint: str) -> None:
+    config_of(Network((endpoint,)))
+
+
 def test_tls_without_certificates_is_refused_with_the_option_to_give(certs: Path) -> None:
     with pytest.raises(FollowspotError, match="--certificates"):
         config_of(Network(("tls/127.0.0.1:7450",)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,6 +18,10 @@ AGENT = ("tcp/127.0.0.1:7450",)
 """Default port of agents."""
 _SECURE = "tls/"
 _EVERYWHERE = "0.0.0.0:0"
+_FORM = re.compile(
+    r"(?:tcp|tls|udp|quic|ws)/[^/?#]+:(?P<port>[0-9]{1,5})(?:[?#].*)?|(?!(?:tcp|tls|udp|quic|ws)/)[a-z][a-z0-9_-]*/.+"
+)
+_LARGEST_PORT = (1 << 16) - 1
 
 
 class Own(NamedTuple):
@@ -52,6 +57,11 @@ class Network:
     def endpoints(self) -> tuple[str, ...]:
         """All endpoints that this session opens."""
         return (self.router,) if self.router else (*self.listen, *self.connect)
+
+    @property
+    def malformed(self) -> tuple[str, ...]:
+        """Endpoints that are no PROTOCOL/ADDRESS, or no HOST:PORT where the protocol needs one."""
+        return tuple(e for e in self.endpoints if not _FORM.fullmatch(e) or _port(e) > _LARGEST_PORT)
 
     @property
     def leads_somewhere(self) -> bool:
@@ -112,6 +122,12 @@ def _near(endpoint: str) -> bool:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
         return host in ("", "localhost")
+
+
+def _port(endpoint: str) -> int:
+    """The port of an endpoint; 0 if it has none."""
+    found = _FORM.fullmatch(endpoint)
+    return int(found["port"] or 0) if found else 0
 
 
 def _any_port(endpoint: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -25,14 +26,21 @@ _SETTINGS: dict[str, Any] = {
     "connect/retry": {"period_init_ms": 100, "period_max_ms": 1000},
     "adminspace/enabled": True,  # read-only; tells which port was free
 }
+_PLACE = re.compile(r" at /\S+\.rs:\d+\.?")
+"""Where in its own source Zenoh found an error."""
 
 
 def config_of(network: Network, *, routes: bool = False) -> zenoh.Config:
     """The configuration of a session: the one place where endpoints and certificates become Zenoh's.
 
-    Raises FollowspotError if an endpoint is open to other hosts without certificates or consent, or these
-    cannot be used.
+    Raises FollowspotError if an endpoint is none, is open to other hosts without certificates or consent, or
+    these cannot be used.
     """
+    if network.malformed:
+        raise FollowspotError(
+            f"{network.malformed[0]!r} is no endpoint; write PROTOCOL/HOST:PORT, for example "
+            "tcp/127.0.0.1:7450 or tls/192.168.0.7:7450"
+        )
     if network.exposed and not network.insecure:
         raise FollowspotError(
             f"{network.exposed[0]} is open to other hosts without protection; "
@@ -70,7 +78,8 @@ def connected(network: Network, *, routes: bool = False) -> zenoh.Session:
     try:
         return zenoh.open(config_of(network, routes=routes))
     except zenoh.ZError as error:
-        raise FollowspotError(f"Zenoh cannot use {', '.join(network.endpoints)}: {error}") from None
+        reason = _PLACE.sub("", str(error))
+        raise FollowspotError(f"Zenoh cannot use {', '.join(network.endpoints)}: {reason}") from None
 
 
 def close_session(session: zenoh.Session) -> None:
