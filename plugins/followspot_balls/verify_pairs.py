@@ -11,6 +11,7 @@ import numpy as np
 from followspot import Array, Camera, Field, Joined, Latest, Mistake, Room, Stage, StageParams
 from followspot.geometry import epipolar_distance, transfer
 from followspot.tracking import Blobs, Forecast, Pairs
+from followspot.views import check_two_views
 from followspot_balls.alignment import aligned, delays
 from followspot_balls.blob_pairs import (
     GatheredBlobs,
@@ -88,12 +89,8 @@ class VerifyPairs(Stage):
 
     @classmethod
     def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
-        """Warn if fewer than two cameras send blobs."""
-        if len(cameras) < 2:
-            sent = f"only camera {cameras[0].name} sends" if cameras else "no camera sends"
-            yield Mistake(
-                None, f"a pair needs blobs of two cameras, and {sent} any", "add a calibrated camera"
-            )
+        """Warn if fewer than two cameras send blobs, or all stand at one place."""
+        return check_two_views(cameras, "a pair needs blobs of")
 
     def setup(self) -> None:
         self.cameras = tuple(self.room.cameras)

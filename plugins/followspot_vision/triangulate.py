@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from followspot import Array, Field, Joined, Stage, StageParams
+from followspot import Array, Camera, Field, Joined, Mistake, Room, Stage, StageParams
 from followspot.geometry import back_projection
 from followspot.points import Points2D, Points3D
+from followspot.views import check_two_views
 from followspot_vision.consensus import Place, Seen, places
 
 
@@ -48,6 +49,11 @@ class Triangulate(Stage):
         )
 
     params: Params
+
+    @classmethod
+    def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
+        """Warn if fewer than two cameras send points, or all stand at one place."""
+        return check_two_views(cameras, "a place needs points of")
 
     def setup(self) -> None:
         cameras = self.room.cameras

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from followspot import Array, Joined, Stage
+from followspot import Array, Camera, Joined, Mistake, Room, Stage
 from followspot.errors import FollowspotError
 from followspot.people import Boxes, Poses, Skeletons
 from followspot.plain_values import from_plain, to_plain
 from followspot.points import Points2D
 from followspot.tracking import Frame
+from followspot.views import check_two_views
 from followspot_persons.associate.box_model import BoxModel
 from followspot_persons.associate.box_tracks import BoxTracks
 from followspot_persons.associate.crowd import Crowd, Detections, Rules, after, as_of, empty_crowd
@@ -55,6 +56,11 @@ class Associate(Stage):
 
     params: Params
     advice = "are two cameras calibrated in one frame of reference, and do both see the same people?"
+
+    @classmethod
+    def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
+        """Warn if fewer than two cameras send detections, or all stand at one place."""
+        return check_two_views(cameras, "a new person needs detections of")
 
     def setup(self) -> None:
         """Prepare the cameras. Raises FollowspotError if both kinds of detections are connected."""
