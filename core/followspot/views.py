@@ -17,11 +17,14 @@ _MOST_NAMED = 3
 def check_two_views(cameras: Sequence[Camera], need: str) -> Iterator[Mistake]:
     """A warning for `Stage.check_room` if these cameras do not see the room from two places.
 
-    need: what needs two cameras, for example "a pair needs blobs of".
+    need: what needs two cameras, for example "a pair needs blobs of". Nothing is known of a stage that a
+    source feeds which serves no camera: it may send for several.
     """
-    if len(cameras) < 2:
-        sent = f"only camera {cameras[0].name} sends" if cameras else "no camera sends"
-        yield Mistake(None, f"{need} two cameras, and {sent} any", "add a calibrated camera")
+    if not cameras:
+        return
+    if len(cameras) == 1:
+        text = f"{need} two cameras, and only camera {cameras[0].name} sends any"
+        yield Mistake(None, text, "add a calibrated camera")
     elif np.ptp([camera.center for camera in cameras], axis=0).max() <= _SAME:
         names = [camera.name for camera in cameras]
         more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
