@@ -32,13 +32,15 @@ class LogFile:
 
     def write(self, record: LogRecord) -> None:
         """Append a record; the system has it when this returns."""
-        line = json.dumps(record.to_data()) + "\n"
+        line = (json.dumps(record.to_data()) + "\n").encode()
         if len(line) > self._left:
             return
         self._left -= len(line)
         try:
-            with self.path.open("a", encoding="utf-8") as file:
-                file.write(line)
+            with self.path.open("ab", buffering=0) as file:
+                if (written := file.write(line)) < len(line):  # so much room was left on the disk
+                    self._left = 0
+                    file.truncate(file.tell() - written)
         except OSError:
             self._left = 0
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import resource
 import threading
 from pathlib import Path
 
@@ -156,6 +157,21 @@ def test_a_full_disk_ends_the_file_and_not_the_run() -> None:
     file.write(record("two"))
     with pytest.raises(InputError, match="output folder of a run"):
         list(read_log(Path("/dev/null")))
+
+
+def test_a_disk_that_becomes_full_leaves_whole_records_and_the_next_log_goes_on(tmp_path: Path) -> None:
+    """The next one is that of the operator who takes the run over, when there is room again."""
+    LogFile(tmp_path).write(record("one"))
+    size = (tmp_path / "log.jsonl").stat().st_size
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size + 10, before[1]))
+    file = LogFile(tmp_path, again=True)
+    for text in ("two", "three"):
+        file.write(record(text))
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert (tmp_path / "log.jsonl").stat().st_size == size
+    LogFile(tmp_path, again=True).write(record("four"))
+    assert [r.text for r in read_log(tmp_path)] == ["one", "four"]
 
 
 @pytest.mark.parametrize(
