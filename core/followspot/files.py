@@ -12,7 +12,7 @@ import os
 import stat
 from io import TextIOWrapper
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 RUN_LOG = "log.jsonl"
 """The log in the output folder of each run."""
@@ -63,6 +63,15 @@ def read_text(path: str | Path, most: int = DATA, *, errors: str = "strict") -> 
 def require_regular(path: str | Path, most: int | None = None) -> None:
     """Raises OSError if `open_regular` would, for a file that another library opens by its name."""
     open_regular(path, most).close()
+
+
+def opencv_name(path: str | Path) -> Any:
+    """The name of a file for OpenCV, whatever its folders are called.
+
+    It is made of bytes, since OpenCV crashes on a name that is no UTF-8, and absolute, since FFmpeg takes
+    what is before the colon of "12:30.mkv" for a protocol.
+    """
+    return os.fsencode(Path(path).absolute())
 
 
 def _check(found: os.stat_result, path: str | Path, most: int | None) -> None:

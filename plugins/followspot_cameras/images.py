@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 
 from followspot import Source
-from followspot.files import PICTURE, require_regular
+from followspot.files import PICTURE, opencv_name, require_regular
 from followspot.messages import Array
 from followspot.tracking import Frame
 from followspot_cameras.picture import as_frame
@@ -39,6 +39,6 @@ def read_picture(path: Path, flags: int = cv2.IMREAD_COLOR) -> Array | None:
     """
     try:
         require_regular(path, PICTURE)
-        return cv2.imread(str(path), flags)
+        return cv2.imread(opencv_name(path), flags)
     except (OSError, cv2.error):
         return None

@@ -10,6 +10,7 @@ import pydantic
 
 from followspot import FollowspotError, InputError
 from followspot.errors import Mistake
+from followspot.files import opencv_name
 
 
 class _Ending(Protocol):
@@ -33,8 +34,7 @@ def finite(kind: type[P], **values: Any) -> P:
 
 def open_video(path: Path, fps: float, size: tuple[int, int]) -> cv2.VideoWriter:
     """A lossless video to write colour pictures of this size into. Raises FollowspotError."""
-    name = str(path.absolute())  # FFmpeg takes what is before the colon of "12:30/a.mkv" for a protocol
-    video = cv2.VideoWriter(name, cv2.VideoWriter.fourcc(*"FFV1"), fps, size, True)
+    video = cv2.VideoWriter(opencv_name(path), cv2.VideoWriter.fourcc(*"FFV1"), fps, size, True)
     if not video.isOpened():
         raise FollowspotError(f"{path}: cannot write a video; is the folder writable and the disk not full?")
     return video

@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 
 from followspot.errors import FollowspotError
+from followspot.files import opencv_name
 from followspot.messages import Array
 
 SMALLEST = 16
@@ -65,7 +66,8 @@ class VideoFile:
     def _open(self, first: Array, rate: float) -> cv2.VideoWriter:
         height, width = first.shape[:2]
         rate = min(max(rate, SLOWEST), FASTEST)
-        self.writer = cv2.VideoWriter(str(self.path), cv2.VideoWriter.fourcc(*"mp4v"), rate, (width, height))
+        name, codec = opencv_name(self.path), cv2.VideoWriter.fourcc(*"mp4v")
+        self.writer = cv2.VideoWriter(name, codec, rate, (width, height))
         if not self.writer.isOpened():
             raise FollowspotError(
                 f"{self.path} cannot be written as a video\n    draw pictures instead: format: jpg"
@@ -118,7 +120,7 @@ class PictureFolder:
     def write(self, picture: Array, seq: int, time: int) -> None:
         """Write one file. Raises FollowspotError."""
         path = self.folder / f"{seq:06d}.{self.form}"
-        if not cv2.imwrite(str(path), picture):
+        if not cv2.imwrite(opencv_name(path), picture):
             raise FollowspotError(f"{path} cannot be written\n    free space on the disk")
 
     def close(self) -> None:

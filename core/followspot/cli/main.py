@@ -13,6 +13,7 @@ import select
 import sys
 import traceback
 from collections.abc import Sequence
+from io import TextIOWrapper
 from typing import Any
 
 from followspot.cli import agent, attach, certs, check, completion, graph, move, plugins, router, run, swap
@@ -75,6 +76,8 @@ def _obeyed(argv: Sequence[str] | None) -> int:
         return 2
     if unknown and not args.parser.took_more(args, unknown):
         args.parser.error(args.parser.unknown(unknown))
+    if isinstance(sys.stdout, TextIOWrapper):  # a terminal without UTF-8, or a file name that is none
+        sys.stdout.reconfigure(errors="backslashreplace")
     show_notes(not args.quiet)
     try:
         return int(args.run_command(args))

@@ -8,7 +8,7 @@ from pathlib import Path
 import cv2
 
 from followspot.errors import InputError, Mistake
-from followspot.files import require_regular
+from followspot.files import opencv_name, require_regular
 from followspot.frame_times import exact_rate
 from followspot.room import Camera
 from followspot_cameras.picture import check_size
@@ -22,8 +22,7 @@ def open_video(path: Path) -> cv2.VideoCapture:
     except OSError as error:
         text = f"{path} cannot be read as a video: {error.strerror}"
         raise InputError([Mistake(None, text, "give the file of a recording")]) from None
-    name = str(path.absolute())  # FFmpeg takes what is before the colon of "12:30.mkv" for a protocol
-    capture = cv2.VideoCapture(name, cv2.CAP_FFMPEG, [cv2.CAP_PROP_N_THREADS, 2])
+    capture = cv2.VideoCapture(opencv_name(path), cv2.CAP_FFMPEG, [cv2.CAP_PROP_N_THREADS, 2])
     if not capture.isOpened():
         raise InputError(
             [

@@ -59,8 +59,8 @@ def test_a_full_disk_leaves_a_package_as_it_was(tmp_path: Path) -> None:
 
 def test_a_table_that_a_full_disk_cuts_short_is_named(tmp_path: Path) -> None:
     recording = tmp_path / "show.mcap"
-    words = ("--frames", 3, "--out", tmp_path / "out", "--record-ports", "track", "--record", recording)
-    command("run", GRAPH, *words, check=True)
+    words = ("--record-ports", "track.tracks", "--record", recording, "--out", tmp_path / "out")
+    command("run", GRAPH, "--frames", 3, *words, check=True)
     for form in ("csv", "jsonl", "parquet"):
         done = full(100, "export", recording, "--to", form, tmp_path / form)
         assert done.returncode == 1
@@ -82,3 +82,13 @@ def test_a_reader_that_has_gone_ends_a_command_quietly() -> None:
         done = subprocess.run([*COMMAND, "plugins"], stdout=gone, stderr=subprocess.PIPE, text=True)
     assert done.returncode in (1, 120), "120 is Python's own"
     assert "Traceback" not in done.stderr
+
+
+def test_what_a_terminal_cannot_show_is_escaped_and_does_not_end_the_command(tmp_path: Path) -> None:
+    """A terminal of another encoding, and a folder whose name is no UTF-8."""
+    words = [*COMMAND, "run", str(GRAPH), "--frames", "2", "-q", "--out"]
+    for encoding, out in (("ascii", "out"), ("utf-8", os.fsdecode(b"caf\xe9"))):
+        environment = os.environ | {"PYTHONIOENCODING": encoding}
+        done = subprocess.run([*words, out], capture_output=True, cwd=tmp_path, env=environment)
+        assert done.returncode == 0, done.stderr
+        assert f"outputs: {ascii(out)[1:-1]}".encode() in done.stdout
