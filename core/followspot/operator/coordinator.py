@@ -31,6 +31,7 @@ from followspot.worker.wiring import RunOptions
 
 _STOP_TIMEOUT = 20.0
 """Seconds that hosts have to end their workers after a stop."""
+_LIMITS = "raise the limits of this user, for example ulimit -n 4096, or take fewer workers: --placement"
 _DELIVERY_TIMEOUT = 5.0
 """Seconds after a stop in which the operator waits for a silent host, to deliver the stop to it."""
 
@@ -110,7 +111,11 @@ class Coordinator:
     def begin(self) -> bool:
         """Prepare all hosts and start them together; False if not all got ready. Raises FollowspotError."""
         for host in self.hosts:
-            host.prepare(self.order)
+            try:
+                host.prepare(self.order)
+            except OSError as error:
+                text = f"the workers cannot be started: {error.strerror}"
+                raise FollowspotError(f"{text}\n    {_LIMITS}") from None
             self._relay_to(host)
         if not self._all_ready():
             self._end_early()
