@@ -97,7 +97,7 @@ def _named(form: Form, key: str, most: int) -> Mapping[str, Node]:
     for name, node in entries.items():
         if not is_name(name):
             form.mistakes.append(
-                Mistake(node.key, f'"{name}" cannot be a name', "use letters, digits, _ and -")
+                Mistake(node.key, f'"{name}" cannot be a name', "use 1 to 100 letters, digits, _ and -")
             )
     return entries
 

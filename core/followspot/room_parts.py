@@ -34,7 +34,7 @@ def tags_of(form: Form) -> Tags:
         if not is_name(tag) or tag in _TAKEN:
             text = f'"{tag}" cannot be a tag'
             taken = "selectors use it for something else; write another word"
-            remedy = taken if tag in _TAKEN else "use letters, digits, _ and -"
+            remedy = taken if tag in _TAKEN else "use 1 to 100 letters, digits, _ and -"
             form.mistakes.append(Mistake(node.key, text, remedy))
         elif not 0 < len(values) <= MAX_TAGS:
             form.wrong(node, f"tag {tag} has {len(values)} values", f"write from 1 to {MAX_TAGS} words")

@@ -106,7 +106,7 @@ class StageDeclaration:
 def read_stage(name: str, node: Node, mistakes: list[Mistake]) -> StageDeclaration:
     """Read one entry of `stages`; note mistakes, and replace wrong values by defaults."""
     if not is_stage_name(name):
-        remedy = "use letters, digits, _ and -; / leads into a sub-graph"
+        remedy = "use 1 to 100 letters, digits, _ and -; / leads into a sub-graph"
         mistakes.append(Mistake(node.key, f'"{name}" cannot be the name of a stage', remedy))
     form = Form(node, f'stage "{name}"', ENVELOPE, mistakes)
     each = form.get("each")

@@ -160,7 +160,9 @@ def _listed(workers: Mapping[str, Node], expanded: Expanded, mistakes: list[Mist
     for name, node in workers.items():
         if not is_name(name):
             mistakes.append(
-                Mistake(node.key, f'"{name}" cannot be the name of a worker', "letters, digits, _ and -")
+                Mistake(
+                    node.key, f'"{name}" cannot be the name of a worker', "1 to 100 letters, digits, _ and -"
+                )
             )
         form = Form(node, f'worker "{name}"', ("host", "stages", "cameras", "sensors", *KEYS), mistakes)
         hosts[name] = form.host()

@@ -366,6 +366,9 @@ ROOM = [
     ),
     Broken("room", "floor: [0, 0, 1, 0]", "floor: ¦[0, 0, 2, 0]", "has length 2, not 1", "divide all four"),
     Broken("room", "floor: [0, 0, 1, 0]", '¦"my floor": [0, 0, 1, 0]', "cannot be a name", "letters, digits"),
+    Broken(
+        "room", "floor: [0, 0, 1, 0]", f"¦{'f' * 101}: [0, 0, 1, 0]", "cannot be a name", "1 to 100 letters"
+    ),
     Broken("room", "radius: 0.0762", "radius: ¦0", "radius cannot be 0", "greater than 0"),
     Broken("room", "  green:\n    radius: 0.0762\n", "  ¦green:\n", 'target green lacks "radius"'),
     Broken(

@@ -293,7 +293,7 @@ MISTAKES = {
     ),
     "odd name in an interface": wrong(
         '"le.vel" cannot be a name among the params',
-        "use letters, digits, _ and -",
+        "use 1 to 100 letters, digits, _ and -",
         ("middle", "{level: inner.level}", "{¦le.vel: inner.level}"),
         ("main", "  hall:", "  ‡hall:"),
         ("main", ", with: {level: 0.75}", ""),
@@ -370,7 +370,7 @@ MISTAKES = {
     ),
     "a name that is too long": wrong(
         "cannot be the name of a stage",
-        "use letters, digits",
+        "use 1 to 100 letters, digits",
         ("main", "  save:", f"  ¦{'/'.join(['part'] * 50)}: {ANY}\n  save:"),
     ),
     # cameras and fan-out

@@ -166,7 +166,7 @@ CASES = {
     "control characters": (
         'graph: g\nstages: {"a\\e[2Jb": {uses: sinks.csv}}',
         r'"a\x1b[2Jb" cannot be the name of a stage',
-        "use letters",
+        "use 1 to 100 letters",
     ),
     "a name that leads elsewhere": (
         STAGE.replace("graph: g", "graph: ../../etc"),

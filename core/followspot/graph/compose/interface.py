@@ -59,7 +59,7 @@ def _read(
     for name, node in entries.items():
         if not is_name(name):
             text = f'"{name}" cannot be a name among the {key}'
-            mistakes.append(Mistake(node.key, text, "use letters, digits, _ and -"))
+            mistakes.append(Mistake(node.key, text, "use 1 to 100 letters, digits, _ and -"))
         listed = items(node)
         if not listed or (key == "outputs" and len(listed) > 1):
             mistakes.append(_malformed(key, name, node))
