@@ -49,7 +49,9 @@ HOST_DAYS = 825
 MAX_HOSTS = 1000
 _BACKDATING = timedelta(hours=1)
 """Certificates are valid from this long before their issue, for hosts whose clocks are late."""
-_HOST_NAME = re.compile(r"(?!-)[A-Za-z0-9_-]{1,63}(?<!-)(\.(?!-)[A-Za-z0-9_-]{1,63}(?<!-))*")
+_LABEL = r"(?!-)[A-Za-z0-9_-]{1,63}(?<!-)"
+_HOST_NAME = re.compile(rf"(?!(?:.*\.)?[0-9]+\Z){_LABEL}(\.{_LABEL})*")
+"""The last part of a host name is no number (RFC 1123): "192.168.0.700" is a mistyped address."""
 
 
 class Authority:

@@ -110,9 +110,16 @@ def test_only_operators_have_the_key_of_the_operators_own_ports(authority: Autho
     authority.add("operator", "operator")
 
 
-def test_an_invalid_address_is_refused(authority: Authority) -> None:
+@pytest.mark.parametrize(
+    "address", ["tls/192.168.0.7:7450", "192.168.0.700", "192.168.0", "192.168.0.7.1", "7", "a b", "-a.b", ""]
+)
+def test_an_invalid_address_is_refused(authority: Authority, address: str) -> None:
     with pytest.raises(FollowspotError, match="neither an IP address nor a host name"):
-        authority.add("pc-left", "camera", ["tls/192.168.0.7:7450"])
+        authority.add("pc-left", "camera", [address])
+
+
+def test_addresses_and_names_of_hosts_are_accepted(authority: Authority) -> None:
+    authority.add("pc-left", "camera", ["192.168.0.7", "fd00::1", "pc-left", "7up", "0x7.example", "a1.b2"])
 
 
 def test_a_missing_authority_is_named_with_the_command_that_makes_one(tmp_path: Path) -> None:
