@@ -11,7 +11,7 @@ import numpy as np
 from followspot import Array, Camera, Field, Joined, Latest, Mistake, Room, Stage, StageParams
 from followspot.geometry import epipolar_distance, transfer
 from followspot.tracking import Blobs, Forecast, Pairs
-from followspot.views import check_two_views
+from followspot.two_views import check_two_views
 from followspot_balls.alignment import aligned, delays
 from followspot_balls.blob_pairs import (
     GatheredBlobs,

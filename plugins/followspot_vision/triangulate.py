@@ -9,7 +9,7 @@ import numpy as np
 from followspot import Array, Camera, Field, Joined, Mistake, Room, Stage, StageParams
 from followspot.geometry import back_projection
 from followspot.points import Points2D, Points3D
-from followspot.views import check_two_views
+from followspot.two_views import check_two_views
 from followspot_vision.consensus import Place, Seen, places
 
 

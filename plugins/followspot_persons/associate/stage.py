@@ -14,7 +14,7 @@ from followspot.people import Boxes, Poses, Skeletons
 from followspot.plain_values import from_plain, to_plain
 from followspot.points import Points2D
 from followspot.tracking import Frame
-from followspot.views import check_two_views
+from followspot.two_views import check_two_views
 from followspot_persons.associate.box_model import BoxModel
 from followspot_persons.associate.box_tracks import BoxTracks
 from followspot_persons.associate.crowd import Crowd, Detections, Rules, after, as_of, empty_crowd
