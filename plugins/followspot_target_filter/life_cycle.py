@@ -91,9 +91,11 @@ def doubted(life: LifeCycle, patience: int) -> Array:
     also sought elsewhere: (T,) bool. patience: 0 for never.
     """
     beyond = life.poor - patience
+    if not patience or beyond.max(initial=-1) < 0:
+        return np.zeros(len(beyond), bool)
     first = (beyond % EVERY == 0) & (life.status == TRACKED)
     again = (beyond % EVERY == 1) & followed(life.status) & (life.streak > 0)
-    return np.asarray((patience > 0) & (beyond >= 0) & (first | again))
+    return np.asarray((beyond >= 0) & (first | again))
 
 
 def sought(life: LifeCycle, near: int, marked: Array, doubted: Array) -> Array:
@@ -103,7 +105,8 @@ def sought(life: LifeCycle, near: int, marked: Array, doubted: Array) -> Array:
     as lost; doubted: (T,) bool. A lost target with a mark counts as missing there, unless it is the only one
     that is not tracked; marked: (T,) bool.
     """
-    status = np.where(doubted, LOST, life.status).astype(np.uint8)
+    status = life.status.copy()
+    status[doubted] = LOST
     everywhere = roaming(life, near)
     if everywhere.any():
         status[everywhere & ((life.missed - near) % 2 == 1)] = LOST
