@@ -28,9 +28,10 @@ def test_what_cannot_be_written_is_named_without_a_traceback(words: tuple[object
 
 def full(limit: int, *words: object) -> subprocess.CompletedProcess[str]:
     """A command on a disk that takes no more than so many bytes of a file."""
-    done = subprocess.run(
-        ["prlimit", f"--fsize={limit}", *COMMAND, *map(str, words)], capture_output=True, text=True
-    )
+    limited = ["prlimit", f"--fsize={limit}", *COMMAND, *map(str, words)]
+    # half a compiled module would spoil the library for all others
+    uncompiled = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}
+    done = subprocess.run(limited, capture_output=True, text=True, env=uncompiled)
     assert "Traceback" not in done.stderr
     return done
 

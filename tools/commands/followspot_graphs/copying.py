@@ -30,6 +30,7 @@ def copy_graphs(names: Iterable[str], to: Path) -> list[Path]:
         except OSError as error:
             with suppress(OSError):
                 target.unlink()  # half a copy would be taken for another file
-            text = f"{target} cannot be written: {error.strerror}"
+            at = target if target.parent.is_dir() else error.filename
+            text = f"{at} cannot be written: {error.strerror}"
             raise InputError.of(text, "choose another folder with --to") from None
     return list(new.values())
