@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import logging
-import resource
 import threading
 from pathlib import Path
 
 import pytest
+from tests.full_disk import full_disk
 
 from followspot.context import Context
 from followspot.control.dispatch import Request, answer_from_wire, verb
@@ -163,12 +163,10 @@ def test_a_disk_that_becomes_full_leaves_whole_records_and_the_next_log_goes_on(
     """The next one is that of the operator who takes the run over, when there is room again."""
     LogFile(tmp_path).write(record("one"))
     size = (tmp_path / "log.jsonl").stat().st_size
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size + 10, before[1]))
-    file = LogFile(tmp_path, again=True)
-    for text in ("two", "three"):
-        file.write(record(text))
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    with full_disk(size + 10):
+        file = LogFile(tmp_path, again=True)
+        for text in ("two", "three"):
+            file.write(record(text))
     assert (tmp_path / "log.jsonl").stat().st_size == size
     LogFile(tmp_path, again=True).write(record("four"))
     assert [r.text for r in read_log(tmp_path)] == ["one", "four"]

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import resource
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.full_disk import full_disk
 
 from followspot import Context
 from followspot.errors import FollowspotError
@@ -138,16 +138,7 @@ def test_a_chunk_that_claims_to_be_huge_is_refused(whole: bytes, tmp_path: Path)
     assert "allowed" in problem
 
 
-@pytest.fixture
-def full_disk() -> Iterator[None]:
-    """Nothing takes more than so many bytes."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, before[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
-
-
-@pytest.mark.usefixtures("full_disk")
+@full_disk(20_000)
 def test_a_full_disk_ends_the_recording_with_one_warning_and_not_the_show(tmp_path: Path) -> None:
     said: list[str] = []
     path = tmp_path / "a.mcap"
@@ -171,7 +162,7 @@ def test_a_full_disk_ends_the_recording_with_one_warning_and_not_the_show(tmp_pa
     assert len(found) > 10
 
 
-@pytest.mark.usefixtures("full_disk")
+@full_disk(20_000)
 def test_a_full_disk_ends_a_run_that_is_for_the_recording(tmp_path: Path) -> None:
     sink = RecordingSink(
         Context("a"), path=tmp_path / "a.mcap", port=PORT, chunk_size=0.001, compression="none"

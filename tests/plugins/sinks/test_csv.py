@@ -1,10 +1,10 @@
 """Tracks and blobs as CSV files."""
 
-import resource
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.full_disk import full_disk
 
 from followspot import Context, FollowspotError, Header, InputError, Room, Target
 from followspot.inertial import PosedTracks
@@ -124,16 +124,13 @@ def test_full_disk_is_an_error_that_says_so(tmp_path: Path) -> None:
 def test_a_disk_that_becomes_full_leaves_whole_rows_and_the_error_counts_the_others(tmp_path: Path) -> None:
     messages = [tracks(n, n * 10) for n in range(20)]
     whole = saved(tmp_path / "whole", *messages).read_bytes()
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
     for limit in (1, 1_000, whole.index(b"\n") + 1, len(whole) - 1):
         sink = CsvFile(Context(room=ROOM, out=tmp_path, receives=(Tracks,)))
         sink.setup()
         for message in messages:
             sink.process((message,))
-        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, before[1]))
-        with pytest.raises(FollowspotError) as told:
+        with full_disk(limit), pytest.raises(FollowspotError) as told:
             sink.close()
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
         rest = whole[: whole.rfind(b"\n", 0, limit) + 1]
         assert (tmp_path / "tracks.csv").read_bytes() == rest
         lost = whole.count(b"\n") - rest.count(b"\n")

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import resource
 import shutil
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from threading import Event
 
 import numpy as np
 import pytest
 from mcap.reader import make_reader
+from tests.full_disk import full_disk
 
 from followspot import Message
 from followspot.graph.compile import compile_graph
@@ -167,19 +165,10 @@ def test_messages_that_never_came_are_counted(tmp_path: Path) -> None:
     assert show.moments()[0].lost == 6 == show.recorder.kept().lost
 
 
-@contextmanager
-def full_disk() -> Iterator[None]:
-    """No file takes more than so many bytes."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (2_000, before[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
-
-
 def test_a_full_disk_fails_the_moment_and_a_later_one_is_tried_anew(tmp_path: Path) -> None:
     show = Show(tmp_path)
     show.play(3)
-    with full_disk():
+    with full_disk(2_000):
         show.recorder.mark(10.0, "lost")
         show.wait_for("failed")
     show.recorder.mark(0.0, "kept")
