@@ -20,6 +20,7 @@ import numpy as np
 from followspot import Field, Message, OutputPath, Source, Stage, at
 from followspot.ports import Ports, ports
 from followspot.tracking import TRACKED, Frame, Tracks
+from followspot_balls.associate_tracked import AssociateTracked as PlainAssociateTracked
 from followspot_balls.bridge import Bridge as PlainBridge
 from followspot_balls.color_blobs import ColorBlobs as PlainColorBlobs
 from followspot_balls.ir_blobs import IrBlobs as PlainIrBlobs
@@ -124,6 +125,7 @@ ColorBlobs = journaled(PlainColorBlobs)
 IrBlobs = journaled(PlainIrBlobs)
 VerifyPairs = journaled(PlainVerifyPairs)
 Triangulate = journaled(PlainTriangulate)
+AssociateTracked = journaled(PlainAssociateTracked)
 MeanShift = journaled(PlainMeanShift)
 Bridge = journaled(PlainBridge)
 Kalman = journaled(PlainKalman)

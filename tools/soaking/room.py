@@ -20,10 +20,12 @@ _MISSING = 4
 """Frames after which a target that is not seen is sought everywhere: as long as at 60 frames a second."""
 PERFORMANCE = {"fps": FPS, "seed": 7, "people": 2}
 JOURNALED = {
+    "room.source": "room.source",  # which the room names
     "balls.color_blobs": "journaled.color_blobs",
     "balls.ir_blobs": "journaled.ir_blobs",
     "balls.verify_pairs": "journaled.verify_pairs",
     "balls.triangulate": "journaled.triangulate",
+    "balls.associate_tracked": "journaled.associate_tracked",
     "balls.mean_shift": "journaled.mean_shift",
     "balls.bridge": "journaled.bridge",
     "balls.kalman": "journaled.kalman",
@@ -47,7 +49,7 @@ def write_files(folder: Path, opened: float, projections: int) -> None:
     graph = yaml.safe_load((GRAPHS / "glowballs.yaml").read_text())
     graph["room"] = "room.yaml"
     for stage in graph["stages"].values():  # stages with journals
-        stage["uses"] = JOURNALED.get(stage["uses"], stage["uses"])
+        stage["uses"] = JOURNALED[stage["uses"]]
     graph["stages"]["save"] |= {"in": {"messages": "track.tracks"}, "on_error": "skip"}  # as journals name it
     graph["stages"]["track"]["with"] = {"maximum_missed_frames": _MISSING}
     judge = {"uses": "journaled.judge", "in": {"tracks": "track"}, "with": PERFORMANCE, "on_error": "skip"}
