@@ -96,8 +96,8 @@ def overlay(room: Path, sequence: str, out: Path, target: str) -> float:
 def test_a_noisy_calibration_costs_less_than_half_of_the_accuracy(
     rooms: Rooms, sequence: str, fusion: str, tmp_path: Path
 ) -> None:
-    """Means over the targets of each sequence; the reprojection error hardly grows."""
+    """Means over the targets of each sequence; the reprojection error grows by a fiftieth of a pixel at most."""
     true = tracked(rooms.true, sequence, fusion, tmp_path / "true")
     found = tracked(rooms.corrected, sequence, fusion, tmp_path / "corrected")
     assert (found.rmse_mm / true.rmse_mm).mean() < 1.5
-    assert found.overlay_px.mean() < 1.15 * true.overlay_px.mean()
+    assert found.overlay_px.mean() < true.overlay_px.mean() + 0.02
