@@ -96,7 +96,7 @@ def overlay(room: Path, sequence: str, out: Path, target: str) -> float:
 def test_a_noisy_calibration_costs_less_than_half_of_the_accuracy(
     rooms: Rooms, sequence: str, fusion: str, tmp_path: Path
 ) -> None:
-    """Means over the targets of each sequence; the reprojection error grows by a fiftieth of a pixel at most."""
+    """Means over the targets of each sequence; the reprojection error grows by 0.02 px at most."""
     true = tracked(rooms.true, sequence, fusion, tmp_path / "true")
     found = tracked(rooms.corrected, sequence, fusion, tmp_path / "corrected")
     assert (found.rmse_mm / true.rmse_mm).mean() < 1.5

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from contextlib import suppress
 from dataclasses import dataclass, field
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,9 +16,11 @@ from followspot.control.host import HostLost, HostRefused, HostStatus, RunOrder,
 from followspot.control.lifecycle import EndWorkers, FindRun, PrepareRun, StartRun, StopRun
 from followspot.control.observation import GetHostStatus, GetLog
 from followspot.control.swap import ChangeOrder
+from followspot.control.zenoh_rpc import InvalidAnswer
 from followspot.log.record import LogPage, LogRecord
 from followspot.operator.remote import remote_host
 from followspot.operator.remote.remote_host import RemoteHost
+from followspot.operator.remote.remote_orders import RemoteOrders
 
 
 @dataclass
@@ -240,3 +243,26 @@ def test_a_host_that_was_cut_off_is_told_later_that_a_change_came_to_nothing() -
     agent.cut.append("change_order")
     with pytest.raises(HostLost):
         host.ask(ChangeOrder(id="2", step="build", stages=()))
+
+
+def test_an_order_that_an_agent_answers_wrongly_holds_up_no_later_one() -> None:
+    asked: list[str] = []
+    answers: dict[str, Exception] = {"end_workers": HostLost("no answer"), "stop_run": HostLost("no answer")}
+
+    class Odd:
+        """An agent that does not answer at first, and gives no valid answer to one kind of order later."""
+
+        def ask(self, agent: str, request: Request, timeout: float) -> Any:
+            asked.append(verb(type(request)))
+            if error := answers.get(asked[-1]):
+                raise error
+
+    orders = RemoteOrders(Odd(), "pc-left", Path(), RunOrder("feedc0de", {}))  # type: ignore[arg-type]
+    orders.dispatcher.dispatch(EndWorkers(run="feedc0de", workers=("left",)))
+    orders.dispatcher.dispatch(StopRun(run="feedc0de"))
+    answers = {"end_workers": InvalidAnswer("pc-left", "end_workers", "no number")}
+    asked.clear()
+    orders.deliver()
+    assert asked == ["end_workers", "stop_run"]
+    orders.deliver()
+    assert len(asked) == 2

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from followspot.control.dispatch import Dispatcher, Request, RunRequest
-from followspot.control.host import HostLost, HostRefused, RunOrder
+from followspot.control.host import HostLost, RunOrder
 from followspot.control.lifecycle import CloseRun, EndWorkers, PrepareRun, StartRun, StopRun
 from followspot.control.move import MoveOrder
 from followspot.control.observation import GetStates
@@ -90,8 +89,12 @@ class RemoteOrders:
     def deliver(self) -> None:
         """Send the undelivered orders. Raises HostLost."""
         while self._undelivered:
-            with suppress(HostRefused):
+            try:
                 self.ask(self._undelivered[0])
+            except HostLost:
+                raise
+            except FollowspotError:  # an order that the agent cannot answer would hold up those behind it
+                pass
             self._undelivered.popleft()
 
     def close(self) -> None:
