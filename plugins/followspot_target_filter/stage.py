@@ -116,7 +116,8 @@ class TargetFilter(Stage, ABC):
             unit="frames",
             description="frames in a row in which fewer candidates than minimum_support show a tracked "
             "target, after which it is also sought everywhere in every fifth frame, if three cameras have it "
-            "in their pictures; 0: never; raising it keeps tracks longer that have left their targets",
+            "in their pictures and any sees colours; 0: never; raising it keeps tracks longer that have left "
+            "their targets",
         )
         fade_time: float = Field(
             0.1,
@@ -167,6 +168,7 @@ class TargetFilter(Stage, ABC):
         self.constant = np.eye(3) * p.measurement_sigma**2
         self.motion = self.motion_model(count)
         self.sight = Sight(self.room.cameras.values())
+        self.colored = any(camera.kind == "color" for camera in self.room.cameras.values())
         self.life = LifeCycle.lost(count)
         self.last, self.before, self.measured = np.zeros((3, count, 3))
         self.time, self.period = -1, DEFAULT_PERIOD
@@ -204,10 +206,11 @@ class TargetFilter(Stage, ABC):
 
     def doubted(self) -> Array:
         """Targets that are also sought elsewhere in the next frame, of which more cameras should show
-        more: (T,) bool.
+        more: (T,) bool. Without colours nothing would tell them from what else is there.
         """
         doubt = doubted(self.life, self.params.doubt_frames) & ~self.marks.there
         if doubt.any():
+            doubt &= self.colored
             doubt &= self.sight.count(self.motion.estimate.xyz) >= SHOWING
         return doubt
 

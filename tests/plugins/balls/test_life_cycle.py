@@ -316,10 +316,11 @@ def test_a_target_that_few_candidates_show_is_also_sought_elsewhere_in_every_fif
     assert poor(stage, 9, first=59) == [TRACKED] * 8 + [LOST]
 
 
-def test_a_target_is_doubted_only_where_three_cameras_have_it_in_their_pictures() -> None:
+def test_a_target_is_doubted_only_where_three_cameras_have_it_in_view_and_one_sees_colours() -> None:
     room = make_room()
     two = replace(room, cameras={name: room.cameras[name] for name in ("cam0", "cam1")})
-    for stage in (Kalman(Context(room=two)), kalman(doubt_frames=0)):
+    gray = replace(room, cameras={n: replace(c, kind="infrared") for n, c in room.cameras.items()})
+    for stage in (Kalman(Context(room=two)), Kalman(Context(room=gray)), kalman(doubt_frames=0)):
         stage.setup()
         watch(stage, 40)
         assert poor(stage, 30) == [TRACKED] * 30
