@@ -161,7 +161,7 @@ def blobs_of(
         sought = in_windows(shown, windows, regions.near, templates.hues, limits)
         found.append(measured(sought, templates, p, count, (regions.circles, windows)))
     lost = regions.circles.lost.reshape(len(pictures), count)
-    target = np.flatnonzero(lost.any(axis=0))
+    target = np.asarray(lost.any(axis=0)).nonzero()[0]
     if len(target):
         rows = np.arange(len(pictures))[:, None] * count + target
         bits = templates.hues.take(rows) * lost.take(target, axis=1)

@@ -115,9 +115,10 @@ class IrBlobs(Stage):
             stages[0].room, names, forecasts, p.minimum_search_radius, p.search_radius_scale
         )
         limits = joint_limits(tuple(stages))
-        found = blobs_of([frame.pixels[..., :1] for frame, _ in inputs], regions, limits, p)
+        circles = of_views(regions.circles, len(cameras))
+        found = blobs_of([frame.pixels[..., :1] for frame, _ in inputs], regions, circles, limits, p)
         pixel, area, view = found
-        targets = within(circles_of(regions.circles, view, len(cameras)), pixel)
+        targets = within(circles_of(circles, view), pixel)
         allowed = limits.areas.take(view, axis=0)
         targets &= (area[:, None] >= allowed[..., 0]) & (area[:, None] <= allowed[..., 1])
         labelled = Detections(pixel, area, np.ones(len(area)), targets)
@@ -131,10 +132,15 @@ def joint_limits(stages: tuple[IrBlobs, ...]) -> Limits:
     return Limits(*map(np.array, zip(*(stage.limits for stage in stages), strict=True)))
 
 
-def blobs_of(pictures: Sequence[Array], regions: Regions, limits: Limits, p: IrBlobs.Params) -> Found:
-    """Bright blobs in the windows of all views at once, and in the whole picture if a target is lost."""
-    count = len(regions.circles.lost) // len(pictures)
-    whole = np.asarray(regions.circles.lost.reshape(len(pictures), count).any(axis=1))
+def blobs_of(
+    pictures: Sequence[Array], regions: Regions, circles: Circles, limits: Limits, p: IrBlobs.Params
+) -> Found:
+    """Bright blobs in the windows of all views at once, and in the whole picture if a target is lost.
+
+    circles: (V, T, ...) of each view.
+    """
+    count = circles.lost.shape[1]
+    whole = np.asarray(circles.lost.any(axis=1))
     found = [NOTHING]
     if len(regions.near):
         view = regions.near // count
@@ -145,11 +151,11 @@ def blobs_of(pictures: Sequence[Array], regions: Regions, limits: Limits, p: IrB
             strip = window_strip(windows)
             level = cut([pictures[number] for number in view.tolist()], windows)[..., 0]
             level = in_range(level, limits, view.take(strip.part))
-            found.append(measured(level, strip, view, regions.circles, limits, p, windows))
+            found.append(measured(level, strip, view, circles, limits, p, windows))
     seeking = whole.nonzero()[0]
     if len(seeking):
         level, strip, view = in_pictures([pictures[n] for n in seeking.tolist()], seeking, limits)
-        found.append(measured(level, strip, view, regions.circles, limits, p))
+        found.append(measured(level, strip, view, circles, limits, p))
     return found[-1] if len(found) < 3 else Found(*map(np.concatenate, zip(*found, strict=True)))
 
 
@@ -197,13 +203,13 @@ def measured(
 ) -> Found:
     """Bright blobs of a strip.
 
-    view: (N,) of each part; circles: of all views; windows: of the parts, if they are windows.
+    view: (N,) of each part; circles: (V, T, ...) of each view; windows: of the parts, if they are windows.
     """
     blobs = components(above_local_peak(level, p.edge_level), level, strip)
-    views, seen = len(limits.darkest), view.take(blobs.part)
-    large = touching(blobs.area, seen, circles.ball, views)
+    seen = view.take(blobs.part)
+    large = touching(blobs.area, seen, circles.ball)
     if len(large):
-        around = circles_of(circles, seen.take(large), views)
+        around = circles_of(circles, seen.take(large))
         blobs = divided(blobs, large, level, strip, around)
         seen = view.take(blobs.part)
     largest = limits.largest.take(seen)
@@ -212,7 +218,7 @@ def measured(
     if windows is not None:
         keep &= ~clipped(blobs, strip, windows)
     rows = keep.nonzero()[0]
-    near = circles_of(circles, seen.take(rows), views)
+    near = circles_of(circles, seen.take(rows))
     radius, expected = np.full(len(keep), np.nan), np.full((len(keep), 2), np.nan)
     expected[rows], radius[rows] = nearest_ball(near, blobs.center.take(rows, axis=0))
     center, rim = disc_centers(level, strip, blobs, radius + p.radius_offset, p.edge_level, expected)
@@ -221,15 +227,14 @@ def measured(
     return Found(center.take(rows, axis=0), area.take(rows), seen.take(rows))
 
 
-def circles_of(circles: Circles, view: Array, views: int) -> Circles:
-    """Search regions in the view of each of N blobs: (N, T, ...).
+def of_views(circles: Circles, views: int) -> Circles:
+    """Search regions of all views in turn, by view: (V * T, ...) -> (V, T, ...). views: so many."""
+    return Circles(*(column.reshape(views, -1, *column.shape[1:]) for column in circles))
 
-    circles: of all views, so many; view: (N,).
-    """
-    count = len(circles.lost) // views
-    return Circles(
-        *(column.reshape(views, count, *column.shape[1:]).take(view, axis=0) for column in circles)
-    )
+
+def circles_of(circles: Circles, view: Array) -> Circles:
+    """Search regions in the view of each of N blobs: (V, T, ...) -> (N, T, ...). view: (N,)."""
+    return Circles(*[column.take(view, axis=0) for column in circles])
 
 
 def nearest_ball(circles: Circles, pixel: Array) -> tuple[Array, Array]:

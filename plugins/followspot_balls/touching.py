@@ -19,13 +19,13 @@ SHOWN = 0.35
 """Smallest share of its disc that a component must cover for a ball to be in it."""
 
 
-def touching(area: Array, view: Array, ball: Array, views: int) -> Array:
+def touching(area: Array, view: Array, ball: Array) -> Array:
     """Numbers of the components that are larger than the smallest ball of their view.
 
-    area: (N,) px; view: (N,) of each; ball: radii px of all targets in each of the views in turn.
+    area: (N,) px; view: (N,) of each; ball: (V, T) px, radii of all targets in each view.
     """
-    smallest = np.fmin.reduce(ball.reshape(views, -1), axis=1, initial=np.inf)
-    return np.flatnonzero(MERGED * np.pi * np.square(smallest.take(view)) < area)
+    smallest = np.fmin.reduce(ball, axis=1, initial=np.inf)
+    return np.asarray((MERGED * np.pi * np.square(smallest.take(view)) < area).nonzero()[0])
 
 
 def divided(blobs: Components, large: Array, level: Array, strip: Strip, circles: Circles) -> Components:
@@ -35,7 +35,7 @@ def divided(blobs: Components, large: Array, level: Array, strip: Strip, circles
     circles: (L, T) of each one's view.
     """
     near = within_reach(blobs.center.take(large, axis=0), blobs.area.take(large), circles)
-    several = np.count_nonzero(near, axis=1) > 1
+    several = near.sum(axis=1) > 1
     if not several.any():
         return blobs
     large, circles = large[several], Circles(*(column[several] for column in circles))
@@ -46,7 +46,7 @@ def divided(blobs: Components, large: Array, level: Array, strip: Strip, circles
     away /= radius2.take(row, axis=0)
     covered = (row == np.arange(len(large))[:, None]).astype(float) @ (away <= 1.0)
     shown = covered >= SHOWN * np.pi * radius2
-    several = np.count_nonzero(shown, axis=1) > 1
+    several = shown.sum(axis=1) > 1
     if not several.any():
         return blobs
     ball = np.where(shown.take(row, axis=0), away, np.inf).argmin(axis=1)

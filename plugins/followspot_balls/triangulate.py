@@ -111,7 +111,7 @@ class Triangulate(Stage):
             if np.count_nonzero(tracked) < len(tracked) - 1:
                 targets &= ~(nameless(pairs)[:, None] & lost_targets(forecast, len(self.radii)))
         evident = pairs.evident & (targets & whole).any(axis=1)
-        rows = np.flatnonzero(targets.any(axis=1))
+        rows = np.asarray(targets.any(axis=1)).nonzero()[0]
         candidates = Candidates(
             cameras=pairs.cameras,
             xyz=xyz.take(rows, axis=0),

@@ -42,12 +42,6 @@ class Weighed(NamedTuple):
     complete: Array
     """(M,) bool, whether three views that all make pairs with each other show it."""
 
-    @classmethod
-    def none(cls) -> Weighed:
-        """No hypothesis."""
-        none = np.zeros(0)
-        return cls(np.zeros((0, 3)), np.zeros(0, int), none, none, none, np.zeros(0, bool))
-
     def likeliest(self, count: int) -> list[int]:
         """The likeliest hypothesis of each of `count` targets, -1 for none."""
         best = [-1] * count
@@ -55,6 +49,11 @@ class Weighed(NamedTuple):
             mine = (self.target == number).nonzero()[0]
             best[number] = int(mine[self.rank[mine].argmax()])
         return best
+
+
+_NONE = np.zeros(0)
+NOTHING = Weighed(np.zeros((0, 3)), np.zeros(0, int), _NONE, _NONE, _NONE, np.zeros(0, bool))
+"""No hypothesis."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +88,9 @@ class ViewAssociation(Stage, ABC):
         self.prior = MotionPrior(p.forecast_sigma, p.jump_sigma, p.jump_probability, p.reach)
         self.rules = Rules(p.memory, p.drift, p.largest_odds, p.silence_odds)
         self.existence = [Existence.unknown() for _ in self.room.targets]
-        self.shown = self.usually_shown()
+        self.usual = np.full((len(self.room.targets), len(cameras)), p.detection)
+        """Probabilities that the views show targets of which nothing is known: (T, C)."""
+        self.shown = self.usual
 
     @abstractmethod
     def unweighed(self, candidates: Candidates, forecast: Forecast | None, tracked: Array) -> Array:
@@ -115,10 +116,6 @@ class ViewAssociation(Stage, ABC):
         self, number: int, found: Weighed, forecast: Forecast | None, tracked: Array
     ) -> tuple[Existence, int]:
         """The existence of a target that is not tracked, and the hypothesis that holds, -1 for none."""
-
-    def usually_shown(self) -> Array:
-        """Probabilities that the views show targets of which nothing is known: (T, C)."""
-        return np.full((len(self.room.targets), len(self.color)), self.params.detection)
 
     def process(self, candidates: Candidates, forecast: Latest[Forecast] = None) -> Associated:
         count = len(self.existence)
@@ -156,8 +153,8 @@ class ViewAssociation(Stage, ABC):
         self, left: Candidates, forecast: Forecast | None, tracked: Array, clear: Array
     ) -> Associated:
         """The outputs of a frame in which nothing is weighed. left: what remains of the candidates."""
-        self.decide(Weighed.none(), forecast, tracked, clear)
-        self.shown = self.usually_shown()
+        self.decide(NOTHING, forecast, tracked, clear)
+        self.shown = self.usual
         return Associated(left, self.existence_odds(tracked, clear))
 
     def existence_odds(self, tracked: Array, clear: Array) -> ExistenceOdds:
@@ -183,7 +180,7 @@ class ViewAssociation(Stage, ABC):
         self, found: Weighed, views: PlaceViews, forecast: Forecast | None, tracked: Array
     ) -> Array:
         """Probabilities that the views show the targets in the next frame: (T, C)."""
-        shown = self.usually_shown()
+        shown = self.usual.copy()
         persistence = self.params.persistence ** self.steps(forecast)
         for number, best in enumerate(found.likeliest(len(shown))):
             if best >= 0 and tracked[number]:

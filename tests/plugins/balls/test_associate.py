@@ -198,7 +198,7 @@ def test_a_lost_target_is_searched_everywhere_and_a_missing_one_near_its_last_pl
     associate.existence[0] = Existence(0.0, False, places)
     there = forecast_at([BALL, (-1, 0, 0.5)])
     forecast = None if state is None else seal(replace(there, state=np.full(2, state, np.uint8)))
-    associate.decide(Weighed.none(), forecast, nothing, nothing)
+    associate.decide(NOTHING, forecast, nothing, nothing)
     p = associate.params
     left = p.memory - p.absence - p.drift if falls else 1.0
     assert associate.existence[0].places.odds == pytest.approx([left])
