@@ -194,8 +194,7 @@ def measured(
     owner = sought.owner.take(blobs.part)
     smallest, largest = templates.area.take(owner, axis=0).T
     area = blobs.area
-    bound = largest if near is None else np.full(len(largest), np.inf)
-    keep = of_size(area, smallest, bound, owner // max(count, 1))
+    keep = of_size(area, smallest, largest if near is None else np.inf, owner // max(count, 1))
     histograms = component_histograms(blobs, sought.hue)
     similarity = bhattacharyya(histograms, templates.histograms.take(owner, axis=0))
     keep &= similarity > p.similarity

@@ -90,7 +90,7 @@ def described(pixels: Array, label: Array, count: int, level: Array, strip: Stri
     return Components(part, center, area, peak, pixels, row, column, label)
 
 
-def of_size(area: Array, smallest: Array, largest: Array, view: Array) -> Array:
+def of_size(area: Array, smallest: Array, largest: Array | float, view: Array) -> Array:
     """Which components have an allowed size, at most MOST of each view: (N,) bool.
 
     area: (N,) px; smallest, largest: (N,) px; view: (N,) number of the picture that each is seen in.

@@ -213,7 +213,7 @@ def measured(
         blobs = divided(blobs, large, level, strip, around)
         seen = view.take(blobs.part)
     largest = limits.largest.take(seen)
-    bound = largest if windows is None else np.full(len(largest), np.inf)
+    bound = largest if windows is None else np.inf
     keep = of_size(blobs.area, limits.smallest.take(seen), bound, seen)
     if windows is not None:
         keep &= ~clipped(blobs, strip, windows)

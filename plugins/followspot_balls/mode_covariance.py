@@ -128,15 +128,14 @@ class ModeCovariance:
         """
         p = self.params
         clearance = np.abs(center @ self.normals.T + self.planes[:, 3]) - self.radii.take(target)[:, None]
-        bright = (clearance.min(axis=1, initial=np.inf) < p.glow_range).nonzero()[0]
-        if not len(bright):
+        least = clearance.min(axis=1, initial=np.inf)
+        if not (least < p.glow_range).any():
             return
-        near = clearance.take(bright, axis=0)
-        nearest = near.argmin(axis=1)
-        sigma = glow_sigma(np.maximum(near.min(axis=1), 0.0), p.glow_sigma, p.glow_range)
+        sigma = glow_sigma(np.maximum(least, 0.0), p.glow_sigma, p.glow_range)  # 0 beyond the range
+        nearest = clearance.argmin(axis=1)
         normal = self.normals.take(nearest, axis=0) * (np.sqrt(1 + p.glow_mean**2) * sigma)[:, None]
-        shift = gain.take(bright, axis=0)[:, self.color].sum(axis=1) @ normal[..., None]
-        covariance[bright] += shift * shift.swapaxes(1, 2)
+        shift = gain.take(self.color, axis=1).sum(axis=1) @ normal[..., None]
+        covariance += shift * shift.swapaxes(1, 2)
 
 
 def rivals_covariance(xyz: Array, center: Array, weights: Array, held: Array, exponent: float) -> Array:

@@ -60,6 +60,7 @@ def disc_centers(
     rim = np.zeros(len(radius))
     if not len(known):
         return blobs.center, rim
+    radius = radius.take(known)
     index, label = rim_band(blobs, known, level.shape)
     planes = derivatives(level, index) / (GAIN * blobs.peak.take(known)).take(label)
     right, down, value = planes
@@ -69,14 +70,14 @@ def disc_centers(
     voter &= slope > FAINTEST
     chosen = voter.nonzero()[0]
     label, slope, height = label.take(chosen), slope.take(chosen), height.take(chosen)
-    reach = (radius.take(known).take(label) - height / slope) / slope
+    reach = (radius.take(label) - height / slope) / slope
     votes = planes[:2].take(chosen, axis=1) * reach
     y, x = row_and_column(index.take(chosen), level.shape[1])
     shift = strip.shift.take(blobs.part.take(known), axis=0)
     votes[0] += x + shift[:, 0].take(label)
     votes[1] += y + shift[:, 1].take(label)
     start, area = blobs.center.take(known, axis=0), blobs.area.take(known)
-    merged = (area > MERGED * np.pi * np.square(radius.take(known))).nonzero()[0]
+    merged = (area > MERGED * np.pi * (radius * radius)).nonzero()[0]
     if expected is None or not len(merged):
         point, heard = agreement(votes, slope, label, start)
     else:
@@ -84,7 +85,7 @@ def disc_centers(
         point, heard = better_agreement(votes, slope, label, start, merged, forecast)
     center = blobs.center.copy()
     center[known] = point
-    rim[known] = heard / (WHOLE_RIM * radius.take(known))
+    rim[known] = heard / (WHOLE_RIM * radius)
     return center, rim
 
 

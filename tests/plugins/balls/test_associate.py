@@ -28,7 +28,7 @@ from followspot_balls.associate import Associate
 from followspot_balls.associate_tracked import AssociateTracked
 from followspot_balls.existence import Existence, Places
 from followspot_balls.hypotheses import hypotheses
-from followspot_balls.view_association import ViewAssociation, Weighed
+from followspot_balls.view_association import NOTHING, ViewAssociation, Weighed
 
 
 def stage(**params: float) -> Associate:
