@@ -183,7 +183,7 @@ def occupied(xyz: Array, known: Array, apart: float) -> Array:
     return np.asarray((beside & first).any(axis=1) & ~known)
 
 
-def weighed(life: LifeCycle, measured: Array, agreed: Array) -> LifeCycle:
+def poor_counted(life: LifeCycle, measured: Array, agreed: Array) -> LifeCycle:
     """The life cycle with the counters of poor frames one frame later.
 
     What one view alone shows from the beginning is not poor: no more can be asked of it.

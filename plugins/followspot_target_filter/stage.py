@@ -25,8 +25,8 @@ from followspot_target_filter.life_cycle import (
     confirmed,
     doubted,
     followed,
+    poor_counted,
     sought,
-    weighed,
 )
 from followspot_target_filter.marks import marked, untold
 from followspot_target_filter.motion_model import MotionModel
@@ -199,14 +199,15 @@ class TargetFilter(Stage, ABC):
         bridged |= doubt & ~measured
         if bridged.any():
             bridged &= self.motion.estimate.sigma.max(axis=1) <= p.maximum_predicted_sigma
-        life = weighed(life, measured, agreed)
+        life = poor_counted(life, measured, agreed)
         self.life = coasted(life, measured, bridged, p.maximum_missed_frames)
         self.remember(target, target[new], measured)
         return Outputs(self.tracks(), self.forecast())
 
     def doubted(self) -> Array:
-        """Targets that are also sought elsewhere in the next frame, of which more cameras should show
-        more: (T,) bool. Without colours nothing would tell them from what else is there.
+        """Targets that are also sought elsewhere in the next frame: (T,) bool.
+
+        Only those that three cameras should show, and that colours tell from other things.
         """
         doubt = doubted(self.life, self.params.doubt_frames) & ~self.marks.there
         if doubt.any():

@@ -21,9 +21,9 @@ class Video(Stage):
     """Play a video file as the camera's pictures; frame f is captured at f / fps, or at its recorded time.
 
     Frames that cannot be decoded leave a gap in the numbers if the file has time stamps. They are reported at
-    the end, as is a file that ends early. If the size of the pictures changes within a file, all are stretched
-    to the size that the file states. The decoder does not report that, so nothing warns of it: give each part
-    a file of its own.
+    the end, as is a file that ends early. If the size of the pictures changes within a file, all are
+    stretched to the size that the file states. The decoder does not report that, so nothing warns of it: give
+    each part a file of its own.
     """
 
     per_camera = True
