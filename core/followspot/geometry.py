@@ -65,6 +65,12 @@ class Views:
             pixel[i] = project_local(self.cameras[i], local[i])
         return np.asarray(pixel)
 
+    def in_pictures(self, points: Array) -> Array:
+        """Which cameras have which points of the room in their pictures: (N, 3) m -> (C, N) bool."""
+        pixel = self.project_local(self.local(points))  # NaN behind a camera is in no picture
+        size = np.array([c.size for c in self.cameras]).reshape(-1, 1, 2)
+        return np.asarray(((pixel >= 0) & (pixel < size)).all(axis=2))
+
 
 def undistort(camera: Camera, pixel: Array) -> Array:
     """Remove the lens distortion: (N, 2) px -> (N, 2) px of a pinhole camera with the same K.

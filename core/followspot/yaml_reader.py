@@ -203,7 +203,7 @@ class _Builder:
         return {}
 
     def _add(self, node: Node, anchor: str | None) -> None:
-        """Put a finished node where it belongs; raises _TooLarge at a limit."""
+        """Add a finished node to the sequence or mapping that is open. Raises _TooLarge at a limit."""
         if len(self.open) + node.depth > MAX_DEPTH:
             self._too_deep(node.key)
         aliased = node.key != node.place

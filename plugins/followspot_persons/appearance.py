@@ -178,7 +178,10 @@ class Appearance(Stage):
         unboxed: Sequence[Acquaintance],
         seen: Observation,
     ) -> list[Acquaintance]:
-        """Tentative people at boxes that are nobody's. unboxed: people whom the foreground alone shows."""
+        """Tentative people at boxes that belong to no known person.
+
+        unboxed: people that only the foreground shows.
+        """
         least = self.params.minimum_score + EVIDENCE * seen.still
         new = self.assignment.unclaimed(seen.boxes, pairs, self.bodies.boxes(unboxed), least)
         covered, score = self.bodies.boxes(kept), seen.boxes.score

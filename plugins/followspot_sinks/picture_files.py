@@ -36,7 +36,7 @@ class PictureFile(Protocol):
 class VideoFile:
     """A video with the frame rate of the first two pictures.
 
-    An .mp4 can be played once it is complete, an .mkv up to where it was cut off.
+    A player opens an .mp4 only if it is complete; it plays an .mkv up to the place where writing ended.
     """
 
     def __init__(self, path: Path) -> None:

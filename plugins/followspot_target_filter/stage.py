@@ -11,6 +11,7 @@ import numpy as np
 
 from followspot.errors import Mistake
 from followspot.frame_times import NANOSECOND
+from followspot.geometry import Views
 from followspot.messages import Array
 from followspot.room import Camera, Member, Room
 from followspot.stage import Stage
@@ -30,10 +31,9 @@ from followspot_target_filter.life_cycle import (
 )
 from followspot_target_filter.marks import marked, untold
 from followspot_target_filter.motion_model import MotionModel
-from followspot_target_filter.sight import Sight
 
 SHOWING = 3
-"""Cameras that have a target in their pictures, from which on few candidates are a reason to doubt it."""
+"""Fewest cameras with a target in their pictures for which few candidates are a reason to doubt it."""
 DEFAULT_PERIOD = 1 / 30
 """Frame interval before the second frame, s."""
 
@@ -167,8 +167,10 @@ class TargetFilter(Stage, ABC):
         )
         self.constant = np.eye(3) * p.measurement_sigma**2
         self.motion = self.motion_model(count)
-        self.sight = Sight(self.room.cameras.values())
-        self.colored = any(camera.kind == "color" for camera in self.room.cameras.values())
+        self.views = Views(self.room.cameras.values())
+        colored = any(camera.kind == "color" for camera in self.views.cameras)
+        self.patience = p.doubt_frames if colored else 0
+        """Without colours nothing would tell a target from what else is there."""
         self.life = LifeCycle.lost(count)
         self.last, self.before, self.measured = np.zeros((3, count, 3))
         self.time, self.period = -1, DEFAULT_PERIOD
@@ -207,12 +209,11 @@ class TargetFilter(Stage, ABC):
     def doubted(self) -> Array:
         """Targets that are also sought elsewhere in the next frame: (T,) bool.
 
-        Only those that three cameras should show, and that colours tell from other things.
+        Only those that several cameras should show, and that colours tell from other things.
         """
-        doubt = doubted(self.life, self.params.doubt_frames) & ~self.marks.there
+        doubt = doubted(self.life, self.patience) & ~self.marks.there
         if doubt.any():
-            doubt &= self.colored
-            doubt &= self.sight.count(self.motion.estimate.xyz) >= SHOWING
+            doubt &= self.views.in_pictures(self.motion.estimate.xyz).sum(axis=0) >= SHOWING
         return doubt
 
     def sought(self, doubt: Array) -> Array:
@@ -220,7 +221,10 @@ class TargetFilter(Stage, ABC):
         return sought(self.life, self.params.local_search_frames, self.marks.there, doubt)
 
     def unless_there(self, status: Array, doubt: Array, positions: Positions) -> Array:
-        """The status with which targets were sought, as tracked if a doubted one is where it is forecast."""
+        """The status with which targets were sought; a doubted one found at its forecast keeps its own.
+
+        status, doubt: (T,) of :meth:`sought` and :meth:`doubted`. Returns (T,) u8.
+        """
         there = doubt.take(positions.target)
         ahead = self.motion.estimate.xyz.take(positions.target, axis=0)
         there &= close(positions.xyz, ahead, self.params.return_distance)

@@ -69,10 +69,13 @@ def wrong_unit(value: float, given: PictureParams) -> str:
 
 
 def shares_as_pixels(places: Array, given: PictureParams, file: Place | None) -> Iterator[Mistake]:
-    """A warning if all places (N, 2) are said to be px, and can only be shares. file: where they are."""
+    """A warning if the parameters say px, and all places can only be shares.
+
+    places: (N, 2), or (N, 4) corners of boxes; file: the place of the warning, None for the parameter's.
+    """
     low, high = NEAR_SHARES
     if given.unit == "px" and len(places) and ((places > low) & (places < high)).all() and (places % 1).any():
-        text = "all places lie within a pixel of the corner of the picture: they are shares of its size"
+        text = "all places lie within two pixels of the corner of the picture: they are shares of its size"
         yield Mistake(file, text, "with: {unit: share}", warning=True)
 
 

@@ -200,3 +200,16 @@ def test_back_projection_of_the_principal_point_is_the_optical_axis() -> None:
     view = camera(angles=(0.2, -0.3, 0.1))
     direction = back_projection(view) @ np.array([160.0, 120.0, 1.0])
     assert direction / np.linalg.norm(direction) == pytest.approx(view.rotation[2])
+
+
+def test_a_camera_has_a_point_in_its_picture_if_the_image_lies_there() -> None:
+    """Of each camera model as its image by itself says, and none behind the camera."""
+    cameras = [camera(model) for model in ("pinhole", "rational", "fisheye", "cylinder")]
+    points = np.random.default_rng(3).uniform(-4, 4, (300, 3))
+    shown = Views(cameras).in_pictures(points)
+    for one, seen in zip(cameras, shown, strict=True):
+        width, height = one.size
+        x, y = project(one, points).T
+        assert np.array_equal(seen, (x >= 0) & (x < width) & (y >= 0) & (y < height))
+        assert 0 < seen.sum() < len(points)
+    assert Views([]).in_pictures(points).shape == (0, 300)

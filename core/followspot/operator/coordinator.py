@@ -32,6 +32,7 @@ from followspot.worker.wiring import RunOptions
 _STOP_TIMEOUT = 20.0
 """Seconds that hosts have to end their workers after a stop."""
 _LIMITS = "raise the limits of this user, for example ulimit -n 4096, or take fewer workers: --placement"
+"""Remedy if the system refuses a run its workers."""
 _DELIVERY_TIMEOUT = 5.0
 """Seconds after a stop in which the operator waits for a silent host, to deliver the stop to it."""
 

@@ -113,7 +113,7 @@ def within(place: Array, area: Area | None) -> Array:
 
 
 def _mota_switches(number: Array) -> int:
-    """How often a person's number changed, whoever had it before. number: (F, P), -1 for none."""
+    """Changes of the numbers of all persons, as MOTA counts them. number: (F, P), -1 for none."""
     own = [column[column != UNMATCHED] for column in number.T]
     return sum(int((each[1:] != each[:-1]).sum()) for each in own)
 

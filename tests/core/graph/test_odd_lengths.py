@@ -18,7 +18,7 @@ GRAPH = "graph: g\nroom: room.yaml\nstages:\n  camera: {uses: toy.camera, each: 
 def told(
     folder: Path, scale: float = 1.0, radius: float = 0.0762, floor: float = 0.0
 ) -> list[tuple[str, str]]:
-    """Each warning, and the line of the room file where it stands; scale: of the distances of cameras."""
+    """Each warning with its line in the room file. scale: factor of the distances between cameras."""
     data = yaml.safe_load(SIMULATED.read_text())
     for camera in data["cameras"].values():
         del camera["source"]

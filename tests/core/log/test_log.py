@@ -160,7 +160,7 @@ def test_a_full_disk_ends_the_file_and_not_the_run() -> None:
 
 
 def test_a_disk_that_becomes_full_leaves_whole_records_and_the_next_log_goes_on(tmp_path: Path) -> None:
-    """The next one is that of the operator who takes the run over, when there is room again."""
+    """An operator that takes the run over writes the next one, when the disk has room again."""
     LogFile(tmp_path).write(record("one"))
     size = (tmp_path / "log.jsonl").stat().st_size
     with full_disk(size + 10):

@@ -16,7 +16,7 @@ from followspot.control.host import HostLost, HostRefused, HostStatus, RunOrder,
 from followspot.control.lifecycle import EndWorkers, FindRun, PrepareRun, StartRun, StopRun
 from followspot.control.observation import GetHostStatus, GetLog
 from followspot.control.swap import ChangeOrder
-from followspot.control.zenoh_rpc import InvalidAnswer
+from followspot.control.zenoh_rpc import InvalidAnswer, RpcClient
 from followspot.log.record import LogPage, LogRecord
 from followspot.operator.remote import remote_host
 from followspot.operator.remote.remote_host import RemoteHost
@@ -249,15 +249,18 @@ def test_an_order_that_an_agent_answers_wrongly_holds_up_no_later_one() -> None:
     asked: list[str] = []
     answers: dict[str, Exception] = {"end_workers": HostLost("no answer"), "stop_run": HostLost("no answer")}
 
-    class Odd:
-        """An agent that does not answer at first, and gives no valid answer to one kind of order later."""
+    class Odd(RpcClient):
+        """Of an agent that does not answer at first, and gives no valid answer to one kind of order later."""
 
-        def ask(self, agent: str, request: Request, timeout: float) -> Any:
+        def __init__(self) -> None:
+            """No session is opened."""
+
+        def ask(self, agent: str, request: Request, timeout: float = 0.0) -> Any:
             asked.append(verb(type(request)))
             if error := answers.get(asked[-1]):
                 raise error
 
-    orders = RemoteOrders(Odd(), "pc-left", Path(), RunOrder("feedc0de", {}))  # type: ignore[arg-type]
+    orders = RemoteOrders(Odd(), "pc-left", Path(), RunOrder("feedc0de", {}))
     orders.dispatcher.dispatch(EndWorkers(run="feedc0de", workers=("left",)))
     orders.dispatcher.dispatch(StopRun(run="feedc0de"))
     answers = {"end_workers": InvalidAnswer("pc-left", "end_workers", "no number")}

@@ -298,12 +298,12 @@ def test_a_successor_carries_on_where_its_predecessor_stopped() -> None:
     assert a.forecast.covariance.tobytes() == b.forecast.covariance.tobytes()
 
 
-def poor(stage: Kalman, frames: int, first: int = 40, **how: object) -> list[int]:
+def poor(stage: Kalman, frames: int, first: int = 40) -> list[int]:
     """Run frames in which one candidate shows target 0; the state with which each one was searched."""
     states = []
     for number in range(first, first + frames):
         states.append(int(stage.forecast().state[0]))
-        watch(stage, 1, first=number, support=1, **how)  # type: ignore[arg-type]
+        watch(stage, 1, first=number, support=1)
     return states
 
 

@@ -16,12 +16,16 @@ _SMALLEST, _LARGEST = 0.0005, 3.0
 _CLOSEST, _FARTHEST = 0.001, 500.0
 """Smallest and largest distance between the cameras that stand farthest apart, m."""
 _WIDE = 1.0
-"""Cameras that stand so far apart, m, stand around what they see."""
+"""Distance between the farthest cameras from which on they stand around what they see, m."""
 _REMEDY = "lengths are metres; divide by 1000 what is in mm"
+_CLOSE_REMEDY = "lengths are metres; multiply by 1000 what is in km"
 
 
 def odd_lengths(room: Room, node: Node | None) -> Iterator[Mistake]:
-    """Targets, cameras and planes whose lengths no room has, at their places in the room file."""
+    """A mistake for each target, pair of cameras and plane whose lengths no room has, at its place.
+
+    node: of the room file, None if there is none.
+    """
     centers = np.array([camera.center for camera in room.cameras.values()]).reshape(-1, 3)
     one, other, apart = _farthest(centers)
     for target in room.targets.values():
@@ -36,7 +40,7 @@ def odd_lengths(room: Room, node: Node | None) -> Iterator[Mistake]:
         names = list(room.cameras)
         at = child(child(child(node, "cameras"), names[other]), "translation")
         text = f"cameras {names[one]} and {names[other]}, farthest apart, have a distance of {apart:g} m"
-        yield Mistake(_place(at), text, _REMEDY if apart > _FARTHEST else "lengths are metres")
+        yield Mistake(_place(at), text, _REMEDY if apart > _FARTHEST else _CLOSE_REMEDY)
     for name, plane in room.planes.items():
         away = np.abs(centers @ plane[:3] + plane[3])
         if len(away) and away.min() > _FARTHEST:

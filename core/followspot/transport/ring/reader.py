@@ -20,7 +20,7 @@ _MOST_QUEUED = 4096
 
 
 def _nothing() -> None:
-    """Do nothing: nobody waits for tokens."""
+    """Do nothing: no worker waits for tokens."""
 
 
 class RingReader:
