@@ -4,9 +4,11 @@
     python tools/bench_copies.py recordings/dev5.yaml --codecs FFV1 --noise 2 --targets blue --json
 
 Each room is tracked as recorded, and each of its copies, with each fusion. For each target: the share of its
-trackable frames that have a position within 15 cm of the truth, the share that are reported beyond it, and
-the RMSE. The last lines have the mean over all copies and the worst of them, beside the aims: at least 97 %
-within, at most 0.5 % beyond. Copies differ as little as two recordings of one performance would, so what
+trackable frames that have a position within 15 cm of the truth, the share that are reported beyond it, the
+RMSE, the share of errors within the ellipsoid of 95 % that the sigmas span, and the mean of the squared
+errors over their variances (NEES over 3: 1 if sigmas are right, more if they are too small). The last lines
+have the mean over all copies and the worst of them, beside the aims: at least 97 % within, at most 0.5 %
+beyond. Copies differ as little as two recordings of one performance would, so what
 holds on the recording alone holds by chance.
 """
 
@@ -33,6 +35,7 @@ from followspot import room_file
 from followspot.messages import Array
 from followspot.tables import table
 from followspot_accuracy import TrackTable, TruthTable, truth_of
+from followspot_accuracy.targets.figures import within_ellipsoid
 from followspot_accuracy.targets.scoring import REACH, trajectory
 from scripting import options_of
 
@@ -53,6 +56,8 @@ class Held:
     within: float
     beyond: float
     rmse_mm: float | None
+    within_95: float | None
+    nees: float | None
 
 
 def main() -> None:
@@ -80,17 +85,19 @@ def main() -> None:
         print(json.dumps([asdict(one) for one in found]))
         return
     heads = ["fusion", "room", "copy", "target", "frames", "within 15 cm", "beyond", "RMSE mm"]
+    heads += ["ellipsoid", "NEES/3"]
     print(table(heads, [cells(one) for one in found]))
     print(f"\nCopies; the aims are {LEAST_WITHIN:.0%} within and {MOST_BEYOND:.1%} beyond.")
     heads = ["fusion", "room", "target", "within: mean", "worst", "", "beyond: mean", "worst"]
+    heads += ["ellipsoid", "NEES/3"]
     print(table(heads, list(summary(found))))
 
 
 def cells(one: Held) -> list[str]:
     """The figures as text, in the order of the heads."""
-    rmse = "-" if one.rmse_mm is None else f"{one.rmse_mm:.1f}"
-    shares = (f"{share:.1%}" for share in (one.within, one.beyond))
-    return [one.fusion, one.room, one.copy, one.target, str(one.frames), *shares, rmse]
+    shares = shown(one.within, ".1%"), shown(one.beyond, ".1%"), shown(one.rmse_mm, ".1f")
+    stated = shown(one.within_95, ".1%"), shown(one.nees, ".2f")
+    return [one.fusion, one.room, one.copy, one.target, str(one.frames), *shares, *stated]
 
 
 def summary(found: Sequence[Held]) -> Iterator[list[str]]:
@@ -100,12 +107,21 @@ def summary(found: Sequence[Held]) -> Iterator[list[str]]:
         mine = [one for one in copies if (one.fusion, one.room, one.target) == key]
         within, beyond = np.array([[one.within, one.beyond] for one in mine]).T
         worst = mine[int(within.argmin())].copy
-        yield [*key, f"{within.mean():.1%}", f"{within.min():.1%}", worst, *shown(beyond)]
+        shares = within.mean(), within.min(), beyond.mean(), beyond.max()
+        first, last, *others = (shown(share, ".1%") for share in shares)
+        stated = (mean(one.within_95 for one in mine), ".1%"), (mean(one.nees for one in mine), ".2f")
+        yield [*key, first, last, worst, *others, *(shown(*figure) for figure in stated)]
 
 
-def shown(beyond: Array) -> list[str]:
-    """Mean and worst share as text."""
-    return [f"{beyond.mean():.1%}", f"{beyond.max():.1%}"]
+def shown(figure: float | None, form: str) -> str:
+    """A figure as text."""
+    return "-" if figure is None else f"{figure:{form}}"
+
+
+def mean(figures: Iterable[float | None]) -> float | None:
+    """The mean of those that are known."""
+    known = [one for one in figures if one is not None]
+    return float(np.mean(known)) if known else None
 
 
 def measured(
@@ -135,9 +151,22 @@ def held(tracks: TrackTable, truth: TruthTable, of: tuple[str, str, str]) -> Ite
         there = truth.trackable[:, own]
         if not there.any():
             continue
-        error = np.linalg.norm(trajectory(tracks, name, truth.time).xyz - truth.xyz[:, own], axis=1)[there]
+        track = trajectory(tracks, name, truth.time)
+        off, sigma = (track.xyz - truth.xyz[:, own])[there], track.sigma[there]
+        error = np.linalg.norm(off, axis=1)
         within, beyond = (error < REACH).mean(), (error >= REACH).mean()
-        yield Held(*of, name, len(error), float(within), float(beyond), rmse_mm(error))
+        yield Held(
+            *of, name, len(error), float(within), float(beyond), rmse_mm(error), *consistency(off, sigma)
+        )
+
+
+def consistency(off: Array, sigma: Array) -> tuple[float | None, float | None]:
+    """Share of errors within the ellipsoid of 95 %, and NEES over 3: (N, 3) m each, NaN if unknown."""
+    known = np.isfinite(off).all(axis=1) & np.isfinite(sigma).all(axis=1)
+    if not known.any():
+        return None, None
+    off, sigma = off[known], sigma[known]
+    return float(within_ellipsoid(off, sigma).mean()), float(np.square(off / sigma).mean())
 
 
 if __name__ == "__main__":

@@ -19,6 +19,10 @@ from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Positions
 EVERY = 5
 """A doubted target is sought everywhere in every fifth frame, and in the next one if it was found elsewhere:
 what two frames show is no coincidence."""
+DEPARTURES = 0.3
+"""Rate at which tracks that few candidates show leave their targets, 1/s."""
+AWAY = 0.16
+"""How far off such a track is then along each axis, m, root mean square."""
 
 
 @dataclass(frozen=True)
@@ -96,6 +100,15 @@ def doubted(life: LifeCycle, patience: int) -> Array:
     first = (beyond % EVERY == 0) & (life.status == TRACKED)
     again = (beyond % EVERY == 1) & followed(life.status) & (life.streak > 0)
     return np.asarray((beyond >= 0) & (first | again))
+
+
+def departure_variance(seconds: Array) -> Array:
+    """Variance along each axis, m^2, of where targets are whose tracks may have left them, of any shape.
+
+    The filter takes errors of successive frames as independent, but what leads a track away does so in all.
+    seconds: for which few candidates have shown each.
+    """
+    return np.asarray(-np.expm1(-DEPARTURES * seconds) * AWAY**2)
 
 
 def sought(life: LifeCycle, near: int, marked: Array, doubted: Array) -> Array:

@@ -24,6 +24,7 @@ from followspot_target_filter.life_cycle import (
     close,
     coasted,
     confirmed,
+    departure_variance,
     doubted,
     followed,
     poor_counted,
@@ -207,14 +208,15 @@ class TargetFilter(Stage, ABC):
         return Outputs(self.tracks(), self.forecast())
 
     def doubted(self) -> Array:
-        """Targets that are also sought elsewhere in the next frame: (T,) bool.
+        """Targets that are also sought elsewhere in the next frame: (T,) bool."""
+        return self.expected(doubted(self.life, self.patience))
 
-        Only those that several cameras should show, and that colours tell from other things.
-        """
-        doubt = doubted(self.life, self.patience) & ~self.marks.there
-        if doubt.any():
-            doubt &= self.views.in_pictures(self.motion.estimate.xyz).sum(axis=0) >= SHOWING
-        return doubt
+    def expected(self, targets: Array) -> Array:
+        """Those targets that several cameras should show, and no mark tells from other things: (T,) bool."""
+        expected = targets & ~self.marks.there
+        if expected.any():
+            expected &= self.views.in_pictures(self.motion.estimate.xyz).sum(axis=0) >= SHOWING
+        return expected
 
     def sought(self, doubt: Array) -> Array:
         """The status that decides where the next frame is searched: (T,) u8. doubt: (T,) bool."""
@@ -273,8 +275,16 @@ class TargetFilter(Stage, ABC):
             state=self.life.status.take(target),
             xyz=now.xyz.take(target, axis=0),
             velocity=now.velocity.take(target, axis=0),
-            sigma=now.sigma.take(target, axis=0),
+            sigma=self.stated(now.sigma).take(target, axis=0),
         )
+
+    def stated(self, sigma: Array) -> Array:
+        """The filter's sigma of all targets, (T, 3) m, wider for tracks that may have left their targets."""
+        poor = self.life.poor > 0
+        if not self.patience or not poor.any():
+            return sigma
+        seconds = self.expected(poor) * self.life.poor * self.period
+        return np.asarray(np.sqrt(sigma * sigma + departure_variance(seconds)[:, None]))
 
     def forecast(self) -> Forecast:
         """The targets one period later; the rows of lost targets are zero."""

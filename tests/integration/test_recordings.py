@@ -125,7 +125,7 @@ def test_errors_are_within_what_tracks_say(scored: Score, fusion: str, sequence:
 def test_balls_that_are_hardly_seen_are_tracked_and_their_errors_are_within_what_tracks_say(
     scored: Score, sequence: str, count: int, fusion: str
 ) -> None:
-    """98 to 100 % of each target's frames, and 90 to 99 % of its errors in the ellipsoid of 95 %."""
+    """98 to 100 % of each target's frames, and 95 to 99 % of its errors in the ellipsoid of 95 %."""
     targets = scored(sequence, fusion)
     assert len(targets) == count
     for name, target in targets.items():
@@ -134,7 +134,7 @@ def test_balls_that_are_hardly_seen_are_tracked_and_their_errors_are_within_what
         assert target["identity_switches"] == 0, name
         assert target["false_positions"] == 0, name
         assert target["rated_frames"] > 80, name
-        assert target["within_95"] > 0.87, name
+        assert target["within_95"] > 0.91, name
 
 
 @pytest.mark.parametrize(

@@ -96,18 +96,23 @@ def test_shares_are_those_of_the_trackable_frames() -> None:
     frames = np.array([0, 1, 2, 3, 4, 5, 6, 8, 9])
     place = np.zeros((9, 3))
     place[[0, 8], 2] = 0.2
-    tracks = TrackTable(("red",), TIME[frames], np.zeros(9, int), np.zeros(9, np.uint8), place)
+    sigma = np.full((9, 3), 0.1)
+    sigma[8] = 0.05
+    tracks = TrackTable(("red",), TIME[frames], np.zeros(9, int), np.zeros(9, np.uint8), place, sigma=sigma)
     (found,) = bench_copies.held(tracks, truth, ("fusion", "room", "copy"))
     assert (found.frames, found.target) == (9, "red")
     assert found.within == pytest.approx(7 / 9)
     assert found.beyond == pytest.approx(1 / 9)
     assert found.rmse_mm == pytest.approx(1e3 * 0.2 / np.sqrt(8))
+    assert found.within_95 == pytest.approx(7 / 8)
+    assert found.nees == pytest.approx((0.2 / 0.05) ** 2 / (3 * 8))
 
 
 def test_the_summary_leaves_out_the_recording_itself() -> None:
     shares = {bench_copies.RECORDED: 0.5, "one": 1.0, "two": 0.9}
     found = [
-        bench_copies.Held("f", "dev", name, "red", 10, share, 0.0, 1.0) for name, share in shares.items()
+        bench_copies.Held("f", "dev", name, "red", 10, share, 0.0, 1.0, share, 2 * share)
+        for name, share in shares.items()
     ]
     (line,) = bench_copies.summary(found)
-    assert line == ["f", "dev", "red", "95.0%", "90.0%", "two", "0.0%", "0.0%"]
+    assert line == ["f", "dev", "red", "95.0%", "90.0%", "two", "0.0%", "0.0%", "95.0%", "1.90"]
