@@ -104,11 +104,11 @@ class Smooth(Stage):
             self.passed.append(filtered(past, step, self.motion))
         motions = smoothed(self.passed, self.motion.acceleration)
         sent, self.steps = self.steps[:count], self.steps[count:]
-        self.before, self.sent = self.passed[count - 1], sent[-1].time
-        self.passed = self.passed[count:]
-        for step, motion in zip(sent, motions, strict=False):
+        forward, self.passed = self.passed[:count], self.passed[count:]
+        self.before, self.sent = forward[-1], sent[-1].time
+        for step, past, motion in zip(sent, forward, motions, strict=False):
             if step.tracks is not None:
-                yield at(step.time, with_motion(step.tracks, motion), seq=step.seq)
+                yield at(step.time, with_motion(step.tracks, past.motion, motion), seq=step.seq)
 
     def state(self) -> Any:
         before = self.before._asdict()
@@ -132,10 +132,17 @@ class Smooth(Stage):
         self.newest, self.sent = int(state["newest"]), int(state["sent"])
 
 
-def with_motion(tracks: Tracks, motion: Motion) -> Tracks:
-    """The tracks with the places and velocities of a motion; rows of unknown targets stay as they are."""
+def with_motion(tracks: Tracks, past: Motion, motion: Motion) -> Tracks:
+    """The tracks with the places and velocities of a motion; rows of unknown targets stay as they are.
+
+    Variance that the tracker states beyond that of the forward filter stays: it is of what no later position
+    tells, such as that the track may have left its target.
+    past: from the observations until then.
+    """
     rows = of_room(tracks, len(motion.state))
     target = tracks.target[rows]
     xyz, velocity, sigma = tracks.xyz.copy(), tracks.velocity.copy(), tracks.sigma.copy()
-    xyz[rows], velocity[rows], sigma[rows] = motion.xyz[target], motion.velocity[target], motion.sigma[target]
+    beyond = np.maximum(sigma[rows] ** 2 - past.sigma[target] ** 2, 0.0)
+    xyz[rows], velocity[rows] = motion.xyz[target], motion.velocity[target]
+    sigma[rows] = np.sqrt(motion.sigma[target] ** 2 + beyond)
     return Tracks(target=tracks.target, state=tracks.state, xyz=xyz, velocity=velocity, sigma=sigma)

@@ -43,14 +43,16 @@ def positions(frame: float, places: dict[int, Sequence[float]], sigma: float = 0
     return seal(stamped(message, Header("cam0", int(frame), round(frame * PERIOD))))
 
 
-def tracks(frame: int, places: dict[int, Sequence[float]], state: int = TRACKED) -> Tracks:
+def tracks(
+    frame: int, places: dict[int, Sequence[float]], state: int = TRACKED, sigma: float = 1e-3
+) -> Tracks:
     count = len(places)
     message = Tracks(
         target=np.array(list(places), np.int32),
         state=np.full(count, state, np.uint8),
         xyz=np.array(list(places.values()), float).reshape(-1, 3),
         velocity=np.full((count, 3), 7.0),
-        sigma=np.full((count, 3), 0.5),
+        sigma=np.full((count, 3), sigma),
     )
     return seal(stamped(message, Header("cam0", frame, frame * PERIOD)))
 
@@ -99,6 +101,22 @@ def test_the_whole_recording_is_the_least_squares_solution(lag: int) -> None:
     expected, variance = least_squares(measured, 0.01, there)
     assert np.array([one.xyz[0] for one in found]) == pytest.approx(expected, abs=1e-6)
     assert np.array([one.sigma[0, 0] for one in found]) == pytest.approx(np.sqrt(variance), rel=1e-3)
+
+
+def test_what_a_track_states_beyond_the_errors_of_its_positions_stays() -> None:
+    """As of a track that may have left its target: no later position tells."""
+    measured, doubtful = noisy(path(40)), range(20, 30)
+    usual, wide = smooth(lag_frames=0), smooth(lag_frames=0)
+    for frame, place in enumerate(measured):
+        seen = (positions(frame, {0: place}),)
+        usual.process(tracks(frame, {0: place}), seen)
+        wide.process(tracks(frame, {0: place}, sigma=0.1 if frame in doubtful else 1e-3), seen)
+    for frame, (one, other) in enumerate(zip(usual.remaining(), wide.remaining(), strict=True)):
+        assert other.xyz.tobytes() == one.xyz.tobytes()
+        if frame in doubtful:  # 1 cm is what positions are off, and so the most that the filter states
+            assert 0.1**2 - 0.01**2 <= (other.sigma**2 - one.sigma**2).min() < 0.1**2
+        else:
+            assert other.sigma.tobytes() == one.sigma.tobytes()
 
 
 def test_a_lag_of_some_frames_uses_just_the_frames_up_to_it() -> None:
@@ -192,7 +210,7 @@ def test_one_that_late_positions_carry_over_a_gap_may_still_come_back_elsewhere(
 def test_without_positions_a_target_begins_where_the_tracker_reports_it() -> None:
     stage = smooth(lag_frames=1)
     for n in range(3):
-        found = stage.process(tracks(n, {1: (1.0, 2.0, 3.0)}), ())
+        found = stage.process(tracks(n, {1: (1.0, 2.0, 3.0)}, sigma=0.5), ())
         if n == 1:
             assert found[0].xyz[0] == pytest.approx([1.0, 2.0, 3.0])
             assert found[0].sigma[0] == pytest.approx([0.5] * 3)
