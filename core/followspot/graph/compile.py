@@ -100,7 +100,7 @@ def _stages(ports: Sequence[str]) -> set[str]:
 def _use(files: Sequence[str], mistakes: list[Mistake]) -> None:
     for file in files:
         try:
-            use_plugin_files([file])
+            use_plugin_files([file], changed=True)
         except FollowspotError as error:
             mistakes.append(Mistake(None, f"--plugin: {error}"))
 

@@ -9,12 +9,13 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.metadata import Distribution, EntryPoint, entry_points, version
-from itertools import groupby
+from itertools import chain, count, groupby
 from pathlib import Path
 from types import MappingProxyType
 from typing import Literal
 
 from followspot.errors import FollowspotError, Guess, did_you_mean
+from followspot.messages import Message
 from followspot.plugins.extras import missing_extra
 from followspot.plugins.one_file import FileStage, load_file
 from followspot.ports import ports
@@ -56,10 +57,14 @@ class PluginError(FollowspotError):
 _files: dict[str, FileStage] = {}
 
 
-def use_plugin_files(paths: Sequence[str]) -> None:
-    """Load one-file plugins; their stages are named FILE.class_name. Raises PluginError."""
+def use_plugin_files(paths: Sequence[str], *, changed: bool = False) -> None:
+    """Load one-file plugins; their stages are named FILE.class_name. Raises PluginError.
+
+    changed: load a file again that was changed since.
+    """
     for path in paths:
-        for stage in load_file(path):
+        stages = load_file(path, changed=changed)
+        for stage in stages:
             known = _files.get(stage.name)
             if known is not None and known.path != stage.path:
                 raise PluginError(f"{path}: stage {stage.name} is already offered by {known.path}")
@@ -69,6 +74,9 @@ def use_plugin_files(paths: Sequence[str]) -> None:
                     f"{path}: stage {stage.name} is already offered by {taken}; rename the file"
                 )
             _files[stage.name] = stage
+        offered = {stage.name for stage in stages}
+        for name in [name for name, known in _files.items() if known.path == path and name not in offered]:
+            del _files[name]
 
 
 def file_stages(paths: Sequence[str]) -> list[StageEntry]:
@@ -92,13 +100,13 @@ OFFERED = "here."
 def offer_stage(stage: type[Stage]) -> str:
     """Register a class of this process for its graphs; returns its name in a graph.
 
-    A later class of the same name replaces it, for example if a notebook's cell runs again.
-    Raises SignatureError if it is no stage.
+    Another class of the same name has a number behind it, for a graph that was made before runs its own, for
+    example if a notebook's cell runs again. Raises SignatureError if it is no stage.
     """
     ports(stage)
-    name = OFFERED + re.sub(r"(?<!^)(?=[A-Z])", "_", stage.__name__).lower()
-    _offered[name] = stage
-    return name
+    first = OFFERED + re.sub(r"(?<!^)(?=[A-Z])", "_", stage.__name__).lower()
+    names = chain([first], (f"{first}_{number}" for number in count(2)))
+    return next(name for name in names if _offered.setdefault(name, stage) is stage)
 
 
 @cache
@@ -160,7 +168,6 @@ def load_stage(name: str) -> type[Stage]:
     return stage
 
 
-@cache
 def _for_port(name: str, port: str) -> type[Stage]:
     """A stage that serves any type, for the type of STAGE.PORT. Raises PluginError."""
     general = load_stage(name)
@@ -172,7 +179,14 @@ def _for_port(name: str, port: str) -> type[Stage]:
     if found is None:
         known = did_you_mean(output, [one.name for one in sent], "outputs")
         raise PluginError(f'stage {sender} has no output "{output}"', known)
-    made: type[Stage] = general.for_type(found)
+    return _for_type(general, found)  # type: ignore[arg-type]  # classes can be hashed
+
+
+@cache
+def _for_type(general: type[Stage], kind: type[Message]) -> type[Stage]:
+    """A stage that serves any type, for this one."""
+    assert general.for_type is not None
+    made: type[Stage] = general.for_type(kind)
     return made
 
 

@@ -12,6 +12,7 @@ import pytest
 from tests.core.plugins.packages import STAGE, install
 
 from followspot.cli.main import main
+from followspot.messages import Message
 from followspot.plugins import registry
 from followspot.plugins.registry import (
     PluginError,
@@ -21,6 +22,12 @@ from followspot.plugins.registry import (
     load_stage,
     read_catalogue,
 )
+from followspot.stage import Stage
+
+
+class Notice(Message):
+    text: str
+
 
 V1 = "[followspot.plugins.v1]\n"
 
@@ -243,6 +250,48 @@ def test_a_file_cannot_take_a_name_that_is_taken(tmp_path: Path) -> None:
     registry.use_plugin_files([first, first])
     with pytest.raises(PluginError, match="already offered by"):
         registry.use_plugin_files([second])
+
+
+@pytest.mark.usefixtures("no_files")
+def test_a_file_that_was_changed_is_read_again_for_a_new_plan_alone(tmp_path: Path) -> None:
+    keys = one_file(tmp_path, "keys.py", STAGE)
+    registry.use_plugin_files([keys])
+    first = load_stage("keys.piano")
+    one_file(tmp_path, "keys.py", STAGE.replace("class Piano", "class Organ"))
+    registry.use_plugin_files([keys])
+    assert load_stage("keys.piano") is first  # a run that goes on keeps its classes
+    registry.use_plugin_files([keys], changed=True)
+    assert load_stage("keys.organ").__name__ == "Organ"
+    with pytest.raises(PluginError, match=r'no stage "keys\.piano"'):
+        load_stage("keys.piano")
+    registry.use_plugin_files([keys], changed=True)
+    assert load_stage("keys.organ") is load_stage("keys.organ")
+
+
+@pytest.mark.usefixtures("no_files")
+def test_a_change_that_breaks_a_file_is_told_and_leaves_its_module(tmp_path: Path) -> None:
+    keys = one_file(tmp_path, "keys.py", STAGE)
+    registry.use_plugin_files([keys])
+    module = sys.modules["followspot_file_keys"]
+    one_file(tmp_path, "keys.py", "x = 1 / 0\n")
+    with pytest.raises(registry.FollowspotError, match="ZeroDivisionError"):
+        registry.use_plugin_files([keys], changed=True)
+    assert sys.modules["followspot_file_keys"] is module
+
+
+def test_each_class_of_one_name_has_a_name_of_its_own() -> None:
+    def made() -> type[Stage]:
+        class Twin(Stage):
+            """A stage of a function, as each of its calls makes one."""
+
+            def process(self, text: Notice) -> None: ...
+
+        return Twin
+
+    first, second = made(), made()
+    names = [registry.offer_stage(stage) for stage in (first, second, first)]
+    assert names == ["here.twin", "here.twin_2", "here.twin"]
+    assert [load_stage(name) for name in names] == [first, second, first]
 
 
 @pytest.mark.usefixtures("no_files")
