@@ -31,6 +31,8 @@ MAX_BYTES = 1 << 28
 MAX_TIME = 1 << 62
 """Largest absolute capture time, ns (146 years from 1970). A watermark, with every tolerance and lateness
 that a graph can add, stays below the values that mean absence and the end (`followspot.transport.token`)."""
+MAX_DIMENSIONS = 8
+"""Largest number of dimensions of a column."""
 MAX_SEQ = 1 << 62
 """Largest number of a frame."""
 
@@ -141,6 +143,9 @@ class Message:
     @classmethod
     def _check_declaration(cls) -> None:
         """Raise TypeError if a field's type cannot be sent, or the declaration of a column is wrong."""
+        for name in (*cls.array_names, *dict(cls.scalars)):
+            if name in vars(Message):
+                raise TypeError(f"{cls.__name__}.{name}: a message has this name already; take another one")
         for name, kind in cls.scalars:
             if kind not in SCALARS and kind != tuple[str, ...]:
                 raise TypeError(
@@ -148,6 +153,7 @@ class Message:
                 )
         texts = {name for name, kind in cls.scalars if kind == tuple[str, ...]}
         for c in cls.columns:
+            _check_column(cls.__name__, c)
             if c.refers and c.refers not in ("targets", "states", *texts):
                 what = "neither targets, states nor a field of texts"
                 raise TypeError(f"{cls.__name__}.{c.name} refers to {c.refers}: {what}")
@@ -198,6 +204,17 @@ class Message:
         source, seq, time, _ = self.header
         title = f"{type(self).__name__} {seq} of {source or 'no source'} at {time} ns"
         return html_table(("field", "shape", "unit", "value"), fields, title)
+
+
+def _check_column(owner: str, found: Column) -> None:
+    """Raise TypeError if arrays of this column cannot be sent; owner: name of the message type."""
+    name, shape, dtype, *_ = found
+    if dtype.kind not in "biufc":
+        raise TypeError(f"{owner}.{name}: a column holds numbers or truth values, not dtype {dtype.str}")
+    if len(shape) > MAX_DIMENSIONS:
+        raise TypeError(f"{owner}.{name} has {len(shape)} dimensions, at most {MAX_DIMENSIONS}")
+    if not all(isinstance(size, str) or (isinstance(size, int) and size >= 0) for size in shape):
+        raise TypeError(f"{owner}.{name} has the shape {shape}: sizes are names, or whole numbers from 0")
 
 
 M = TypeVar("M", bound=Message)

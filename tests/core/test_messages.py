@@ -95,3 +95,24 @@ def test_a_field_that_cannot_travel_is_refused_at_once() -> None:
 
         class Broken(Message):
             names: dict[str, int]
+
+
+@pytest.mark.parametrize(
+    ("declared", "reason"),
+    [
+        (column("N", dtype="O"), r"wrong: a column holds numbers or truth values, not dtype \|O"),
+        (column("N", dtype="M8[ns]"), r"not dtype <M8\[ns\]"),
+        (column(*range(1, 10)), "has 9 dimensions, at most 8"),
+        (column("N", -3), r"has the shape \('N', -3\): sizes are names, or whole numbers from 0"),
+        (column(2.5), "sizes are names"),  # type: ignore[arg-type]
+    ],
+)
+def test_a_column_that_cannot_travel_is_refused_at_once(declared: object, reason: str) -> None:
+    with pytest.raises(TypeError, match=reason):
+        type("Broken", (Message,), {"__annotations__": {"wrong": Array}, "wrong": declared})
+
+
+@pytest.mark.parametrize("name", ["header", "columns", "is_empty", "where", "as_table"])
+def test_a_field_cannot_have_a_name_that_every_message_has(name: str) -> None:
+    with pytest.raises(TypeError, match=rf"Broken\.{name}: a message has this name already"):
+        type("Broken", (Message,), {"__annotations__": {name: int}})

@@ -15,7 +15,6 @@ from followspot.messages import MAX_BYTES, Array, Header, InvalidMessage, Messag
 from followspot.transport.token import Watermark, is_watermark
 from followspot.transport.wire import ALIGN, MAX_HEAD, RAW, aligned, pack_head, padded, unpack_head
 
-MAX_NDIM = 8
 MAX_SOURCE = 1000
 """Longest name of a source, characters."""
 _INT64 = 1 << 63
@@ -27,17 +26,11 @@ class Codec:
     """Encodes and decodes one message type; prepares once what depends on the type alone."""
 
     def __init__(self, kind: type[Message]) -> None:
-        """Raises TypeError if a column is not made of plain numbers."""
         self.kind = kind
         self.name = kind.__qualname__
         self._shaped: tuple[Any, list[tuple[int, ...]], list[int]] = (self, [], [])
         self._columns = tuple((c.name, c.dtype.str, c.shape, c.dtype) for c in kind.columns)
         self.dtypes = tuple(c.dtype for c in kind.columns)
-        for name, code, shape, dtype in self._columns:
-            if dtype.kind not in "biufc" or len(shape) > MAX_NDIM:
-                raise TypeError(
-                    f"{self.name}.{name} of dtype {code} and {len(shape)} dimensions cannot be sent"
-                )
 
     def arrays(self, message: Message) -> list[Array]:
         """The arrays of a message, in the order of its columns."""

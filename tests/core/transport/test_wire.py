@@ -26,7 +26,7 @@ from followspot.messages import (
     stamped,
 )
 from followspot.tracking import Blobs, Forecast, Frame, Pairs
-from followspot.transport.codec import Codec, codec_of, pack, unpack
+from followspot.transport.codec import codec_of, pack, unpack
 from followspot.transport.token import ABSENT, END, MAX_WATERMARK, Watermark
 from followspot.transport.wire import ALIGN, MAX_HEAD, unpack_head
 
@@ -225,18 +225,6 @@ def test_a_head_over_the_limit_is_refused_by_the_sender() -> None:
                 seal(Pairs(names, *(getattr(Pairs.empty(), c.name) for c in Pairs.columns))), Header("", 0, 0)
             )
         )
-
-
-def test_a_type_that_is_not_plain_numbers_has_no_codec() -> None:
-    class Words(Message):
-        text: Array = column("N", dtype="O")
-
-    class Deep(Message):
-        cube: Array = column(*range(1, 10))
-
-    for kind in (Words, Deep):
-        with pytest.raises(TypeError, match="cannot be sent"):
-            Codec(kind)
 
 
 @settings(max_examples=20, deadline=None)
