@@ -31,6 +31,16 @@ def check_returned(declared: Sequence[OutputSpec], result: Any) -> None:
             )
 
 
+def several(result: Any) -> Iterator[Any]:
+    """An iterator over what a source, or a stage with several results, gives. Raises WrongOutput."""
+    try:
+        return iter(result)
+    except TypeError:
+        raise WrongOutput(
+            f"returned {_named(result)} instead of several messages: yield them, or return a list"
+        ) from None
+
+
 def check_yielded(declared: Sequence[OutputSpec], item: Any, *, live: bool) -> Header:
     """Check the result of a source; returns the header with the capture time, common to all its messages.
 

@@ -252,7 +252,7 @@ def _endless(note: Note) -> Iterator[Note]:
         (lambda note: (at(30, note), at(30, note)), "times rise", 1),
         (lambda note: (None,), "gave nothing", 0),
         (lambda note: (3,), "gave an int, declared Note", 0),
-        (lambda note: note, "not iterable", 0),
+        (lambda note: note, "instead of several messages", 0),
         (_raises, "the file ends early", 0),
         (_endless, f"more than {MAX_OUTPUTS} messages", 0),
     ],

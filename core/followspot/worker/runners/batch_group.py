@@ -11,6 +11,7 @@ from collections import defaultdict
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from followspot.worker.runners.error_policy import RAISED, text_of
 from followspot.worker.runners.stage_runner import FiringInputs, StageRunner
 
 
@@ -71,8 +72,8 @@ def _together(runners: Sequence[StageRunner], firings: Sequence[FiringInputs]) -
         results: Sequence[Any] = together([c.stage for c in runners], [f.arguments for f in firings])
         if len(results) != len(runners):
             raise ValueError(f"process_together returned {len(results)} outputs for {len(runners)} stages")
-    except Exception as error:
-        runners[0].stage.context.warn(f"each works alone, for together {type(error).__name__}: {error}")
+    except RAISED as error:
+        runners[0].stage.context.warn(f"each works alone, for together {text_of(error)}")
         return _each_alone(runners, firings)
     finally:
         for runner in runners:

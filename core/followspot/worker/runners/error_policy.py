@@ -13,8 +13,9 @@ from followspot.messages import Header
 from followspot.stage import Stage
 from followspot.worker.runners.runner_count import RunnerCount
 
-RAISED = (Exception, SystemExit)
-"""What a stage may raise: some libraries call `sys.exit`, which would end the worker without a word."""
+RAISED = BaseException
+"""What a stage may raise: some libraries call `sys.exit`, and asyncio and extensions in Rust raise what is no
+`Exception`; each would end the worker, or the thread of a live source, without a word."""
 RESTARTS = 5
 """How often a stage with policy `restart` is rebuilt before the run fails."""
 FIRST_BACK_OFF = 0.1
@@ -27,7 +28,7 @@ class StageError(FollowspotError):
     def __init__(self, stage: str, header: Header | None, error: BaseException) -> None:
         when = f" at {header.source}#{header.seq}, {header.time / 1e9:.6f} s" if header else ""
         detail = "" if isinstance(error, FollowspotError) else _traceback(error)
-        super().__init__(f"stage {stage} failed{when}: {type(error).__name__}: {error}{detail}")
+        super().__init__(f"stage {stage} failed{when}: {text_of(error)}{detail}")
 
 
 class Failing(Protocol):
@@ -68,6 +69,15 @@ def _restart(runner: Failing) -> None:
     runner.stage.setup()
     if state is not None:
         runner.stage.restore(state)
+
+
+def text_of(error: BaseException) -> str:
+    """Type and text of an error that a stage raised, whose own `__str__` may fail."""
+    try:
+        text = str(error)
+    except Exception:
+        text = "its text cannot be read"
+    return f"{type(error).__name__}: {text}"
 
 
 def _traceback(error: BaseException) -> str:

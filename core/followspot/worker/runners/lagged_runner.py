@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from followspot.messages import UNSTAMPED, Header, in_range
-from followspot.outputs import WrongOutput, check_one_of_several
+from followspot.outputs import WrongOutput, check_one_of_several, several
 from followspot.transport.token import END
 from followspot.worker.runners.error_policy import RAISED, recover
 from followspot.worker.runners.outputs_runner import OutputsRunner
@@ -85,7 +85,7 @@ class LaggedRunner(OutputsRunner):
             return
         firing, self._last = self._last, None
         try:
-            self._unsent.extend(self._stamped(tuple(self.stage.remaining()), firing))
+            self._unsent.extend(self._stamped(tuple(several(self.stage.remaining())), firing))
         except RAISED as error:
             recover(self, firing, error)
         self._send_waiting()

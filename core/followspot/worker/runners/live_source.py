@@ -13,6 +13,7 @@ from typing import Any
 
 from followspot.graph.plan import LIVE_DEPTH
 from followspot.messages import UNSTAMPED, Header
+from followspot.outputs import several
 from followspot.stage import Stage
 from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.output_port import OutputPort
@@ -108,7 +109,7 @@ class LiveSourceRunner(SourceRunner):
     def _grab(self, stage: Stage) -> None:
         """Take frames from the device until it ends or another stage replaces this one; in a thread."""
         try:
-            for item in stage.process():
+            for item in several(stage.process()):
                 if not self._keep(item, stage):
                     break
                 self.notify()

@@ -9,7 +9,7 @@ from itertools import islice
 from typing import Any
 
 from followspot.messages import UNSTAMPED, Header, in_range
-from followspot.outputs import WrongOutput, check_one_of_several
+from followspot.outputs import WrongOutput, check_one_of_several, several
 from followspot.transport.token import END
 from followspot.worker.runners.error_policy import RAISED, recover
 from followspot.worker.runners.stage_runner import FiringInputs, StageRunner
@@ -40,7 +40,7 @@ class OutputsRunner(StageRunner):
             return ()
         started = time.monotonic_ns()
         try:
-            items = tuple(islice(result, MAX_OUTPUTS + 1))
+            items = tuple(islice(several(result), MAX_OUTPUTS + 1))
             if len(items) > MAX_OUTPUTS:
                 raise WrongOutput(f"gave more than {MAX_OUTPUTS} messages for one")
         except RAISED as error:

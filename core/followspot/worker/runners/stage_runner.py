@@ -21,7 +21,7 @@ from followspot.worker.inputs.join import Join
 from followspot.worker.journal import Journal
 from followspot.worker.latency import PathLatencies
 from followspot.worker.output_port import OutputPort
-from followspot.worker.runners.error_policy import RAISED, StageError, recover
+from followspot.worker.runners.error_policy import RAISED, StageError, recover, text_of
 from followspot.worker.runners.runner_count import RunnerCount
 
 _capture_time = attrgetter("time")
@@ -234,7 +234,7 @@ class StageRunner:
         try:
             stage.close()
         except RAISED as error:
-            stage.context.warn(f"the stage that was replaced did not close: {type(error).__name__}: {error}")
+            stage.context.warn(f"the stage that was replaced did not close: {text_of(error)}")
 
     def leave(self) -> None:
         """Fire with the messages that wait, without their missing partners: the stage leaves the graph."""
