@@ -37,7 +37,7 @@ class Views:
 
     def __init__(self, cameras: Iterable[Camera]) -> None:
         self.cameras = tuple(cameras)
-        self.others = [i for i, c in enumerate(self.cameras) if c.model != "pinhole"]
+        self.others = [i for i, c in enumerate(self.cameras) if c.model != "pinhole" or c.matrix[0, 1] != 0]
         rotation = np.array([c.rotation for c in self.cameras]).reshape(-1, 3, 3)
         translation = np.array([c.translation for c in self.cameras]).reshape(-1, 3)
         self.rotation = rotation.swapaxes(0, 1).reshape(-1, 3)

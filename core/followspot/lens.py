@@ -32,7 +32,7 @@ def _project_polynomial(camera: Camera, local: Array) -> Array:
         return np.empty((0, 2))
     pixel = cv2.projectPoints(local, IDENTITY, ORIGIN, camera.matrix, camera.distortion)[0][:, 0]
     pixel[local[:, 2] <= 0] = np.nan
-    return np.asarray(pixel)
+    return _sheared(camera, pixel, 1.0)
 
 
 def _project_fisheye(camera: Camera, local: Array) -> Array:
@@ -75,7 +75,20 @@ def undistort_polynomial(camera: Camera, pixel: Array) -> Array:
         return np.empty((0, 2))
     stop = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, MAX_ITERATIONS, TOLERANCE)
     K = camera.matrix
+    pixel = _sheared(camera, pixel, -1.0)
     return np.asarray(cv2.undistortPointsIter(pixel[:, None], K, camera.distortion, IDENTITY, K, stop)[:, 0])
+
+
+def _sheared(camera: Camera, pixel: Array, sign: float) -> Array:
+    """Add (sign 1) or remove (sign -1) the skew of the matrix, which OpenCV's functions pass over.
+
+    pixel: (N, 2) px. Returns (N, 2) px; the same array without a skew.
+    """
+    K = camera.matrix
+    if K[0, 1] == 0:
+        return pixel
+    x, y = pixel.T
+    return np.column_stack([x + sign * K[0, 1] * (y - K[1, 2]) / K[1, 1], y])
 
 
 def pinhole_image(camera: Camera, local: Array) -> Array:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -82,6 +84,23 @@ def test_cylinder_unrolls_the_angle_around_its_axis() -> None:
     seen = project(camera("cylinder"), np.array([[1.0, 1.0, 1.0], [0.0, 0.5, -1.0]]))
     assert seen[0] == pytest.approx([160 + 200 * np.pi / 4, 120 + 210 / np.sqrt(2)])
     assert seen[1] == pytest.approx([160 + 200 * np.pi, 120 + 105])
+
+
+@pytest.mark.parametrize("model", ["pinhole", "rational", "fisheye", "cylinder"])
+def test_a_skewed_matrix_shears_the_picture_of_every_lens(model: LensModel) -> None:
+    # x = fx x' + s y' + cx for the distorted point (x', y') (H&Z, eq. 6.10)
+    straight = camera(model, translation=(0.1, 0.2, 0.0))
+    skewed = replace(straight, matrix=np.array([[K[0, 0], 7.0, K[0, 2]], K[1], K[2]]))
+    points = np.array([[1.0, -0.5, 4.0], [-0.3, 1.1, 3.0]])
+    expected = project(straight, points)
+    expected[:, 0] += 7.0 * (expected[:, 1] - K[1, 2]) / K[1, 1]
+    seen = project(skewed, points)
+    assert seen == pytest.approx(expected, abs=1e-9)
+    assert Views([skewed]).project_local(Views([skewed]).local(points))[0] == pytest.approx(seen, abs=1e-9)
+    assert ray(skewed, seen) == pytest.approx(ray(straight, project(straight, points)), abs=1e-9)
+    image = np.column_stack([points, np.ones(2)]) @ skewed.projection.T
+    assert undistort(skewed, seen) == pytest.approx(image[:, :2] / image[:, 2:], abs=1e-6)
+    assert distort(skewed, undistort(skewed, seen)) == pytest.approx(seen, abs=1e-6)
 
 
 def test_points_behind_a_pinhole_camera_have_no_image() -> None:
