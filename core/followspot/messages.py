@@ -267,8 +267,8 @@ def seal(message: M) -> M:
     """Check a message against its contract, make its arrays contiguous and read-only, and return it.
 
     An edge between processes delivers contiguous arrays and plain scalars. An edge within a process must
-    deliver the same, because sums over another memory layout may differ in the last bit. Raises
-    InvalidMessage.
+    deliver the same, because sums over another memory layout may differ in the last bit; and it delivers the
+    values of now, whatever the stage writes to its own arrays later. Raises InvalidMessage.
     """
     values = message.__dict__
     for name, kind in message.scalars:
@@ -282,10 +282,26 @@ def seal(message: M) -> M:
             raise InvalidMessage(f"{name} is a {type(array).__name__}, not a numpy array")
         if not array.flags.c_contiguous:
             values[name] = array = np.ascontiguousarray(array)
+        elif (owner := array.base) is not None:
+            values[name] = array = _kept(array, owner)
         array.setflags(False)  # write=False; the keyword would double the cost
         layout += array.shape, array.dtype
     check_layout(type(message), tuple(layout))  # type: ignore[arg-type]  # classes can be hashed
     return message
+
+
+def _kept(array: Array, owner: Any) -> Array:
+    """A view that does not change if the stage writes to the array that owns its memory.
+
+    A part of a larger array is copied, since the stage may fill the rest; else the owner becomes read-only.
+    Memory that no array owns, as a loan, is left as it is.
+    """
+    if type(owner) is not np.ndarray or not (owner.flags.writeable and owner.flags.owndata):
+        return array
+    if owner.nbytes > array.nbytes:
+        return array.copy()
+    owner.setflags(write=False)
+    return array
 
 
 @lru_cache(maxsize=4096)  # most messages repeat a few layouts

@@ -116,3 +116,15 @@ def test_a_column_that_cannot_travel_is_refused_at_once(declared: object, reason
 def test_a_field_cannot_have_a_name_that_every_message_has(name: str) -> None:
     with pytest.raises(TypeError, match=rf"Broken\.{name}: a message has this name already"):
         type("Broken", (Message,), {"__annotations__": {name: int}})
+
+
+def test_what_a_stage_writes_to_its_own_arrays_later_changes_no_sent_message() -> None:
+    buffer = np.arange(10.0)
+    part = seal(Points("cam0", buffer[:6].reshape(3, 2), buffer[6:9], np.array([320, 240], "i4")))
+    buffer[:] = -1.0
+    assert part.xy.tolist() == [[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]]
+    assert part.weight.tolist() == [6.0, 7.0, 8.0]
+    whole = seal(Points("cam0", np.zeros((10, 2)), buffer[:], np.array([320, 240], "i4")))
+    assert whole.weight.base is buffer
+    with pytest.raises(ValueError, match="read-only"):
+        buffer[0] = 1.0
