@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from followspot.document import dump
-from followspot.errors import FollowspotError, InputError
+from followspot.errors import FollowspotError, InputError, Mistake, Place
 from followspot.graph.compile import compile_graph
 from followspot.graph.compose.graph_file import input_names
 from followspot.graph.declaration import ROOM_SOURCE
@@ -168,10 +168,16 @@ class Graph:
         """The plan; options: as `followspot.graph.compile.compile_graph`. Raises InputError with every
         mistake.
         """
+        text = self.to_yaml(self.room and self.room.absolute())
         with TemporaryDirectory(prefix="followspot-graph-") as folder:
-            path = Path(folder) / f"{self.name}.yaml"
-            path.write_text(self.to_yaml(self.room and self.room.absolute()), encoding="utf-8")
-            return replace(compile_graph(path, **options), written=None)
+            path = Path(folder) / "graph.yaml"
+            path.write_text(text, encoding="utf-8")
+            name = f"<Graph {self.name}>"
+            try:
+                found = compile_graph(path, **options)
+            except InputError as error:
+                raise InputError(_placed(error.mistakes, path, name, text)) from None
+        return replace(found, written=None, warnings=_placed(found.warnings, path, name, text))
 
     def _repr_svg_(self) -> str | None:
         try:
@@ -181,6 +187,18 @@ class Graph:
 
     def __repr__(self) -> str:
         return f"<Graph {self.name}: {', '.join(self.stages) or 'no stages'}>"
+
+
+def _placed(mistakes: Sequence[Mistake], path: Path, name: str, text: str) -> tuple[Mistake, ...]:
+    """Mistakes in a temporary file, with its text in place of its path, which is gone when they are read."""
+
+    def found(place: Place | None) -> Place | None:
+        if place is None:
+            return None
+        place = replace(place, outer=found(place.outer))
+        return replace(place, file=name, written=text) if place.file == str(path) else place
+
+    return tuple(replace(mistake, place=found(mistake.place)) for mistake in mistakes)
 
 
 def _inputs(stage: type[Stage], names: Collection[str]) -> set[str]:

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-import json
 import threading
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, suppress
 from pathlib import Path
-from typing import Any, TypedDict, Unpack
+from typing import Any, Unpack
 
 from followspot.control.dispatch import Dispatcher, Request
 from followspot.control.unix_socket import serve_requests
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.graph.arrange import EdgeChoice
-from followspot.graph.compile import compile_graph
-from followspot.graph.plan import Plan
 from followspot.library.graph import Graph
 from followspot.library.keep import Keep
 from followspot.library.keeping import StartKeeping, keeping, unkept
+from followspot.library.plan_settings import PlanSettings, plan_of, whole
 from followspot.library.report import Report
 from followspot.library.script_handle import ScriptHandle
 from followspot.library.subscribed import Subscribed
@@ -47,30 +45,6 @@ class RunFailed(FollowspotError):
     """The run ended with errors; the text has them."""
 
 
-class PlanSettings(TypedDict, total=False):
-    """Options of a plan besides the graph and its parameters, as `run` takes them."""
-
-    room: str | Path | None
-    cameras: Sequence[str]
-    placement: str | Path | None
-    seed: int | None
-    plugin_files: Sequence[str | Path]
-    edges: EdgeChoice
-
-
-def plan_of(
-    graph: str | Path | Graph,
-    settings: Mapping[str, Any] | None,
-    ports: Sequence[str] = (),
-    **options: Unpack[PlanSettings],
-) -> Plan:
-    """The plan of a graph with these options. Raises InputError with every mistake."""
-    overrides = [f"{name}={_word(value)}" for name, value in (settings or {}).items()]
-    if isinstance(graph, Graph):
-        return graph.plan(overrides=overrides, subscribed=ports, **options)
-    return compile_graph(graph, overrides=overrides, subscribed=ports, **options)
-
-
 def check(
     graph: str | Path | Graph,
     *,
@@ -93,14 +67,14 @@ def run(
     graph: str | Path | Graph,
     *,
     room: str | Path | None = None,
-    cameras: Sequence[str] = (),
+    cameras: str | Sequence[str] = (),
     set: Mapping[str, Any] | None = None,  # noqa: A002  # as --set is called
     placement: str | Path | None = None,
     ports: str | Sequence[str] = (),
     out: str | Path | None = None,
     frames: int | None = None,
     seed: int | None = None,
-    plugin_files: Sequence[str | Path] = (),
+    plugin_files: str | Path | Sequence[str | Path] = (),
     edges: EdgeChoice = "auto",
     restart: bool = False,
     network: Network = Network(),
@@ -117,8 +91,7 @@ def run(
     Raises InputError with every mistake.
     """
     ports = (ports,) if isinstance(ports, str) else ports
-    if frames is not None and (not isinstance(frames, int) or frames < 1):
-        raise InputError.of(f"frames is {frames!r}", "give a whole number from 1, or nothing for all")
+    frames = whole("frames", frames, 1, "give a whole number from 1, or nothing for all")
     plan = plan_of(
         graph,
         set,
@@ -265,8 +238,3 @@ class OwnRun(ScriptHandle):
     def _raise(self) -> None:
         if (error := self._failure()) is not None:
             raise error
-
-
-def _word(value: Any) -> str:
-    """A value as `--set` takes it."""
-    return value if isinstance(value, str) else json.dumps(value, default=str)

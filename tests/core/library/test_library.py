@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import inspect
+import re
 import signal
 import subprocess
 import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -254,9 +256,36 @@ def test_a_number_of_frames_that_is_none_is_refused_before_the_run(tmp_path: Pat
         fs.run(GRAPH, out=tmp_path, frames=frames)
 
 
-def test_a_single_port_needs_no_list(tmp_path: Path) -> None:
-    with fs.run(GRAPH, out=tmp_path, frames=3, ports="track.tracks") as run:
+@pytest.mark.parametrize(
+    ("option", "said"),
+    [
+        ({"edges": "rings"}, 'edges is .rings.\\n    did you mean "ring"'),
+        ({"seed": -3}, r"seed is -3\n    give a whole number from 0 to 9223372036854775807"),
+        ({"seed": 1 << 63}, "seed is 9223372036854775808"),
+        ({"seed": "7"}, "seed is '7'"),
+    ],
+)
+def test_an_option_that_cannot_be_is_refused_with_what_can(option: dict[str, Any], said: str) -> None:
+    (mistake,) = fs.check(GRAPH, **option)
+    assert re.match(said, str(mistake))
+
+
+def test_a_single_name_needs_no_list(tmp_path: Path) -> None:
+    with fs.run(GRAPH, out=tmp_path, frames=np.int64(3), ports="track.tracks") as run:
         assert len([*run["track.tracks"]]) == 3
+    assert any("cam9" in mistake.text for mistake in fs.check(GRAPH, cameras="cam9"))
+    assert fs.check(GRAPH, plugin_files=str(TICKS)) == []
+
+
+@pytest.mark.parametrize("name", ["hall/left", "x" * 300, "\0"])
+def test_a_composed_graph_quotes_itself_in_its_mistakes(name: str) -> None:
+    (mistake,) = fs.check(fs.Graph(name))
+    assert mistake.text.startswith("graph cannot be")
+    graph = fs.Graph("mine")
+    graph.add("camera", "cameras.video", path="balls.mp4", speed=3)
+    mistakes = [mistake for mistake in fs.check(graph) if "speed" in mistake.text]
+    assert str(mistakes[0]).startswith("<Graph mine>:5:")
+    assert "speed: 3" in str(mistakes[0])
 
 
 def test_numbers_of_numpy_are_parameters_and_another_value_is_named() -> None:

@@ -1,0 +1,72 @@
+"""The options of a plan, as scripts give them."""
+
+from __future__ import annotations
+
+import json
+import operator
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypedDict, Unpack, get_args
+
+from followspot.errors import InputError, did_you_mean
+from followspot.graph.arrange import EdgeChoice
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan import MAX_SEED, Plan
+from followspot.library.graph import Graph
+
+
+class PlanSettings(TypedDict, total=False):
+    """Options of a plan besides the graph and its parameters, as `followspot.run` takes them."""
+
+    room: str | Path | None
+    cameras: str | Sequence[str]
+    placement: str | Path | None
+    seed: int | None
+    plugin_files: str | Path | Sequence[str | Path]
+    edges: EdgeChoice
+
+
+def plan_of(
+    graph: str | Path | Graph,
+    settings: Mapping[str, Any] | None,
+    ports: Sequence[str] = (),
+    **options: Unpack[PlanSettings],
+) -> Plan:
+    """The plan of a graph with these options. Raises InputError with every mistake."""
+    overrides = [f"{name}={_word(value)}" for name, value in (settings or {}).items()]
+    remedy = f"give a whole number from 0 to {MAX_SEED}, or nothing for the graph's"
+    checked: dict[str, Any] = {
+        **options,
+        "cameras": _several(options.get("cameras", ())),
+        "plugin_files": _several(options.get("plugin_files", ())),
+        "seed": whole("seed", options.get("seed"), 0, remedy, MAX_SEED),
+    }
+    edges = options.get("edges", "auto")
+    if edges not in get_args(EdgeChoice):
+        raise InputError.of(f"edges is {edges!r}", did_you_mean(str(edges), get_args(EdgeChoice), "edges"))
+    if isinstance(graph, Graph):
+        return graph.plan(overrides=overrides, subscribed=ports, **checked)
+    return compile_graph(graph, overrides=overrides, subscribed=ports, **checked)
+
+
+def whole(name: str, value: Any, least: int, remedy: str, most: int | None = None) -> int | None:
+    """An option that is a whole number, of numpy too, or None. Raises InputError."""
+    if value is None:
+        return None
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = least - 1
+    if number < least or (most is not None and number > most):
+        raise InputError.of(f"{name} is {value!r}", remedy)
+    return number
+
+
+def _several(values: Any) -> Sequence[Any]:
+    """Several names or files; one may stand alone."""
+    return (values,) if isinstance(values, str | Path) else values
+
+
+def _word(value: Any) -> str:
+    """A value as `--set` takes it."""
+    return value if isinstance(value, str) else json.dumps(value, default=str)
