@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Unpack
 
 from followspot.control.dispatch import Dispatcher, Request
+from followspot.control.lifecycle import StopRun
 from followspot.control.unix_socket import serve_requests
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.graph.arrange import EdgeChoice
@@ -221,6 +222,8 @@ class OwnRun(ScriptHandle):
 
     def _asked(self, request: Request, timeout: float) -> Any:
         if self._dispatcher is None or self._ended.is_set():
+            if isinstance(request, StopRun):
+                return None  # it may have ended a moment ago
             raise FollowspotError("the run has ended")
         with self._subscribed.yielding():  # the loop over a subscription may be what asks
             return self._dispatcher.dispatch(request)

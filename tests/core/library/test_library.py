@@ -238,6 +238,12 @@ def test_a_composed_graph_is_saved_checked_drawn_and_run_with_a_class_of_this_pr
         fs.run(graph, placement="camera", out=tmp_path)
 
 
+def test_a_run_that_has_ended_can_be_stopped(tmp_path: Path) -> None:
+    with fs.run(GRAPH, out=tmp_path, frames=3) as run:
+        assert run.wait().ok
+        run.stop()
+
+
 def test_two_runs_do_not_mix_their_files_in_one_folder(tmp_path: Path) -> None:
     (tmp_path / "endless.yaml").write_text(ENDLESS)
     graph, out = tmp_path / "endless.yaml", tmp_path / "out"
