@@ -61,9 +61,11 @@ def as_json(message: Message, room: Room) -> dict[str, Any]:
 
 
 def plain(values: Array | list[Any]) -> list[Any]:
-    """Values in JSON types; NaN and infinity become None."""
+    """Values in JSON types; NaN and infinity become None, and a complex number its two parts."""
     if not isinstance(values, np.ndarray):
         return values
+    if values.dtype.kind == "c":
+        values = np.stack([values.real, values.imag], axis=-1)
     if values.dtype.kind == "f" and not np.isfinite(values).all():
         unknown = ~np.isfinite(values)
         values = values.astype(object)
@@ -153,7 +155,8 @@ def _declared(message: Message, room: Room) -> Table:
             continue
         names = _known(message, column.refers, room)
         for head, values in zip(heads, array.reshape(count, len(heads)).T, strict=True):
-            named = values if names is None else _named(values, names)
+            shown = plain(values) if values.dtype.kind == "c" else values
+            named = shown if names is None else _named(values, names)
             table.append(Cells(head, named, column.unit, column.decimals, column.extra))
     return table
 

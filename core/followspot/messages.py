@@ -209,7 +209,7 @@ class Message:
 def _check_column(owner: str, found: Column) -> None:
     """Raise TypeError if arrays of this column cannot be sent; owner: name of the message type."""
     name, shape, dtype, *_ = found
-    if dtype.kind not in "biufc":
+    if dtype.kind not in "biufc" or dtype.char in "gG":
         raise TypeError(f"{owner}.{name}: a column holds numbers or truth values, not dtype {dtype.str}")
     if len(shape) > MAX_DIMENSIONS:
         raise TypeError(f"{owner}.{name} has {len(shape)} dimensions, at most {MAX_DIMENSIONS}")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
@@ -73,6 +75,22 @@ def test_json_has_an_object_for_each_row_and_single_values_once() -> None:
     }
     assert (row["label"], row["x"], row["red"], row["code"]) == ("tail", 0.0, None, [1, 1, 1])
     assert as_json(marks(), ROOM)["rows"] == []
+
+
+class Wave(Message):
+    """Complex numbers, which neither JSON nor Parquet has."""
+
+    peak: Array = column("N", dtype="c8")
+    mean: Array = column(1, dtype="c16")
+
+
+def test_a_complex_number_is_a_list_of_its_two_parts() -> None:
+    wave = stamped(Wave(np.array([1 + 2j, np.nan], "c8"), np.array([3j])), HEADER)
+    assert [*rows_of(table_of(wave, ROOM))] == [([1.0, 2.0], [[0.0, 3.0]]), ([None, 0.0], [[0.0, 3.0]])]
+    assert json.loads(json.dumps(as_json(wave, ROOM)))["rows"][0] == {
+        "peak": [1.0, 2.0],
+        "mean": [[0.0, 3.0]],
+    }
 
 
 def test_shipped_types_have_the_columns_of_their_files() -> None:

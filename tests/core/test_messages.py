@@ -101,6 +101,7 @@ def test_a_field_that_cannot_travel_is_refused_at_once() -> None:
     ("declared", "reason"),
     [
         (column("N", dtype="O"), r"wrong: a column holds numbers or truth values, not dtype \|O"),
+        (column("N", dtype="g"), r"not dtype <f16"),
         (column("N", dtype="M8[ns]"), r"not dtype <M8\[ns\]"),
         (column(*range(1, 10)), "has 9 dimensions, at most 8"),
         (column("N", -3), r"has the shape \('N', -3\): sizes are names, or whole numbers from 0"),

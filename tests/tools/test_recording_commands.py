@@ -166,6 +166,22 @@ def test_verify_finds_everything_the_same(show: Path, capsys: pytest.CaptureFixt
     assert len(found["ports"]) == 14
 
 
+def test_verify_says_that_sources_alone_are_not_repeated(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "alone.yaml").write_text(
+        f"graph: alone\nroom: {GRAPHS / 'rooms' / 'simulated.yaml'}\n"
+        "stages:\n"
+        "  camera: {uses: room.source, each: cameras}\n"
+        "  draw: {uses: sinks.draw, in: {frames: camera}}\n"
+    )
+    file = str(tmp_path / "alone.mcap")
+    assert main(["record", str(tmp_path / "alone.yaml"), "--frames", "2", "--record", file]) == 0
+    capsys.readouterr()
+    assert main(["verify", file]) == 1
+    assert capsys.readouterr().out.endswith("0 ports, 0 messages: nothing is repeated\n")
+
+
 def test_verify_names_the_first_difference(
     show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

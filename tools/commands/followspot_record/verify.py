@@ -55,6 +55,8 @@ def _run_again(old: Recording, plan: Plan, folder: Path, *, quiet: bool) -> list
     plan = played(plan, replays(old, plan, sources), Clip(old.path))
     check_sampled_cycles(plan, "the graph and record it again: what timing decided cannot be verified")
     names = [port for port in output_ports(plan) if port in old.ports and port not in sources]
+    if not names:
+        return []
     again = folder / "again.mcap"
     target = Target(again, {"picture_format": "none"}, {}, {})
     _run(alone(with_recording(plan, names, target)), folder, quiet=quiet)
