@@ -58,6 +58,18 @@ def test_a_name_that_is_taken_is_refused(tmp_path: Path, name: str) -> None:
         new_plugin(name, tmp_path)
 
 
+def test_the_name_of_the_classes_of_scripts_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match='"here" names the classes of a script'):
+        new_plugin("here", tmp_path)
+
+
+@pytest.mark.parametrize("name", ["stage", "stage_params", "tracks", "points2_d", "field"])
+def test_a_stage_that_would_hide_a_class_of_followspot_is_refused(tmp_path: Path, name: str) -> None:
+    package = new_plugin("studio", tmp_path)
+    with pytest.raises(InputError, match="would hide one of followspot"):
+        new_stage(name, package)
+
+
 def test_a_stage_outside_of_a_package_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="there is no"):
         new_stage("shout", tmp_path)

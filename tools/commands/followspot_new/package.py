@@ -12,8 +12,8 @@ from string import Template
 
 from followspot.errors import InputError, writing
 from followspot.graph.declaration import ROOM_SOURCE
-from followspot.plugins.registry import catalogue
-from followspot_new.stub import stub, stub_test
+from followspot.plugins.registry import OFFERED, catalogue
+from followspot_new.stub import BASES, message_types, stub, stub_test
 
 TEMPLATES = Path(__file__).parent / "templates"
 GROUP = '[project.entry-points."followspot.plugins.v1"]'
@@ -42,6 +42,8 @@ def new_plugin(name: str, where: Path) -> Path:
     """Make the package `followspot-NAME` below a folder; return its folder. Raises InputError."""
     if _PLUGIN_NAME.fullmatch(name) is None or keyword.iskeyword(name):
         raise _wrong(f'"{name}" cannot be the name of a plugin', "one lower-case word, as in: studio")
+    if f"{name}." == OFFERED:
+        raise _wrong(f'"{name}" names the classes of a script', f"take another, as in: my{name}")
     if name in _taken():
         raise _wrong(f'a plugin "{name}" comes with followspot', f"take another, as in: my{name}")
     folder = where / f"followspot-{name}"
@@ -65,6 +67,9 @@ def new_stage(
     project = package / "pyproject.toml"
     plugin = _plugin_of(project)
     words = _words(plugin, name)
+    if words["class_name"] in {*BASES, *message_types()}:
+        text = f'the class {words["class_name"]} of a stage "{name}" would hide one of followspot'
+        raise _wrong(text, f"take another, as in: {name}_stage")
     texts: tuple[str, ...]
     if takes or gives:
         texts = (stub(words["class_name"], takes, gives), stub_test(plugin, name, words["class_name"]))

@@ -10,6 +10,8 @@ from followspot.errors import InputError, did_you_mean
 from followspot.messages import Message
 
 _MODULES = ("followspot.tracking", "followspot.people", "followspot.points", "followspot.inertial")
+BASES = ("Field", "Source", "Stage", "StageParams")
+"""Classes that a module of a stage takes from followspot."""
 _BODY = '''
 
 class {name}(Stage):
