@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from followspot.document import MAX_DEPTH, Node, child
-from followspot.errors import InputError, Mistake, Place
+from followspot.errors import FollowspotError, InputError, Mistake, Place
 from followspot.graph.declaration import ENVELOPE
 from followspot.yaml_reader import parse
 
@@ -39,6 +44,23 @@ class Override:
         """The same for a stage of a sub-graph of the present one."""
         within = f"{self.within}/{subgraph}" if self.within else subgraph
         return replace(self, stage=self.stage.removeprefix(f"{subgraph}/"), within=within)
+
+
+def as_option(name: str, value: Any) -> str:
+    """NAME=VALUE, as `--set` takes it, for a value that a script gives. Raises FollowspotError."""
+    try:
+        return f"{name}={value if isinstance(value, str) else json.dumps(value, default=_plain)}"
+    except (TypeError, ValueError) as error:
+        raise FollowspotError(f"{name} cannot be {value!r}: {error}") from None
+
+
+def _plain(value: Any) -> Any:
+    """A value of numpy or a path in JSON's types. Raises TypeError for another one."""
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    if isinstance(value, Path):
+        return str(value)
+    raise TypeError(f"it holds a {type(value).__name__}; parameters are numbers, text, lists and mappings")
 
 
 def read_override(option: str, mistakes: list[Mistake]) -> Override | None:

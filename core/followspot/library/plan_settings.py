@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import operator
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any, TypedDict, Unpack, get_args
 from followspot.errors import InputError, did_you_mean
 from followspot.graph.arrange import EdgeChoice
 from followspot.graph.compile import compile_graph
+from followspot.graph.override import as_option
 from followspot.graph.plan import MAX_SEED, Plan
 from followspot.library.graph import Graph
 
@@ -33,7 +33,7 @@ def plan_of(
     **options: Unpack[PlanSettings],
 ) -> Plan:
     """The plan of a graph with these options. Raises InputError with every mistake."""
-    overrides = [f"{name}={_word(value)}" for name, value in (settings or {}).items()]
+    overrides = [as_option(name, value) for name, value in (settings or {}).items()]
     remedy = f"give a whole number from 0 to {MAX_SEED}, or nothing for the graph's"
     checked: dict[str, Any] = {
         **options,
@@ -65,8 +65,3 @@ def whole(name: str, value: Any, least: int, remedy: str, most: int | None = Non
 def _several(values: Any) -> Sequence[Any]:
     """Several names or files; one may stand alone."""
     return (values,) if isinstance(values, str | Path) else values
-
-
-def _word(value: Any) -> str:
-    """A value as `--set` takes it."""
-    return value if isinstance(value, str) else json.dumps(value, default=str)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -15,6 +14,7 @@ from followspot.control.observation import GetLog
 from followspot.control.tapping import PlaceTaps, RemoveTaps, Tapping
 from followspot.control.worker_orders import HoldSources
 from followspot.errors import FollowspotError
+from followspot.graph.override import as_option
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_from_data
 from followspot.log.record import LogPage
@@ -85,7 +85,7 @@ class RunHandle:
 
     def set(self, parameter: str, value: Any) -> Changed:
         """Set a parameter during the run: ``set("color.similarity", 0.85)``."""
-        return self.change([f"{parameter}={value if isinstance(value, str) else json.dumps(value)}"])
+        return self.change([as_option(parameter, value)])
 
     def swap(self, stage: str, uses: str, *, fresh: bool = False) -> Changed:
         """Replace a stage during the run by another plugin stage: ``swap("fuse", "balls.mean")``."""

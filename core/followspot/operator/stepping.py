@@ -10,7 +10,7 @@ from uuid import uuid4
 from followspot.control.dispatch import Ask, NoAnswer
 from followspot.control.stage_status import StageStatus
 from followspot.control.worker_orders import HoldSources
-from followspot.errors import FollowspotError
+from followspot.errors import FollowspotError, InputError
 from followspot.graph.plan import Plan
 from followspot.operator.run_status import RunStatus
 
@@ -36,6 +36,8 @@ class Steps(Protocol):
 
 def step(run: Steps, count: int, source: str | None) -> int:
     """Let a replay go on for the next `count` capture times of a source; see `RunHandle.step`."""
+    if count < 0:
+        raise InputError.of(f"count is {count}", "give a whole number from 0")
     plan = run.plan()
     fed = {edge.to_stage for edge in plan.edges}
     sources = [stage for stage in plan.stages if stage.name not in fed]

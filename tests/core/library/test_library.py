@@ -304,6 +304,22 @@ def test_numbers_of_numpy_are_parameters_and_another_value_is_named() -> None:
         graph.add("fuse", "balls.mean_shift", candidates=color.out, tolerance_3d={1, 2})
 
 
+def test_parameters_that_are_set_take_numbers_of_numpy_too(tmp_path: Path) -> None:
+    given = {"similarity": np.float32(0.5), "minimum_brightness": np.int64(50)}
+    settings = {f"color.{name}": value for name, value in given.items()}
+    assert fs.check(GRAPH, set=settings) == []
+    marks = {"track.marks": {"red": np.array([0.1, 0.2, 1.0])}}
+    assert [mistake for mistake in fs.check(GRAPH, set=marks) if not mistake.warning] == []
+    with pytest.raises(FollowspotError, match=r"color\.similarity cannot be 1j: it holds a complex"):
+        fs.check(GRAPH, set={"color.similarity": 1j})
+    (tmp_path / "endless.yaml").write_text(ENDLESS)
+    with fs.run(tmp_path / "endless.yaml", out=tmp_path / "out", plugin_files=[TICKS]) as run:
+        (stage,) = run.set("b.term", np.int64(2)).stages
+        assert stage.params["term"] == 2
+        with pytest.raises(fs.InputError, match="count is -1"):
+            run.step(-1)
+
+
 def test_a_misspelt_input_is_told_with_the_right_one() -> None:
     graph = fs.Graph("mine", room=ROOM)
     balls = graph.add("balls", GRAPH)
