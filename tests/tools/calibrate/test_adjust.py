@@ -13,6 +13,7 @@ from tests.tools.calibrate.rooms import made_room
 
 from followspot.geometry import project
 from followspot.messages import Array
+from followspot.room import Camera
 from followspot_calibrate.adjust import Anchors, Free, Rods, adjust
 from followspot_calibrate.adjust.problem import Estimate, Problem, cauchy_weighted, view_of
 from followspot_calibrate.adjust.projection import image, linearise, moved, rotation_of
@@ -23,11 +24,19 @@ small = st.floats(-0.3, 0.3)
 everything = Free(poses=True, focal=True, aspect=True, center=True, distortion=5)
 
 
-@given(lens=st.tuples(small, small, small, small, small), seed=st.integers(0, 1000))
+skews = st.sampled_from([0.0, 4.0])
+
+
+def skewed(camera: Camera, skew: float) -> Camera:
+    """The camera with a skew, px."""
+    return replace(camera, matrix=camera.matrix + skew * np.outer([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]))
+
+
+@given(lens=st.tuples(small, small, small, small, small), seed=st.integers(0, 1000), skew=skews)
 @settings(max_examples=40, deadline=None)
-def test_derivatives_agree_with_finite_differences(lens, seed):
+def test_derivatives_agree_with_finite_differences(lens, seed, skew):
     room = made_room(cameras=2, rows=4, distortion=lens, seed=seed)
-    camera, points = room.cameras[0], room.points
+    camera, points = skewed(room.cameras[0], skew), room.points
     pixel, by_camera, by_point = linearise(camera, points, everything)
     rounding = 8 * np.finfo(float).eps * np.abs(pixel).max() / 1e-6
 
@@ -46,11 +55,12 @@ def test_derivatives_agree_with_finite_differences(lens, seed):
         assert agree(by_point[:, :, axis], numeric)
 
 
-@given(lens=st.tuples(small, small, small, small, small))
+@given(lens=st.tuples(small, small, small, small, small), skew=skews)
 @settings(max_examples=20, deadline=None)
-def test_pixels_are_those_of_the_room_geometry(lens):
+def test_pixels_are_those_of_the_room_geometry(lens, skew):
     room = made_room(cameras=2, rows=5, distortion=lens)
-    assert np.allclose(image(room.cameras[1], room.points), project(room.cameras[1], room.points))
+    camera = skewed(room.cameras[1], skew)
+    assert np.allclose(image(camera, room.points), project(camera, room.points))
 
 
 @pytest.mark.parametrize(

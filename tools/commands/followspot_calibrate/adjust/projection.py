@@ -51,7 +51,7 @@ def image(camera: Camera, points: Array) -> Array:
     """Pixels of points: (M, 3) m -> (M, 2) px. Points behind the camera have one too, as in the formula."""
     local = points @ camera.rotation.T + camera.translation
     distorted = _distorted(camera.distortion, local[:, :2] / local[:, 2:])
-    return np.asarray(distorted * _focal(camera) + camera.matrix[:2, 2])
+    return np.asarray(_pixels(camera, distorted) + camera.matrix[:2, 2])
 
 
 def linearise(camera: Camera, points: Array, free: Free) -> tuple[Array, Array, Array]:
@@ -63,23 +63,23 @@ def linearise(camera: Camera, points: Array, free: Free) -> tuple[Array, Array, 
     turned = points @ camera.rotation.T
     local = turned + camera.translation
     xy = local[:, :2] / local[:, 2:]
-    focal = _focal(camera)
     lens = _by_coefficients(xy)
     distorted = xy + lens @ camera.distortion
     by_local = np.empty((len(points), 2, 3))
-    by_local[:, :, :2] = (_by_xy(camera.distortion, xy) * focal[:, None]) / local[:, 2, None, None]
+    by_local[:, :, :2] = _pixels(camera, _by_xy(camera.distortion, xy)) / local[:, 2, None, None]
     by_local[:, :, 2] = -(by_local[:, :, :2] @ xy[..., None])[..., 0]
     parts = []
     if free.poses:
         parts += [cross(turned[:, None], by_local), by_local]
+    by_focal = distorted * np.diagonal(camera.matrix)[:2]
     if free.focal:
-        parts.append((distorted * focal)[..., None])
+        parts.append(by_focal[..., None])
     if free.aspect:
-        parts.append((distorted * focal * [0.0, 1.0])[..., None])
+        parts.append((by_focal * [0.0, 1.0])[..., None])
     if free.center:
         parts.append(np.broadcast_to(np.eye(2), (len(points), 2, 2)))
-    parts.append(lens[..., : free.distortion] * focal[:, None])
-    pixel = distorted * focal + camera.matrix[:2, 2]
+    parts.append(_pixels(camera, lens[..., : free.distortion]))
+    pixel = _pixels(camera, distorted) + camera.matrix[:2, 2]
     return pixel, np.concatenate(parts, axis=2), by_local @ camera.rotation
 
 
@@ -115,8 +115,13 @@ def rotation_of(vector: Array) -> Array:
     return np.asarray(np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K)
 
 
-def _focal(camera: Camera) -> Array:
-    return np.diagonal(camera.matrix)[:2]
+def _pixels(camera: Camera, normalised: Array) -> Array:
+    """Points in focal lengths, (M, 2), or their derivatives, (M, 2, P), in px from the principal point."""
+    focal, skew = np.diagonal(camera.matrix)[:2], camera.matrix[0, 1]
+    scaled = normalised * (focal if normalised.ndim == 2 else focal[:, None])
+    if skew:
+        scaled[:, 0] += skew * normalised[:, 1]
+    return np.asarray(scaled)
 
 
 def _distorted(distortion: Array, xy: Array) -> Array:
