@@ -91,6 +91,22 @@ def test_every_reading_up_to_the_last_frame_is_in_exactly_one_window(
     assert counts(report, "readings") == (988, 0, 12)
 
 
+@pytest.mark.parametrize(
+    ("meet", "port", "why"),
+    [
+        (
+            "gather",
+            "readings",
+            "962 of 1000 messages came after the last firing of their reader and were not used",
+        ),
+        ("meet", "reading", "997 of 1000 messages found no partner and were not used: raise tolerance, or "),
+    ],
+)
+def test_what_no_firing_used_is_told_with_the_reason(tmp_path: Path, meet: str, port: str, why: str) -> None:
+    report = run(planned(tmp_path, meet, port=port, frames=3), tmp_path)
+    assert any(line.startswith(f"sensor.out -> meet.{port}: {why}") for line in report.warnings)
+
+
 def test_a_window_holds_all_its_edges_in_the_order_of_time(tmp_path: Path) -> None:
     twin = "  twin:   {{uses: rates.sensor, with: {{hz: {hz}, count: {readings}}}}}\n"
     plan = planned(tmp_path, "gather", twin, port="readings", feed="[sensor, twin]", frames=3)

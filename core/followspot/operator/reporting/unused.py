@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 
-from followspot.graph.plan import Plan, PlannedEdge
+from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
+from followspot.operator.reporting.scored import class_of
+from followspot.ports import ports
 from followspot.worker.ledger import EdgeCount
 
 FEWEST, SHARE = 5, 0.02
@@ -17,21 +19,31 @@ def unused(plan: Plan, edges: Sequence[tuple[PlannedEdge, EdgeCount]]) -> tuple[
     """A line for each group of edges of which joins did not use many messages. Those that a live run drops by
     its policy are not among them.
     """
-    group = {stage.name: stage.group for stage in plan.stages}
-    counts: dict[str, list[EdgeCount]] = defaultdict(list)
+    stages = {stage.name: stage for stage in plan.stages}
+    group = {name: stage.group for name, stage in stages.items()}
+    counts: dict[tuple[str, bool], list[EdgeCount]] = defaultdict(list)
     for edge, count in edges:
         ends = group.get(edge.from_stage, edge.from_stage), group.get(edge.to_stage, edge.to_stage)
-        counts[f"{ends[0]}.{edge.from_port} -> {ends[1]}.{edge.to_port}"].append(count)
-    return tuple(line for name, found in counts.items() for line in _lines(name, found))
+        name = f"{ends[0]}.{edge.from_port} -> {ends[1]}.{edge.to_port}"
+        counts[name, _is_window(stages.get(edge.to_stage), edge.to_port)].append(count)
+    return tuple(line for (name, window), found in counts.items() for line in _lines(name, window, found))
 
 
-def _lines(name: str, counts: Sequence[EdgeCount]) -> list[str]:
+def _is_window(reader: PlannedStage | None, port: str) -> bool:
+    """Whether an input takes all that came since the last firing; such a one needs no partner."""
+    kind = class_of(reader) if reader is not None else None
+    found = ports(kind).input(port) if kind is not None else None
+    return found is not None and found.kind == "window"
+
+
+def _lines(name: str, window: bool, counts: Sequence[EdgeCount]) -> list[str]:
     sent = sum(count.sent for count in counts)
     unmatched, late = (sum(getattr(count, kind) for count in counts) for kind in ("unmatched", "late"))
     lines = []
     if _many(unmatched, sent):
-        remedy = "raise tolerance, or give each sender a reader of its own"
-        lines.append(f"{name}: {unmatched} of {sent} messages found no partner and were not used: {remedy}")
+        why = "found no partner and were not used: raise tolerance, or give each sender a reader of its own"
+        why = "came after the last firing of their reader and were not used" if window else why
+        lines.append(f"{name}: {unmatched} of {sent} messages {why}")
     if _many(late, sent):
         remedy = "raise deadline, or check the clocks of the senders"
         lines.append(f"{name}: {late} of {sent} messages came too late for their join: {remedy}")
