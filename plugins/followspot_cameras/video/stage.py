@@ -85,7 +85,9 @@ class Video(Stage):
             frame = as_frame(image, camera, loan, str(self.params.path))
             yield at(time, frame, seq=number)
         if self.damaged:
-            self.context.warn(f"{self.params.path.name}: {self.damaged} frames are missing or damaged")
+            lost = f"{self.damaged} frames are missing or damaged"
+            advice = "unless its frame rate varies: then say time_stamps: true"
+            self.context.warn(f"{self.params.path.name}: {lost}, {advice}")
 
     def numbered(self, last: int | None) -> Iterator[int]:
         """Grab one picture after the other up to number `last` and give each its number.

@@ -163,7 +163,8 @@ def test_damaged_frames_are_counted_and_later_frames_keep_their_time(tmp_path: P
     half_damaged = [f.header.seq for f in frames if f.header.seq != numbers(f.pixels)]
     assert len(half_damaged) <= 2
     assert frames[-1].header.seq == 19
-    assert warnings == [f"a.mkv: {lost} frames are missing or damaged"]
+    (warning,) = warnings
+    assert warning.startswith(f"a.mkv: {lost} frames are missing or damaged, unless its frame rate varies")
 
 
 def test_wrong_picture_size_names_file_camera_and_both_sizes(tmp_path: Path) -> None:
