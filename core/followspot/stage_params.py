@@ -44,6 +44,20 @@ def Field(default: Any = ..., *, description: str, unit: str = "", **limits: Any
     return pydantic.Field(default, description=description, json_schema_extra={"unit": unit}, **limits)
 
 
+ENVELOPE = (
+    "uses",
+    "each",
+    "serves",
+    "optional",
+    "in",
+    "with",
+    "on_error",
+    "tolerance",
+    "deadline",
+    "depth",
+    "concurrency",
+)
+"""Keys of every stage in a graph file; its parameters are below `with`."""
 LARGEST_INT = (1 << 63) - 1
 """Largest whole number in a parameter; it fits into 64 bits."""
 LARGEST = 1e15
@@ -62,6 +76,13 @@ class StageParams(pydantic.BaseModel):
     model_config = pydantic.ConfigDict(
         frozen=True, extra="forbid", validate_default=True, allow_inf_nan=False
     )
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        """Raise TypeError for a parameter that `--set STAGE.KEY` and `Graph.add` could not mean."""
+        taken = next((name for name in cls.model_fields if name in ENVELOPE), None)
+        if taken is not None:
+            raise TypeError(f'no parameter can be named "{taken}": every stage has a key of that name')
 
     @pydantic.field_validator("*")
     @classmethod

@@ -22,23 +22,10 @@ from followspot.graph.plan import (
 )
 from followspot.graph.selector import Selector, read_selector
 from followspot.ranges import MAX_WAIT
+from followspot.stage_params import ENVELOPE
 
 ROOM_SOURCE = "room.source"
 """Stands for the source stage that the room declares for each camera or sensor."""
-ENVELOPE = (
-    "uses",
-    "each",
-    "serves",
-    "optional",
-    "in",
-    "with",
-    "on_error",
-    "tolerance",
-    "deadline",
-    "depth",
-    "concurrency",
-)
-"""Keys of a stage; parameters are below `with`."""
 _POLICIES = ("fail", "skip", "restart")
 _FEED = ("from", "only", "delay", "depth", "codec", "policy", "tolerance")
 _CODECS = ("raw", "lossless", "jpeg")

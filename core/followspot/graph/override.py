@@ -12,7 +12,7 @@ import numpy as np
 
 from followspot.document import MAX_DEPTH, Node, child
 from followspot.errors import FollowspotError, InputError, Mistake, Place
-from followspot.graph.declaration import ENVELOPE
+from followspot.stage_params import ENVELOPE
 from followspot.yaml_reader import parse
 
 SUBGRAPH = ("graph", "cameras", "each", "optional", "with", "in")

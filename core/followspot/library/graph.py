@@ -106,25 +106,24 @@ class Graph:
         """
         if name in self.stages:
             raise FollowspotError(f'stage "{name}" is there already')
-        if isinstance(uses, Path) or (isinstance(uses, str) and uses.endswith((".yaml", ".yml"))):
-            policies = (on_error, tolerance, deadline, depth, concurrency)
-            if any(value is not None for value in policies):
-                raise FollowspotError(f'sub-graph "{name}" has no policies of its own: its stages have')
-            return self._add_file(name, Path(uses), each, arguments)
-        used = uses if isinstance(uses, str) else offer_stage(uses)
-        inputs = set() if used == ROOM_SOURCE else _inputs(load_stage(used), arguments)
-        feeds, params = _inputs_and_params(name, arguments, inputs)
-        entry = {
-            "uses": used,
-            "each": each,
-            "in": feeds or None,
-            "with": params or None,
+        policies = {
             "on_error": on_error,
             "tolerance": tolerance,
             "deadline": deadline,
             "depth": depth,
             "concurrency": concurrency,
         }
+        fed = next((key for key, value in {"each": each, **policies}.items() if _feeds(value)), None)
+        if fed is not None:
+            raise FollowspotError(f'"{fed}" is an option of `add`: feed such an input in a graph file')
+        if isinstance(uses, Path) or (isinstance(uses, str) and uses.endswith((".yaml", ".yml"))):
+            if any(value is not None for value in policies.values()):
+                raise FollowspotError(f'sub-graph "{name}" has no policies of its own: its stages have')
+            return self._add_file(name, Path(uses), each, arguments)
+        used = uses if isinstance(uses, str) else offer_stage(uses)
+        inputs = set() if used == ROOM_SOURCE else _inputs(load_stage(used), arguments)
+        feeds, params = _inputs_and_params(name, arguments, inputs)
+        entry = {"uses": used, "each": each, "in": feeds or None, "with": params or None, **policies}
         self.stages[name] = {key: value for key, value in entry.items() if value is not None}
         return StageOf(name)
 

@@ -320,6 +320,22 @@ def test_parameters_that_are_set_take_numbers_of_numpy_too(tmp_path: Path) -> No
             run.step(-1)
 
 
+def test_a_name_that_every_stage_has_is_no_parameter_and_no_input_of_add() -> None:
+    with pytest.raises(TypeError, match='no parameter can be named "tolerance": every stage has a key'):
+
+        class Params(fs.StageParams):
+            tolerance: float = fs.Field(0.1, description="what `add` would take for that of joins", unit="m")
+
+    class Deep(fs.Stage):
+        """An input with the name of an option."""
+
+        def process(self, depth: Tracks) -> None: ...
+
+    graph = fs.Graph("mine", room=ROOM)
+    with pytest.raises(FollowspotError, match='"depth" is an option of `add`'):
+        graph.add("deep", Deep, depth=graph.port("track.tracks"))  # type: ignore[arg-type]
+
+
 def test_a_misspelt_input_is_told_with_the_right_one() -> None:
     graph = fs.Graph("mine", room=ROOM)
     balls = graph.add("balls", GRAPH)

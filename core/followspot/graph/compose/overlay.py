@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from followspot.document import Node
 from followspot.errors import Mistake, Place, did_you_mean
-from followspot.graph.declaration import ENVELOPE
 from followspot.graph.override import SUBGRAPH
+from followspot.stage_params import ENVELOPE
 
 _OF_BOTH = {"in", "each", "optional"}
 _OF_A_STAGE = {*ENVELOPE} - _OF_BOTH
