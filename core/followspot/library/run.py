@@ -140,10 +140,15 @@ class OwnRun(ScriptHandle):
         self._ended = threading.Event()
         """Not the thread's own end: `Thread.join` takes a thread for ended when Ctrl-C interrupts it."""
         subscribed.failure = self._failure
+        self._abandoned = False
         threading.Thread(target=self._live, args=(ready, keep), name="run", daemon=True).start()
-        self._begun.wait(_BEGIN)
-        if keep is not unkept:
-            self._await_recorder()
+        try:
+            self._begun.wait(_BEGIN)
+            if keep is not unkept:
+                self._await_recorder()
+        except BaseException:  # Ctrl-C: nobody gets this handle, and nobody else could end the run
+            self._abandon()
+            raise
 
     def close(self) -> None:
         """End the run, and wait until its outputs are complete."""
@@ -200,12 +205,21 @@ class OwnRun(ScriptHandle):
             while self.kept() is None and time.monotonic() < deadline:
                 time.sleep(_RECORDER_POLL_INTERVAL)
 
+    def _abandon(self) -> None:
+        """Have the run end as soon as its stages are set up, without waiting for that."""
+        self._abandoned = True
+        self._subscribed.close()
+        if self._dispatcher is not None:
+            self.stop()
+
     def _live(self, ready: AbstractContextManager[PreparedRun], keep: StartKeeping) -> None:
         """The life of the run, in a thread: prepare, run, and tell all that wait for its end."""
         try:
             with ready as (coordinator, around):
                 self.run = coordinator.name
                 self._dispatcher = run_dispatcher(coordinator, around)
+                if self._abandoned:
+                    coordinator.stop()
                 with (
                     keep(self.run) as failed,
                     serve_requests(self.run, self.graph, self._dispatcher),

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 import followspot as fs
+import followspot.library.run as run_module
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan_data import plan_to_data
@@ -242,6 +243,47 @@ def test_a_run_that_has_ended_can_be_stopped(tmp_path: Path) -> None:
     with fs.run(GRAPH, out=tmp_path, frames=3) as run:
         assert run.wait().ok
         run.stop()
+
+
+class Ready(fs.Stage):
+    """Its setup takes until it may end."""
+
+    asked, may_end = threading.Event(), threading.Event()
+    closed = 0
+
+    def setup(self) -> None:
+        self.asked.set()
+        assert self.may_end.wait(60)
+
+    def process(self, tracks: Tracks) -> None: ...
+
+    def close(self) -> None:
+        type(self).closed += 1
+
+
+def test_a_run_that_is_interrupted_while_it_starts_ends_by_itself(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Interrupted(threading.Event):
+        """Ctrl-C comes while the script waits for the stages."""
+
+        def wait(self, timeout: float | None = None) -> bool:
+            if timeout == run_module._BEGIN:
+                assert Ready.asked.wait(60)
+                raise KeyboardInterrupt
+            return super().wait(timeout)
+
+    graph = composed()
+    graph.add("ready", Ready, tracks=graph.port("track.tracks"))
+    monkeypatch.setattr(run_module.threading, "Event", Interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        fs.run(graph, out=tmp_path)
+    monkeypatch.undo()
+    (thread,) = [thread for thread in threading.enumerate() if thread.name == "run"]
+    Ready.may_end.set()
+    thread.join(60)
+    assert not thread.is_alive()
+    assert Ready.closed == 1
 
 
 def test_two_runs_do_not_mix_their_files_in_one_folder(tmp_path: Path) -> None:
