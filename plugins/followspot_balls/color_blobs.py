@@ -12,7 +12,13 @@ from followspot import Array, Camera, Field, Latest, Mistake, Room, Stage
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.color_mask import Limits, Sought, in_pictures, in_windows
 from followspot_balls.components import Components, above_local_peak, clipped, components, of_size
-from followspot_balls.detection import DetectionParams, Detections, blobs_by_view, without_template
+from followspot_balls.detection import (
+    DetectionParams,
+    Detections,
+    blobs_by_view,
+    of_one_colour,
+    without_template,
+)
 from followspot_balls.hue import BINS, bhattacharyya, hue_bits, normalised
 from followspot_balls.search import Circles, Regions, search_regions
 from followspot_balls.strip import Windows, abreast, row_and_column
@@ -117,8 +123,9 @@ class ColorBlobs(Stage):
 
     @classmethod
     def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
-        """Warn about targets without a template."""
-        return without_template(room, cameras, "colour", lambda target: target.hue_histogram)
+        """Warn about targets without a template, and about those of one colour."""
+        yield from without_template(room, cameras, "colour", lambda target: target.hue_histogram)
+        yield from of_one_colour(room, cameras, params.similarity)
 
     def setup(self) -> None:
         name, p = self.camera.name, self.params

@@ -11,6 +11,7 @@ from followspot import Array, Field, Mistake, StageParams
 from followspot.geometry import undistort
 from followspot.room import Camera, Room, Target
 from followspot.tracking import Blobs
+from followspot_balls.hue import BINS
 
 
 class SearchParams(StageParams):
@@ -52,6 +53,24 @@ def without_template(
             names = ", ".join(camera.name for camera in cameras)
             text = f'target "{target.name}" has no template in any {kind} camera ({names}), so none finds it'
             yield Mistake(None, text, "followspot calibrate targets --room ROOM.yaml --clips CLIPS learns it")
+
+
+def of_one_colour(room: Room, cameras: Sequence[Camera], least: float) -> Iterator[Mistake]:
+    """The targets that no camera tells from another one, each with the first such.
+
+    least: similarity of hues from which a blob is taken for a target.
+    """
+    targets = list(room.targets.values())
+    hues = [[t.hue_histogram.get(c.name, np.zeros(BINS)) for c in cameras] for t in targets]
+    roots = np.sqrt(np.array(hues).reshape(len(targets), len(cameras), BINS))
+    known = np.asarray(roots.any(axis=2))
+    both = known[:, None] & known  # (T, T, C)
+    apart = both & (np.einsum("acb,dcb->adc", roots, roots) <= least)
+    alike = np.tril(both.any(axis=2) & ~apart.any(axis=2), -1)
+    for row in np.flatnonzero(alike.any(axis=1)):
+        first, other = targets[row].name, targets[alike[row].argmax()].name
+        text = f'target "{first}" has the colour of "{other}" in all cameras, so one is taken for the other'
+        yield Mistake(None, text, "give each target a colour of its own, and learn its template again")
 
 
 class Detections(NamedTuple):

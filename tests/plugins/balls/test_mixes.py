@@ -168,6 +168,25 @@ def test_a_target_without_a_template_in_any_camera_is_warned_about(tmp_path: Pat
     assert mistake.text == 'target "red" has no template in any colour camera (cam0, cam2), so none finds it'
 
 
+def test_targets_of_one_colour_are_warned_about(tmp_path: Path) -> None:
+    room = part(room_file.load(GRAPHS / "rooms/simulated.yaml"), Mix(2, 1), seed=7, frames=FRAMES)
+    red = room.targets["red"].hue_histogram
+
+    def alike(*names: str, camera: str = "") -> list[str]:
+        """What is said if these have the hues of red, all but in one camera."""
+        targets = dict(room.targets)
+        for name in names:
+            own = {key: hues for key, hues in targets[name].hue_histogram.items() if key == camera}
+            targets[name] = replace(targets[name], hue_histogram={**red, **own})
+        room_file.save(replace(room, targets=targets), tmp_path / "room.yaml")
+        return [mistake.text for mistake in fs.check(GRAPH, room=tmp_path / "room.yaml")]
+
+    assert alike() == alike("blue", camera="cam2") == []
+    (text,) = alike("blue")
+    assert text == 'target "blue" has the colour of "red" in all cameras, so one is taken for the other'
+    assert [text.split('"')[1::2] for text in alike("blue", "green")] == [["red", "green"], ["blue", "green"]]
+
+
 def test_a_mark_of_no_target_is_refused() -> None:
     with pytest.raises(InputError, match='no target "gren"'):
         Kalman(Context(room=make_room()), marks={"gren": GREEN}).setup()
