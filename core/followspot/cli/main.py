@@ -14,6 +14,7 @@ import sys
 import traceback
 from collections.abc import Sequence
 from io import TextIOWrapper
+from pathlib import Path
 from typing import Any
 
 from followspot.cli import agent, attach, certs, check, completion, graph, move, plugins, router, run, swap
@@ -55,11 +56,31 @@ _ABOUT = """Compose tracking graphs from stage plugins and run them in one proce
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Entry of the console script."""
+    _open_closed_streams()
     try:
         return _obeyed(argv)
     except KeyboardInterrupt:
         print("\nfollowspot: interrupted", file=sys.stderr)
         return 130
+
+
+def _open_closed_streams() -> None:
+    """Open the null device for each standard stream that the caller has closed.
+
+    Else a file of the run could get its number, and whatever a library prints would go into that file.
+    """
+    for number, (name, mode) in enumerate((("stdin", "r"), ("stdout", "w"), ("stderr", "w"))):
+        if getattr(sys, name) is not None:
+            continue
+        try:
+            os.fstat(number)
+        except OSError:
+            null = os.open(os.devnull, os.O_RDWR)
+            if null != number:
+                os.dup2(null, number)
+                os.close(null)
+            os.set_inheritable(number, True)  # as those of workers
+        setattr(sys, name, Path(os.devnull).open(mode))  # noqa: SIM115  # open as long as the process
 
 
 def _obeyed(argv: Sequence[str] | None) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import subprocess
 from pathlib import Path
 
@@ -74,6 +75,14 @@ def test_a_full_disk_behind_the_output_is_told() -> None:
     assert done.returncode == 1
     assert "No space left on device" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
+def test_a_stream_that_is_closed_costs_a_run_nothing(tmp_path: Path, closed: str) -> None:
+    words = shlex.join([*COMMAND, "run", str(GRAPH), "--frames", "2", "--out", str(tmp_path)])
+    assert subprocess.run(["sh", "-c", f"{words} {closed}"], capture_output=True).returncode == 0
+    lines = (tmp_path / "tracks.csv").read_text().splitlines()
+    assert {line.partition(",")[0] for line in lines} == {"frame", "0", "1"}
 
 
 def test_a_reader_that_has_gone_ends_a_command_quietly() -> None:
