@@ -22,12 +22,15 @@ from followspot.library.report import Report
 from followspot.library.script_handle import ScriptHandle
 from followspot.library.subscribed import Subscribed
 from followspot.library.subscription import Subscription
+from followspot.operator.changed import Changed
 from followspot.operator.coordinator import Coordinator
 from followspot.operator.launch import prepared
 from followspot.operator.reporting.report import RunReport
 from followspot.operator.reporting.truth import run_scores
 from followspot.operator.run_dispatcher import run_dispatcher
 from followspot.operator.run_requests import Surroundings
+from followspot.plugins.registry import offer_stage
+from followspot.stage import Stage
 from followspot.transport.zenoh.network import Network
 from followspot.worker.wiring import RunOptions
 
@@ -162,6 +165,10 @@ class OwnRun(ScriptHandle):
         self.close()
         if kind is None:
             self._raise()
+
+    def swap(self, stage: str, uses: str | type[Stage], *, fresh: bool = False) -> Changed:
+        """Replace a stage during the run by another plugin stage, or by a class of this process."""
+        return super().swap(stage, uses if isinstance(uses, str) else offer_stage(uses), fresh=fresh)
 
     def __getitem__(self, port: str) -> Subscription[Any]:
         """The messages of a port: all of them if it was named in `ports=`, else the newest from now on.

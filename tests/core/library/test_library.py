@@ -245,6 +245,21 @@ def test_a_run_that_has_ended_can_be_stopped(tmp_path: Path) -> None:
         run.stop()
 
 
+def test_a_class_of_this_process_takes_the_place_of_another_one(tmp_path: Path) -> None:
+    class Empty(fs.Stage):
+        """Keep no track."""
+
+        def process(self, tracks: Tracks) -> Tracks:
+            return Tracks.empty()
+
+    graph = composed()
+    with fs.run(graph, ports=["low"], out=tmp_path) as run:
+        seen = iter(run["low"])
+        next(seen)
+        assert run.swap("low", Empty).stages[0].uses == "here.empty"
+        assert any(tracks.is_empty for tracks in seen)
+
+
 class Ready(fs.Stage):
     """Its setup takes until it may end."""
 
