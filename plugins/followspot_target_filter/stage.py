@@ -280,10 +280,10 @@ class TargetFilter(Stage, ABC):
 
     def stated(self, sigma: Array) -> Array:
         """The filter's sigma of all targets, (T, 3) m, wider for tracks that may have left their targets."""
-        poor = self.life.poor > 0
+        poor = self.life.poor
         if not self.patience or not poor.any():
             return sigma
-        seconds = self.expected(poor) * self.life.poor * self.period
+        seconds = self.expected(poor > 0) * poor * self.period
         return np.asarray(np.sqrt(sigma * sigma + departure_variance(seconds)[:, None]))
 
     def forecast(self) -> Forecast:
