@@ -124,16 +124,26 @@ def trajectory(tracks: TrackTable, name: str, time: Array) -> Trajectory:
     state = np.full(len(time), LOST, np.uint8)
     quaternion = np.full((len(time), 4), np.nan)
     if name in tracks.objects and len(time):
-        rows = np.flatnonzero(tracks.target == tracks.objects.index(name))
-        frame, distance = nearest(time, tracks.time[rows])
-        near = distance <= half_interval(time)
-        xyz[frame[near]] = tracks.xyz[rows[near]]
-        state[frame[near]] = tracks.state[rows[near]]
+        frame, row = _matched(tracks.time, np.flatnonzero(tracks.target == tracks.objects.index(name)), time)
+        xyz[frame] = tracks.xyz[row]
+        state[frame] = tracks.state[row]
         if tracks.quaternion is not None:
-            quaternion[frame[near]] = tracks.quaternion[rows[near]]
+            quaternion[frame] = tracks.quaternion[row]
         if tracks.sigma is not None:
-            sigma[frame[near]] = tracks.sigma[rows[near]]
+            sigma[frame] = tracks.sigma[row]
     return Trajectory(xyz, state, quaternion, sigma)
+
+
+def _matched(moments: Array, rows: Array, time: Array) -> tuple[Array, Array]:
+    """Frames that have one of these rows within half an interval, and the row nearest to each.
+
+    moments: (N,) s, of all rows; time: (F,) s, ascending. Of rows that are equally near the last counts.
+    """
+    frame, distance = nearest(time, moments[rows])
+    near = np.flatnonzero(distance <= half_interval(time))
+    nearest_first = near[np.argsort(-distance[near], kind="stable")][::-1]
+    frames, first = np.unique(frame[nearest_first], return_index=True)
+    return frames, rows[nearest_first[first]]
 
 
 def _target_score(track: Trajectory, truth: TruthTable, own: int, cameras: Sequence[Camera]) -> TargetScore:

@@ -100,6 +100,18 @@ def test_rows_match_the_nearest_frame_within_half_an_interval(shift: float) -> N
     assert (one.coverage, one.rmse_mm) == (1.0, 0.0)
 
 
+def test_of_several_rows_the_one_nearest_in_time_counts() -> None:
+    """A tracker at six times the rate of the truth, that is right in each of its frames."""
+    fast, every = 120, 6
+    moving = np.zeros((fast, 1, 3))
+    moving[:, 0, 0] = np.linspace(0, 2, fast)
+    rows = TrackTable(
+        ("a",), np.arange(fast) / FPS / every, np.zeros(fast, int), np.full(fast, TRACKED, "u1"), moving[:, 0]
+    )
+    one = only(score(rows, truth(moving[::every])))
+    assert (one.coverage, one.rmse_mm) == (1.0, 0.0)
+
+
 def test_the_only_frame_is_matched_whenever_its_row_comes() -> None:
     xyz = still(1, (1, 2, 3))
     one = only(score(tracks(xyz, shift=5.0), truth(xyz)))
