@@ -6,6 +6,7 @@ the room file gives a target its slot; a person gets the lowest free slot, and k
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -114,8 +115,9 @@ class PersonSlots:
         are ignored.
         """
         time, before = poses.header.time, self.slots
-        self._release(time - self.hold)
         poses = poses.where(_meant(np.column_stack([poses.xy, poses.height, poses.heading])))
+        self._release(time - self.hold, set(poses.person.tolist()))
+        holders = set(self._row)
         shown = [row for row, person in enumerate(poses.person.tolist()) if self._place(person)]
         at = np.array([self._row[int(poses.person[row])] for row in shown], int)
         known = np.zeros_like(before.known)
@@ -126,7 +128,8 @@ class PersonSlots:
         )
         place = np.column_stack([poses.xy, poses.height])[shown]
         elapsed = (time - self._seen[at])[:, None] / SECOND
-        moving = before.known[at][:, None] & (elapsed > 0)
+        same = np.array([int(poses.person[row]) in holders for row in shown], bool)
+        moving = (same & before.known[at])[:, None] & (elapsed > 0)
         velocity[at] = np.divide(place - position[at], elapsed, out=np.zeros_like(place), where=moving)
         known[at] = True
         position[at] = place
@@ -138,9 +141,11 @@ class PersonSlots:
         self.slots = Slots(tuple(names), known, position, velocity, heading, before.quaternion)
         return self.slots
 
-    def _release(self, oldest: int) -> None:
-        """Free the slots of persons last seen before this time, ns."""
-        self._row = {person: row for person, row in self._row.items() if self._seen[row] >= oldest}
+    def _release(self, oldest: int, present: Collection[int]) -> None:
+        """Free the slots of persons last seen before this time, ns, who are not present either."""
+        self._row = {
+            person: row for person, row in self._row.items() if person in present or self._seen[row] >= oldest
+        }
 
     def _place(self, person: int) -> bool:
         """Whether the person has a slot now."""

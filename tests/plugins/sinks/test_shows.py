@@ -196,6 +196,18 @@ def test_a_person_keeps_a_slot_until_gone_for_good() -> None:
     assert slots.after(poses(3.5, 9, 5)).names == ("person 5", "person 9")
 
 
+def test_a_person_who_is_seen_keeps_a_slot_that_is_held_for_nobody() -> None:
+    """Frames are farther apart than slots are held, and person 5 comes as person 4 leaves."""
+    slots = PersonSlots(2, hold=0.0)
+    slots.after(poses(0.0, 4, 9))
+    assert slots.after(poses(0.5, 9)).names == ("", "person 9")
+    shown = slots.after(poses(1.0, 9, 5))
+    assert shown.names == ("person 5", "person 9")
+    later = slots.after(poses(1.5, 9, 7))
+    assert later.names == ("person 7", "person 9")
+    assert later.velocity.tolist() == [[0, 0, 0], [0, 1, 0]]  # not from the place of person 5
+
+
 def test_any_message_as_json(receiver: socket.socket) -> None:
     sink = UdpJson(Context(), port=receiver.getsockname()[1])
     (packet,) = received(sink, [tracks(3, 1)], receiver)
