@@ -116,7 +116,7 @@ def _boxes(camera: Camera, joints: Array, seen: Array, rng: np.random.Generator)
     reach = np.array([right, -right, [0.0, 0.0, ABOVE], [0.0, 0.0, -BELOW]])
     ends = _pixels(camera, joints[:, :, None] + reach)
     ends[~seen] = np.nan
-    flat = ends.reshape(len(joints), -1, 2)
+    flat = ends.reshape(len(joints), joints.shape[1] * len(reach), 2)
     known = np.isfinite(flat)
     low = np.where(known, flat, np.inf).min(axis=1, initial=np.inf)
     high = np.where(known, flat, -np.inf).max(axis=1, initial=-np.inf)

@@ -56,6 +56,13 @@ class ActorParams(StageParams):
         begin, end, share = self.dimmed or (0.0, 0.0, 1.0)
         return share if begin <= time < end else 1.0
 
+    @pydantic.field_validator("room_size")
+    @classmethod
+    def _check_size(cls, size: tuple[float, float, float]) -> tuple[float, float, float]:
+        if min(size) <= 0:
+            raise ValueError("room_size must be three lengths above 0")
+        return size
+
     @pydantic.field_validator("walking_area")
     @classmethod
     def _check_area(cls, area: tuple[float, float, float, float]) -> tuple[float, float, float, float]:

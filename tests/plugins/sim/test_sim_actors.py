@@ -15,6 +15,7 @@ from followspot import Camera, Context, Room, room_file
 from followspot.cli.main import main
 from followspot.geometry import project
 from followspot.messages import Header, seal
+from followspot.room import Member
 from followspot_accuracy import read_pose_truth_csv
 from followspot_sim.actor.body import SKULL
 from followspot_sim.actor.camera import PersonCamera
@@ -22,6 +23,7 @@ from followspot_sim.actor.cast import cast_of
 from followspot_sim.actor.paint import in_picture, patches
 from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.actor.picture import ActorPicture
+from followspot_sim.actor.points import PersonPoints
 from followspot_sim.actor.pose import Stance, posed
 from followspot_sim.actor.truth import PoseTruthOfActors
 from followspot_sim.actor.visibility import Onlooker
@@ -279,3 +281,17 @@ def test_dimmed_lights_leave_their_share_for_their_time() -> None:
 def test_dimmed_lights_need_ascending_times_and_a_share(wrong: tuple[float, float, float]) -> None:
     with pytest.raises(ValueError, match="dimmed must be"):
         ActorParams(dimmed=wrong)
+
+
+@pytest.mark.parametrize("wrong", [(-1.0, 2.0, 3.0), (6.0, 0.0, 2.7)])
+def test_a_room_has_a_width_a_depth_and_a_height(wrong: tuple[float, float, float]) -> None:
+    with pytest.raises(ValueError, match="room_size must be"):
+        ActorParams(room_size=wrong)
+
+
+def test_a_network_finds_nobody_in_an_empty_room() -> None:
+    room = Room("sim", {"cam": pinhole()})
+    stage = PersonPoints(Context("points", room, Member("cameras", "cam")), people=0)
+    stage.setup()
+    first = next(iter(stage.process()))
+    assert (len(first.points.pixel), first.boxes.box.shape) == (0, (0, 4))
