@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,15 @@ NOSE_DOWN = 0.25
 """Angle of the line from the ears to the nose below the direction of the face, rad."""
 UNKNOWN = np.pi / np.sqrt(3)
 """Sigma of an angle of which nothing is known, rad."""
+
+
+ACROSS = ("shoulder", "hip")
+"""Joints whose line from right to left tells the heading."""
+
+
+def tell_heading(joints: Collection[str]) -> bool:
+    """Whether there are joints of these names of which a heading follows."""
+    return any({f"left_{pair}", f"right_{pair}"} <= set(joints) for pair in ACROSS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +46,7 @@ def poses_of(joints: tuple[str, ...], xyz: Array, sigma: Array) -> BodyPoses:
     every = body.mean("")
     middle = _first(_mean(shoulders, hips), shoulders, hips, every)
     top = _first(head[:, 2] + EYES_UP, shoulders[:, 2] + SHOULDERS_UP, body.highest())
-    heading, heading_sigma = body.heading("shoulder", "hip")
+    heading, heading_sigma = body.heading(*ACROSS)
     face, tilt, face_sigma = body.face()
     pan = wrap(face - heading)
     known = np.isfinite(pan)

@@ -24,6 +24,7 @@ from followspot_persons.associate.joint_tracks import JointTracks
 from followspot_persons.associate.limbs import Lengths, constrained, learnt
 from followspot_persons.associate.parameters import AssociateParams
 from followspot_persons.associate.reports import box_poses, joint_poses, skeletons_of
+from followspot_persons.associate.skeleton_pose import tell_heading
 from followspot_persons.associate.torso_colors import BINS, histograms
 from followspot_persons.associate.views import Noise, views_of
 
@@ -80,6 +81,7 @@ class Associate(Stage):
         self.by_boxes: Crowd[Any] = empty_crowd(self.box_model, self.views)
         self.heading: dict[int, float] = {}
         self.limbs = Lengths.none()
+        self.doubted = False
 
     def process(
         self, points: Joined[Points2D] = (), boxes: Joined[Boxes] = (), frames: Joined[Frame] = ()
@@ -103,7 +105,9 @@ class Associate(Stage):
         self.limbs = learnt(self.limbs.of(self.by_joints.lives.number), joints, self.by_joints.bodies)
         now = as_of(self.by_joints, self.joint_model, _time(points, self.by_joints.time))
         now = replace(now, bodies=constrained(self.limbs, joints, now.bodies))
-        return Outputs(joint_poses(now, joints, sigma), skeletons_of(now, joints, sigma))
+        poses = joint_poses(now, joints, sigma)
+        self.doubt_names(joints, poses)
+        return Outputs(poses, skeletons_of(now, joints, sigma))
 
     def name_joints(self, points: Sequence[Points2D]) -> None:
         """Take up names of joints that came for the first time."""
@@ -114,6 +118,16 @@ class Associate(Stage):
             self.joint_model, bodies = self.joint_model.widened(self.by_joints.bodies, new)
             crowd = self.by_joints
             self.by_joints = Crowd(bodies, crowd.lives, crowd.time, crowd.numbers)
+
+    def doubt_names(self, joints: Sequence[str], poses: Poses) -> None:
+        """Warn once of people whose joints tell no heading, for their names are those of another program."""
+        if self.doubted or not len(poses.person) or tell_heading(joints):
+            return
+        self.doubted = True
+        self.context.warn(
+            f"joints named {', '.join(joints[:4])} ... tell no headings, and heights may be wrong: "
+            "name them as COCO does, left_shoulder and right_shoulder, left_hip and right_hip, left_eye, nose"
+        )
 
     def with_boxes(self, boxes: Sequence[Boxes], pictures: Mapping[str, Array]) -> Outputs:
         """The people after a set of boxes."""

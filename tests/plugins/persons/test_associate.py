@@ -103,6 +103,21 @@ def test_people_outside_the_area_are_not_sought() -> None:
     assert all(len(each.poses.person) == 0 for each in out)
 
 
+def test_joints_whose_names_tell_no_heading_are_warned_of_once() -> None:
+    room, sets, _ = crowded(people=2, frames=10, fps=10, seed=7)
+    for named, told in ((lambda name: name.replace("_", "."), 1), (str, 0)):
+        warnings: list[str] = []
+        stage = Associate(Context("associate", room, receives=(Points2D,), warn=warnings.append))
+        stage.setup()
+        for each in sets:
+            renamed = [replace(points, labels=tuple(map(named, points.labels))) for points, _ in each]
+            for points, (old, _) in zip(renamed, each, strict=True):
+                points.__dict__["header"] = old.header
+            stage.process(points=renamed)
+        assert len(warnings) == told
+        assert all("left_shoulder" in text for text in warnings)
+
+
 def test_joints_and_boxes_at_once_are_refused() -> None:
     stage = Associate(Context("associate", corner_room(), receives=(Points2D, Boxes)))
     with pytest.raises(FollowspotError, match="points or boxes"):
