@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -58,7 +58,7 @@ class KeypointsJson(Stage):
         """Read the first picture of a folder, or the file if it is small. Raises InputError. Warn if it is in
         another unit.
         """
-        place = of_camera(params.path, member.name) if member is not None else params.path
+        place = of_camera(params.path, member.name, room.cameras) if member is not None else params.path
         if place.is_dir():
             persons = [
                 one for _, path in picture_files(place, room.cameras)[:1] for one in read_picture(path)
@@ -74,7 +74,7 @@ class KeypointsJson(Stage):
 
     def setup(self) -> None:
         """Find the files. Raises InputError if they are none."""
-        place = of_camera(self.params.path, self.camera.name)
+        place = of_camera(self.params.path, self.camera.name, self.room.cameras)
         self.files = dict(picture_files(place, self.room.cameras)) if place.is_dir() else {}
         self.results = {} if place.is_dir() else read_results(place)
         numbers = [*self.files, *self.results]
@@ -124,7 +124,14 @@ def joints_of(
     return found
 
 
-def of_camera(path: Path, camera: str) -> Path:
-    """The file or folder of a camera: CAMERA.json or CAMERA below the path if there is one, else the path."""
+def of_camera(path: Path, camera: str, cameras: Collection[str]) -> Path:
+    """The file or folder of a camera: CAMERA.json or CAMERA below the path if there is one, else the path.
+
+    Raises InputError if that has the name of another one of the room's cameras.
+    """
     below = (path / f"{camera}.json", path / camera)
-    return next((place for place in below if place.exists()), path)
+    place = next((place for place in below if place.exists()), path)
+    if place == path and path.stem in cameras and path.stem != camera:
+        text = f"{path} has the name of camera {path.stem}, and is read for {camera}, too"
+        raise InputError.of(text, "name the folder that has a file or a folder for each camera")
+    return place

@@ -61,7 +61,7 @@ class KeypointsLive(Stage):
 
     def setup(self) -> None:
         """See what is in the folder. Raises InputError if it is none."""
-        self.folder = of_camera(self.params.path, self.camera.name)
+        self.folder = of_camera(self.params.path, self.camera.name, self.room.cameras)
         if not self.folder.is_dir():
             raise InputError.of(f"{self.folder} is no folder", "name the folder that the network writes into")
         self.last = max((number for number, _ in self.pictures()), default=-1)

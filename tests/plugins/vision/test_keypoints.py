@@ -146,6 +146,18 @@ def test_two_cameras_in_one_folder_are_refused(tmp_path: Path) -> None:
         read(tmp_path)
 
 
+@pytest.mark.parametrize("name", ["cam0.json", "cam0"])
+def test_results_of_one_camera_are_not_those_of_another(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    if path.suffix:
+        path.write_text(coco((0, body(17, 3))))
+    else:
+        path.mkdir()
+    read(path, "cam0")
+    with pytest.raises(InputError, match="has the name of camera cam0, and is read for cam1, too"):
+        read(path, "cam1")
+
+
 def test_the_source_keeps_the_promises_of_stages(tmp_path: Path) -> None:
     (tmp_path / "a.json").write_text(coco((0, body(17, 3)), (2, body(17, 4))))
     check_stage(KeypointsJson, path=str(tmp_path / "a.json"))
