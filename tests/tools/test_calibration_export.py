@@ -110,6 +110,25 @@ def test_fisheye_is_refused_where_the_format_has_none(tmp_path: Path, key: str) 
         write_calibration([lens], tmp_path / "x", WRITABLE[key])
 
 
+@pytest.mark.parametrize("key", ["anipose", "caliscope", "qualisys", "svoboda"])
+def test_a_rational_lens_is_refused_with_the_one_format_that_has_it(tmp_path: Path, key: str) -> None:
+    lens = a_camera(model="rational", distortion=np.array([0.3, -0.1, 0, 0, 0.02, 0.6, -0.05, 0.01]))
+    with pytest.raises(InputError, match=r"camera left is a rational.*\n +export it as opencv"):
+        write_calibration([lens], tmp_path / "x", WRITABLE[key])
+
+
+def test_what_a_format_cannot_hold_of_a_camera_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    save(Room("r", {"left": a_camera(kind="infrared", clock_offset=0.01)}), tmp_path / "room.yaml")
+    for name, said in (
+        ("c.toml", "kinds of cameras and clock offsets have"),
+        ("c.qca.txt", "clock offsets have"),
+    ):
+        assert main(["room", "export", str(tmp_path / "room.yaml"), "-o", str(tmp_path / name)]) == 0
+        assert f"warning: {said} no place in" in capsys.readouterr().err
+
+
 def test_opencv_reads_what_is_written_for_it(tmp_path: Path) -> None:
     camera = a_camera()
     write_calibration([camera], tmp_path / "x.yml", WRITABLE["opencv"])

@@ -22,6 +22,13 @@ RATIONAL = 8
 COEFFICIENTS: dict[LensModel, tuple[int, ...]] = {"pinhole": (0, 4, 5), "fisheye": (4,)}
 
 
+HELD_BY: dict[LensModel, str] = {
+    "fisheye": "export it as anipose or opencv",
+    "rational": "export it as opencv",
+}
+"""Remedies for models that a format lacks."""
+
+
 class Unfit(ValueError):
     """A value does not fit; the text says where it is, its value and the expected one; remedy: what to do."""
 
@@ -128,8 +135,9 @@ def unique(cameras: Sequence[Camera]) -> tuple[Camera, ...]:
     return tuple(cameras)
 
 
-def holds(cameras: Iterable[Camera], models: Sequence[LensModel], format_name: str, other: str) -> None:
-    """Raise Unfit for the first camera with a model that the format lacks; other: a format that has it."""
+def holds(cameras: Iterable[Camera], models: Sequence[LensModel], format_name: str) -> None:
+    """Raise Unfit for the first camera with a model that the format lacks."""
     for camera in cameras:
         if camera.model not in models:
-            raise Unfit(f"camera {camera.name} is a {camera.model}, which {format_name} cannot hold", other)
+            remedy = HELD_BY.get(camera.model, "leave it out of the room")
+            raise Unfit(f"camera {camera.name} is a {camera.model}, which {format_name} cannot hold", remedy)

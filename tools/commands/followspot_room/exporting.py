@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from followspot.errors import InputError, writing
-from followspot.room import Camera
+from followspot.room import Camera, Room
 from followspot.room_file import load
 from followspot_room.calibration import FORMATS
 from followspot_room.checks import Unfit
@@ -32,14 +32,25 @@ def export_room(room_file: Path, output: Path, format_key: str | None, *, as_jso
     if not room.cameras:
         raise InputError.of(f"{room_file} has no cameras", "import or calibrate them first")
     written = write_calibration(list(room.cameras.values()), output, chosen)
-    left_out = [kind for kind, there in (("planes", room.planes), ("targets", room.targets)) if there]
-    if left_out:
+    if left_out := _left_out(room, chosen):
         print(f"warning: {' and '.join(left_out)} have no place in {chosen.name}", file=sys.stderr)
     if as_json:
         print(json.dumps({"format": chosen.key, "cameras": list(room.cameras), "files": written}))
     else:
         print(f"{output}: {len(room.cameras)} cameras as {chosen.name}")
     return 0
+
+
+def _left_out(room: Room, chosen: Format) -> list[str]:
+    """What the room has and the format has not."""
+    kinds = {camera.kind for camera in room.cameras.values()} - {"color"}
+    parts = {
+        "planes": room.planes,
+        "targets": room.targets,
+        "kinds of cameras": kinds - {"infrared"} if chosen.infrared else kinds,
+        "clock offsets": any(camera.clock_offset for camera in room.cameras.values()),
+    }
+    return [name for name, there in parts.items() if there]
 
 
 def format_of(output: Path) -> str:

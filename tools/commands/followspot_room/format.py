@@ -38,7 +38,8 @@ class Format:
     key: its name for `--format`; name: for users;
     parse: texts -> calibration, None if they are in another format; raises Unfit if they are in this one
     with a mistake; write: cameras -> texts, raises Unfit for a camera that the format cannot hold;
-    folder: True for a folder of files, else one text of any name.
+    folder: True for a folder of files, else one text of any name; infrared: whether what is written says
+    which cameras are infrared.
     """
 
     key: str
@@ -46,6 +47,7 @@ class Format:
     parse: Callable[[Texts], Calibration | None]
     write: Callable[[Sequence[Camera]], Texts] | None = None
     folder: bool = False
+    infrared: bool = False
 
 
 def only_text(files: Texts) -> tuple[str, str] | None:

@@ -30,7 +30,7 @@ def parse(files: Texts) -> Calibration | None:
 
 def write(cameras: Sequence[Camera]) -> Texts:
     """camera_array.toml; a camera cam_N keeps its number, and the name stands beside it. Raises Unfit."""
-    holds(cameras, ("pinhole", "fisheye"), "caliscope", "leave it out of the room")
+    holds(cameras, ("pinhole", "fisheye"), "caliscope")
     numbers = [_number(camera.name) for camera in cameras]
     if None in numbers or len(set(numbers)) < len(numbers):
         numbers = list(range(len(cameras)))

@@ -50,7 +50,7 @@ def parse(files: Texts) -> Calibration | None:
 
 def write(cameras: Sequence[Camera]) -> Texts:
     """One file of XML. Raises Unfit for a lens that it cannot hold."""
-    holds(cameras, ("pinhole",), "Qualisys", "export it as anipose or opencv")
+    holds(cameras, ("pinhole",), "Qualisys")
     root = ET.Element("calibration", {"type": "regular", "source": "followspot"})
     ET.SubElement(root, "results", {"std-dev": "0", "min-max-diff": "0"})
     parent = ET.SubElement(root, "cameras")
@@ -150,4 +150,4 @@ def _texts(keys: Sequence[str], values: Sequence[float]) -> dict[str, str]:
     return {key: repr(float(value)) for key, value in zip(keys, values, strict=True)}
 
 
-FORMAT = Format("qualisys", "Qualisys Calib.qca.txt (XML)", parse, write)
+FORMAT = Format("qualisys", "Qualisys Calib.qca.txt (XML)", parse, write, infrared=True)

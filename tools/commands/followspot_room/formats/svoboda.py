@@ -43,7 +43,7 @@ def parse(files: Texts) -> Calibration | None:
 
 def write(cameras: Sequence[Camera]) -> Texts:
     """A folder of files. Raises Unfit for a lens with k3, or of another model."""
-    holds(cameras, ("pinhole",), "MultiCamSelfCal", "export it as anipose or opencv")
+    holds(cameras, ("pinhole",), "MultiCamSelfCal")
     files = {
         RESOLUTION: "".join(f"{camera.size[0]} {camera.size[1]}\n" for camera in cameras),
         ORDER: "".join(f"{camera.name}\n" for camera in cameras),
