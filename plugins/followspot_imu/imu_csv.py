@@ -11,7 +11,7 @@ from followspot.csv_rows import FIRST_ROWS
 from followspot.inertial import Inertial
 from followspot.room import Member
 from followspot_imu.readings_file import FileParams, read_readings
-from followspot_imu.units import converted, doubt_of_force
+from followspot_imu.units import converted, doubts_of_units
 
 
 class ImuCsv(Stage):
@@ -31,13 +31,14 @@ class ImuCsv(Stage):
 
     @classmethod
     def check_files(cls, params: Params, room: Room, member: Member | None) -> Iterable[Mistake]:
-        """Read the first rows; warn if their force is of another unit. Raises InputError."""
+        """Read the first rows; warn if they seem to be of another unit. Raises InputError."""
         name = member.name if member is not None else None
         _, values = read_readings(params, name, room.sensors, FIRST_ROWS)
-        doubt = doubt_of_force(converted(values, params.scale, params.axes)[1])
-        if not doubt:
-            return ()
-        return [Mistake(None, f"force_unit: {doubt}", "say the unit of the file", warning=True)]
+        turn_rate, force, _ = converted(values, params.scale, params.axes)
+        return [
+            Mistake(None, f"{parameter}: {doubt}", "say the unit of the file", warning=True)
+            for parameter, doubt in doubts_of_units(turn_rate, force).items()
+        ]
 
     def setup(self) -> None:
         """Read the file whole. Raises InputError with file, line and remedy."""
@@ -46,8 +47,9 @@ class ImuCsv(Stage):
         if not len(time):
             self.context.warn(f"{p.path} has no readings of sensor {name}")
         self.readings = Inertial(name, time, *converted(values, p.scale, p.axes))
-        if doubt := doubt_of_force(self.readings.specific_force):
-            self.context.warn(f"{p.path}: {doubt}; is force_unit {p.force_unit} right?")
+        doubts = doubts_of_units(self.readings.turn_rate, self.readings.specific_force)
+        for parameter, doubt in doubts.items():
+            self.context.warn(f"{p.path}: {doubt}; is {parameter} {getattr(p, parameter)} right?")
 
     def length(self) -> int:
         """Number of messages."""

@@ -17,6 +17,8 @@ MOST = np.repeat([100.0, 10_000.0, 100_000.0], 3)
 """Largest absolute value of each, rad/s, m/s^2 and uT: gyroscopes of props read up to 70 rad/s."""
 FORCE_AT_REST = (5.0, 20.0)
 """Between these the median force of a sensor lies that is moved by hand, m/s^2; at rest it is 9.8."""
+FULL_RANGE = 35.0
+"""Turn rate that few readings of a prop exceed, rad/s: 2000 deg/s, the range of most gyroscopes."""
 DEGREE = np.pi / 180
 STANDARD_GRAVITY = 9.80665
 """m/s^2 in a g."""
@@ -72,7 +74,23 @@ def converted(values: Array, scale: Array, axes: str) -> tuple[Array, Array, Arr
     return turned[:, 0], turned[:, 1], turned[:, 2]
 
 
-def doubt_of_force(force: Array) -> str:
+def doubts_of_units(turn_rate: Array, force: Array) -> dict[str, str]:
+    """Why readings (N, 3) rad/s and m/s^2 are hardly in the units that were said, by the parameter."""
+    doubts = {"force_unit": _doubt_of_force(force), "turn_unit": _doubt_of_turn(turn_rate)}
+    return {parameter: doubt for parameter, doubt in doubts.items() if doubt}
+
+
+def _doubt_of_turn(turn_rate: Array) -> str:
+    """Why turn rates (N, 3) rad/s are hardly in the unit that was said, "" if they may be."""
+    size = float(np.percentile(np.linalg.norm(turn_rate, axis=1), 95)) if len(turn_rate) else 0.0
+    if size <= FULL_RANGE:
+        return ""
+    return (
+        f"the gyroscope reads {size:.3g} rad/s and more in a twentieth of the time, which is fast for a prop"
+    )
+
+
+def _doubt_of_force(force: Array) -> str:
     """Why readings (N, 3) m/s^2 are hardly in the unit that was said, "" if they may be."""
     size = float(np.median(np.linalg.norm(force, axis=1))) if len(force) else 0.0
     if not size or FORCE_AT_REST[0] <= size <= FORCE_AT_REST[1]:  # zeros are those of a gyroscope alone

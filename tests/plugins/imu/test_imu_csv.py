@@ -196,6 +196,20 @@ def test_a_force_of_another_unit_is_warned_of_by_check_and_run(
     assert len(told) == 1
 
 
+def test_turn_rates_that_no_prop_has_are_warned_of_by_check_and_run(tmp_path: Path) -> None:
+    """Degrees of a slow motion, that are within the range of radians."""
+    told: list[str] = []
+    slow = rows_at_rest(9.8, turn=60.0)
+    stage = imu_csv(tmp_path / "readings.csv", slow, told.append)
+    (mistake,) = ImuCsv.check_files(stage.params, tiny_room(), Member("sensors", "imu0"))
+    assert mistake.warning
+    for words in (str(mistake), *told):
+        assert "the gyroscope reads 60 rad/s" in words
+        assert "turn_unit" in words
+    imu_csv(tmp_path / "readings.csv", slow, told.append, turn_unit="deg/s")
+    assert len(told) == 1
+
+
 def test_a_force_of_the_right_unit_is_not_warned_of(tmp_path: Path) -> None:
     told: list[str] = []
     for text, params in (
