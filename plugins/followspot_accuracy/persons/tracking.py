@@ -18,6 +18,8 @@ Area = tuple[float, float, float, float]
 """Part of the floor that the truth covers: x0, y0, x1, y1, m."""
 _CLOSER = 1e3
 """Worth of a pair over its distance in gates: as many pairs as possible, then the nearest."""
+_KEPT = 1e6
+"""Further worth of a pair that was together before."""
 
 
 @dataclass(frozen=True)
@@ -94,8 +96,7 @@ def correspondence(
         away = np.linalg.norm(poses.pose[rows, None, :2] - place[f], axis=2)
         near = away <= gate
         kept = near & (poses.person[rows, None] == last)
-        free = near & ~kept.any(axis=1)[:, None] & ~kept.any(axis=0)
-        r, p = assigned(np.where(kept | free, _CLOSER - away / gate, 0.0))
+        r, p = assigned(np.where(near, _KEPT * kept + _CLOSER - away / gate, 0.0))
         pose[f, p] = rows[r]
         last[p] = poses.person[rows[r]]
         inside = within(poses.pose[rows, :2], area) | (near & needed[f]).any(axis=1)

@@ -57,6 +57,18 @@ def test_a_person_keeps_its_number_although_another_is_nearer() -> None:
     assert (one.switches, one.false) == (0, 1)
 
 
+def test_a_person_whose_number_went_to_somebody_else_is_found_under_another() -> None:
+    """Two persons side by side had number 1 last: one of them keeps it, the other one is not missed."""
+    true = truth([0.0, 0.0, 0.0])
+    true = PoseTruthTable((1, 2), true.time, np.zeros((3, 2, 6)), np.ones((3, 2)), np.zeros(2))
+    true.pose[:, 1, 0] = 0.4
+    true.visible[0, 1] = true.visible[1, 0] = 0.0
+    true.pose[0, 1] = true.pose[1, 0] = np.nan
+    found = poses((0, 1, 0.0, 0), (1, 1, 0.4, 0), (2, 1, 0.35, 0), (2, 2, 0.05, 0))
+    one = tracking(found, true)
+    assert (one.truths, one.missed, one.false, one.switches) == (4, 0, 0, 1)
+
+
 def test_persons_beyond_the_gate_are_missed() -> None:
     one = tracking(poses((0, 1, 0.51, 0)), truth([0]))
     assert (one.missed, one.false, one.mota) == (1, 1, -1.0)
