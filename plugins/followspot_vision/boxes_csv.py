@@ -86,6 +86,8 @@ class BoxesCsv(Stage):
         self.frames = _read(self.params, self.camera.name, self.room)
         if not self.frames.own:
             self.context.warn(f"{self.params.path} has no boxes of camera {self.camera.name}")
+        if doubt := self.frames.doubt:
+            self.context.warn(f"{self.params.path}: {doubt}")
 
     def length(self) -> int:
         """Number of frames."""

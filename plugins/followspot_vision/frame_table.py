@@ -13,6 +13,7 @@ from followspot import Field, InputPath, StageParams
 from followspot.csv_rows import Row, header_of, read_rows
 from followspot.errors import InputError, Mistake, Place, did_you_mean
 from followspot.frame_times import capture_time, exact_rate
+from followspot_vision.frame_steps import doubt_of_steps
 
 T = TypeVar("T")
 MOST_IN_A_FRAME = 10_000
@@ -54,13 +55,15 @@ class FrameRows(Generic[T]):
 class FrameTable(Generic[T]):
     """The frames of one camera, ascending. Frames that only other cameras have are empty.
 
-    own: frames with rows; others: number -> capture time, ns, of frames with rows of any camera; rate: in
-    frames per second, if times follow from numbers: then every frame from the first to the last is there.
+    own: frames with rows; others: number -> capture time, ns, of frames with rows of any camera; time_of:
+    number -> capture time, ns, if times follow from numbers: then every frame from the first to the last is
+    there; doubt: why they hardly were all looked at, "" if they may be.
     """
 
     own: Sequence[FrameRows[T]]
     others: dict[int, int]
     time_of: Callable[[int], int] | None
+    doubt: str = ""
 
     def __len__(self) -> int:
         if self.time_of is not None and self.others:
@@ -118,7 +121,8 @@ def read_frames(
     frames = [FrameRows(number, time, tuple(rows)) for number, time, rows in own]
     moments.update({frame.number: frame.time for frame in frames if has_frame})
     _check_rising(given.path, moments)
-    return FrameTable(frames, moments, time_of)
+    doubt = doubt_of_steps(moments, given.fps or 1.0) if time_of is not None else ""
+    return FrameTable(frames, moments, time_of, doubt)
 
 
 def _check_head(given: FrameParams, needs: Sequence[str], optional: Sequence[str]) -> tuple[bool, bool]:

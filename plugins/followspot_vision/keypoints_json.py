@@ -12,6 +12,7 @@ from followspot.errors import InputError
 from followspot.frame_times import capture_time, exact_rate
 from followspot.points import Points2D
 from followspot.room import Member
+from followspot_vision.frame_steps import doubt_of_steps
 from followspot_vision.frame_table import MOST_FRAMES
 from followspot_vision.keypoint_files import Person, picture_files, read_picture, read_results
 from followspot_vision.picture_points import (
@@ -88,6 +89,8 @@ class KeypointsJson(Stage):
             raise InputError.of(text, f"at most {MOST_FRAMES} after first_picture")
         if not numbers:
             self.context.warn(f"{place} has no results")
+        if doubt := doubt_of_steps(numbers, self.params.fps):
+            self.context.warn(f"{place}: {doubt}")
 
     def length(self) -> int:
         """Number of pictures."""

@@ -49,6 +49,8 @@ class PointsCsv(Stage):
         self.frames = _read(self.params, self.camera.name, self.room)
         if not self.frames.own:
             self.context.warn(f"{self.params.path} has no points of camera {self.camera.name}")
+        if doubt := self.frames.doubt:
+            self.context.warn(f"{self.params.path}: {doubt}")
 
     def length(self) -> int:
         """Number of frames."""

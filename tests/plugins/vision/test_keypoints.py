@@ -158,6 +158,21 @@ def test_results_of_one_camera_are_not_those_of_another(tmp_path: Path, name: st
         read(path, "cam1")
 
 
+def test_pictures_that_the_network_left_out_are_doubted(tmp_path: Path) -> None:
+    folder = tmp_path / "cam0"
+    folder.mkdir()
+    for number in range(0, 60, 5):
+        (folder / f"cam0_{number:012}_keypoints.json").write_text('{"people": []}')
+    told: list[str] = []
+    KeypointsJson(
+        Context("a", ROOM, Member("cameras", "cam0"), warn=told.append), path=tmp_path, fps=25
+    ).setup()
+    assert len(told) == 1
+    assert told[0].endswith(
+        "steps of 5, and those between count as empty: number them 0, 1, 2, ... and say fps: 5"
+    )
+
+
 def test_the_source_keeps_the_promises_of_stages(tmp_path: Path) -> None:
     (tmp_path / "a.json").write_text(coco((0, body(17, 3)), (2, body(17, 4))))
     check_stage(KeypointsJson, path=str(tmp_path / "a.json"))

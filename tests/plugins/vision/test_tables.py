@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -164,6 +165,22 @@ def test_any_file_is_read_or_refused(
     times = [seal(message).header.time for message in found]
     assert times == sorted(set(times))
     assert all(np.isfinite(message.pixel).all() for message in found)
+
+
+@pytest.mark.parametrize(("step", "said"), [(1, []), (5, ["steps of 5, .* fps: 6$"])])
+def test_frames_that_nobody_looked_at_are_doubted(tmp_path: Path, step: int, said: list[str]) -> None:
+    """A detector looked at every fifth picture: the others are not empty."""
+    told: list[str] = []
+    path = tmp_path / "a.csv"
+    for uses, head, row in (
+        ("vision.points_csv", "x,y", "1,2"),
+        ("vision.boxes_csv", "x0,y0,x1,y1", "1,2,3,4"),
+    ):
+        path.write_text(f"frame,camera,{head}\n" + "".join(f"{step * k},cam0,{row}\n" for k in range(12)))
+        context = Context(uses, ROOM, Member("cameras", "cam0"), warn=told.append)
+        load_stage(uses)(context, path=path, fps=30).setup()
+    assert len(told) == 2 * len(said)
+    assert all(re.search(said[0], text) for text in told)
 
 
 def test_a_camera_without_rows_is_told_of(tmp_path: Path) -> None:

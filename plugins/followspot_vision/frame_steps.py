@@ -1,0 +1,26 @@
+"""Doubts about the numbers of frames that another program wrote."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+FEWEST = 10
+"""Frames from which a step between all of them is no chance."""
+
+
+def doubt_of_steps(numbers: Collection[int], fps: float) -> str:
+    """Why these are hardly all frames that were looked at, "" if they may be.
+
+    A detector that looks at every fifth picture says nothing of the four between, but they count as pictures
+    in which nobody is: tracks end there. fps: rate of the numbers.
+    """
+    steps = np.diff(sorted(numbers))
+    step = int(np.gcd.reduce(steps)) if len(steps) else 1
+    if len(numbers) < FEWEST or step < 2:
+        return ""
+    return (
+        f"frames are numbered in steps of {step}, and those between count as empty: "
+        f"number them 0, 1, 2, ... and say fps: {fps / step:g}"
+    )
