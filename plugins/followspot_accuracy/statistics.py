@@ -8,6 +8,18 @@ import numpy as np
 
 from followspot.messages import Array
 
+SAME = 1e-4
+"""Difference of times that comes of rounding, s; frames are farther apart."""
+
+
+def frames_of(times: Array) -> tuple[Array, Array]:
+    """Times of frames, (F,) s, ascending, and the frame of each of these times (N,): equal ones but for their
+    rounding are of one frame.
+    """
+    ascending, place = np.unique(times, return_inverse=True)
+    begins = np.diff(ascending, prepend=-np.inf) > SAME
+    return ascending[begins], (np.cumsum(begins) - 1)[place]
+
 
 def nearest(grid: Array, values: Array) -> tuple[Array, Array]:
     """Index of the nearest element of an ascending grid for each value, and the distance to it."""

@@ -10,7 +10,7 @@ from followspot_accuracy import read_truth_csv
 
 
 class TruthCsv(Stage):
-    """Ground truth from a CSV file: frame, time (s), object, x, y, z (m), hidden, trackable, pair (0, 1)."""
+    """Ground truth from a CSV file: time (s), object, x, y, z (m), hidden, trackable, pair (0, 1)."""
 
     class Params(StageParams):
         path: InputPath = Field(description="the CSV file; columns beyond these are ignored")

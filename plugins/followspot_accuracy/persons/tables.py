@@ -17,6 +17,7 @@ from followspot.errors import FollowspotError
 from followspot.geometry import direction, wrap
 from followspot.messages import Array
 from followspot.people import PoseTruth
+from followspot_accuracy.statistics import frames_of
 
 POSE_COLUMNS = ("time", "person", "x", "y", "z_head_top", "torso_heading", "head_pan", "head_tilt")
 PLACES = ("time", "person", "x", "y")
@@ -132,7 +133,7 @@ def _truth_table(rows: Sequence[tuple[float, _Person]], viewpoint: Array) -> Pos
     height only if there is no other.
     """
     persons = tuple(sorted({person for _, (person, _, _) in rows}))
-    time, frame = np.unique(np.array([t for t, _ in rows], "f8"), return_inverse=True)
+    time, frame = frames_of(np.array([t for t, _ in rows], "f8"))
     if len(time) * len(persons) > MOST_CELLS:
         raise FollowspotError(f"{len(persons)} persons in {len(time)} frames are too many to compare")
     pose = np.full((len(time), len(persons), 6), np.nan)

@@ -12,9 +12,10 @@ from followspot.csv_rows import Row, read_rows
 from followspot.inertial import PosedTruth
 from followspot.messages import Array
 from followspot.tracking import STATES, Truth
+from followspot_accuracy.statistics import frames_of
 
-TRACK_COLUMNS = ("frame", "time", "object", "state", "x", "y", "z")
-TRUTH_COLUMNS = ("frame", "time", "object", "x", "y", "z", "hidden", "trackable", "pair")
+TRACK_COLUMNS = ("time", "object", "state", "x", "y", "z")
+TRUTH_COLUMNS = ("time", "object", "x", "y", "z", "hidden", "trackable", "pair")
 QUATERNION = ("qw", "qx", "qy", "qz")
 """Columns of files with orientations."""
 SIGMAS = ("sx", "sy", "sz")
@@ -135,7 +136,7 @@ def _truth_table(rows: Iterable[_TruthRow]) -> TruthTable:
     """Sort rows into frames by their time; a later row of the same frame and object replaces the earlier."""
     known = list(rows)
     objects = tuple(dict.fromkeys(row[1] for row in known))
-    time, frame = np.unique(np.array([r[0] for r in known], "f8"), return_inverse=True)
+    time, frame = frames_of(np.array([r[0] for r in known], "f8"))
     xyz = np.full((len(time), len(objects), 3), np.nan)
     flags = np.zeros((len(time), len(objects), 3), bool)
     quaternion = np.full((len(time), len(objects), 4), np.nan)

@@ -27,6 +27,7 @@ from followspot_accuracy import (
 )
 from followspot_accuracy.statistics import nearest
 from followspot_accuracy.targets.figures import PAPER_UNIT, found_while_sought, jerk_cost, recoveries
+from followspot_score.command import score_files
 
 GLOWBALLS = dataset("glowballs-dev")
 needs_recordings = needs_data("glowballs-dev")
@@ -292,6 +293,32 @@ def test_table_has_a_line_per_target_and_json_has_no_nan() -> None:
     parsed = json.loads(json.dumps(to_json(scores), allow_nan=False))
     assert parsed["a"]["rmse_mm"] == 0
     assert parsed["a"]["reprojection_px"] is None
+
+
+def written(path: Path, later: float) -> tuple[Path, Path]:
+    """Tracks and truth of red and blue at 10 Hz without frame numbers; in the truth blue is later, s."""
+    tracks_file, truth_file = path / "tracks.csv", path / "truth.csv"
+    with tracks_file.open("w") as tracked, truth_file.open("w") as true:
+        tracked.write("time,object,state,x,y,z\n")
+        true.write("time,object,x,y,z,hidden,trackable,pair\n")
+        for k in range(10):
+            for x, (name, time) in enumerate((("red", k / 10), ("blue", k / 10 + later))):
+                tracked.write(f"{k / 10},{name},tracked,{x},0,1\n")
+                true.write(f"{time},{name},{x},0,1,0,1,1\n")
+    return tracks_file, truth_file
+
+
+def test_objects_whose_times_differ_by_rounding_are_of_one_frame(tmp_path: Path) -> None:
+    tracks_file, truth_file = written(tmp_path, 1e-9)
+    true = read_truth_csv(truth_file)
+    assert len(true.time) == 10
+    assert [one.coverage for one in score(read_tracks_csv(tracks_file), true).values()] == [1.0, 1.0]
+
+
+def test_truth_with_a_time_for_each_object_is_refused(tmp_path: Path) -> None:
+    tracks_file, truth_file = written(tmp_path, 0.02)
+    with pytest.raises(InputError, match=r"(?s)blue at no time .*give all objects of a frame one time"):
+        score_files(tracks_file, [truth_file], None, None, as_json=False)
 
 
 @needs_recordings

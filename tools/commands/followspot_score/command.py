@@ -27,6 +27,7 @@ from followspot_accuracy import (
     to_json,
 )
 from followspot_accuracy.persons.tracking import Area
+from followspot_accuracy.statistics import half_interval, nearest
 from followspot_score.plot import draw
 from followspot_score.trajectories import Span, draw_trajectories, within
 
@@ -117,3 +118,18 @@ def _require_common(reported: Path, truth: Path, tracks: TrackTable, true: Truth
         spans = (f"{t.min():g} to {t.max():g} s" for t in (tracks.time, true.time))
         text = f"{reported} has {next(spans)}, {truth} {next(spans)}"
         raise InputError.of(text, "take both times from one clock")
+    between = [name for name in true.objects if name in named and _between_frames(name, tracks, true)]
+    if between:
+        text = f"{truth} has {between[0]} at no time at which it has the other objects"
+        raise InputError.of(text, "give all objects of a frame one time")
+
+
+def _between_frames(name: str, tracks: TrackTable, true: TruthTable) -> bool:
+    """Whether all rows of a target are nearest to frames without it, though some are near to its own."""
+    own = np.isfinite(true.xyz[:, true.objects.index(name), 0])
+    moments = tracks.time[tracks.target == tracks.objects.index(name)]
+    if not own.any() or own.all():
+        return False
+    frame, _ = nearest(true.time, moments)
+    _, apart = nearest(true.time[own], moments)
+    return not own[frame].any() and bool((apart <= half_interval(true.time[own])).any())
