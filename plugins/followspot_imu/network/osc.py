@@ -11,6 +11,7 @@ from typing import Literal
 from pydantic import field_validator
 
 from followspot import Array, Field
+from followspot.messages import MAX_TIME
 from followspot_imu.network.listener import Datagram
 from followspot_imu.network.osc_messages import OscError, OscMessage, osc_messages
 from followspot_imu.network.sensor import NetworkSensor, Reading
@@ -18,8 +19,6 @@ from followspot_imu.units import FORCE, TURN, VALUES, UnitParams
 
 WORDS = (*VALUES, "time", "-")
 NANOSECONDS = {"s": 1e9, "ms": 1e6, "us": 1e3, "ns": 1.0}
-LATEST = 1e18
-"""Largest time of a device, ns."""
 
 
 class Osc(NetworkSensor):
@@ -93,8 +92,10 @@ class Osc(NetworkSensor):
     def _reading(self) -> Reading:
         """The reading that was seen."""
         seen, time = self._seen, None
-        if "time" in seen and abs(seen["time"] * NANOSECONDS[self.params.time_unit]) < LATEST:
-            time = round(seen["time"] * NANOSECONDS[self.params.time_unit])
+        if "time" in seen:
+            said = seen["time"] * NANOSECONDS[self.params.time_unit]
+            time = round(said) if abs(said) < MAX_TIME else None
+            self.tally.add("times out of range: readings have that of their arrival", int(time is None))
         values = tuple(seen.get(name, math.nan) for name in VALUES)
         seen.clear()
         return Reading(time, values)

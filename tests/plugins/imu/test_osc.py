@@ -13,6 +13,9 @@ from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
 from pythonosc.osc_message_builder import OscMessageBuilder
 from tests.plugins.imu.network import AtWork
 
+from followspot import Context, Member
+from followspot.testing import tiny_room
+from followspot_imu.network.listener import Datagram
 from followspot_imu.network.osc import Osc
 from followspot_imu.network.osc_messages import DEEPEST, MOST_MESSAGES, OscError, osc_messages
 
@@ -115,6 +118,22 @@ def test_readings_of_one_message_or_of_several_come_with_the_time_they_say() -> 
     late = np.diff(work.column("time")) - 10_000_000
     assert (late <= 0).all()
     assert not work.told
+
+
+def test_a_device_may_count_its_time_from_1970_and_none_beyond_all_clocks() -> None:
+    told: list[str] = []
+    context = Context("imu", tiny_room(), Member("sensors", "imu0"), warn=told.append)
+    stage = Osc(context, messages={"/wand": "time gx gy gz ax ay az"})
+
+    def device_time(seconds: float) -> int | None:
+        packet = osc("/wand", seconds, 0.0, 0.0, 0.0, 0.0, 0.0, 9.8, kind="d")
+        (reading,) = stage.readings(Datagram(packet, 0, "127.0.0.1"))
+        return reading.device_time
+
+    assert device_time(1_700_000_000.25) == pytest.approx(1_700_000_000_250_000_000, abs=300)
+    assert not told
+    assert device_time(1e30) is None
+    assert "times out of range" in told[0]
 
 
 def test_readings_without_a_time_have_that_of_their_arrival() -> None:
