@@ -169,6 +169,12 @@ def test_what_a_newcomer_gets_wrong_is_told(
     assert said.replace("FOLDER", str(tmp_path)) in capsys.readouterr().err
 
 
+def test_help_says_that_a_room_file_that_is_there_stays(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["room", "new", "--help"])
+    assert "an old file is refused" in " ".join(capsys.readouterr().out.split())
+
+
 def test_a_webcam_makes_a_room(tmp_path: Path) -> None:
     room = tmp_path / "desk.yaml"
     assert main(["room", "new", "--webcam", "0", "--size", "320x240", "-o", str(room)]) == 0

@@ -21,8 +21,8 @@ def followspot_commands() -> Sequence[Command]:
     ]
 
 
-def _add_output(parser: argparse.ArgumentParser) -> None:
-    help_text = "room file to write; an old file is replaced"
+def _add_output(parser: argparse.ArgumentParser, old: str = "is replaced") -> None:
+    help_text = f"room file to write; an old file {old}"
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="ROOM.yaml", help=help_text)
 
 
@@ -34,7 +34,7 @@ def configure_new(parser: argparse.ArgumentParser) -> None:
     add("--webcam", metavar="DEVICE", help="number of a webcam, or its path, for example 0")
     add("--size", default="640x480", metavar="WxH", help="of the webcam's pictures, px (default: 640x480)")
     add("--field", type=float, default=60.0, metavar="DEG", help="horizontal field of view (default: 60)")
-    _add_output(parser)
+    _add_output(parser, old="is refused")
     add("--json", action="store_true", help="print the cameras as one JSON object")
 
 
