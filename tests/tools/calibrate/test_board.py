@@ -394,3 +394,9 @@ def test_real_board_is_rigid_to_two_millimetres(tmp_path: Path, capsys: pytest.C
     assert answer["distances"] > 500
     after = load(given).cameras
     assert apart(tuple(after.values()), list(before.values())).max() < 0.03
+
+
+def test_cameras_that_share_many_views_and_contradict_each_other_are_not_asked_for_more() -> None:
+    pose = Similarity(np.eye(3), np.array([1.0, 0.0, 0.0]))
+    with pytest.raises(FollowspotError, match=r"agree on 1 of the 40 moments .* out of step .* mirrored"):
+        chained(["left", "right"], {(0, 1): Relation(pose, 1, 40)})

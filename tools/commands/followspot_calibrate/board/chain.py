@@ -11,6 +11,8 @@ from followspot_calibrate.similarity import Similarity
 
 LEAST_MOMENTS = 3
 """Smallest number of agreeing views that links a pair of cameras."""
+CONTRADICTING = 10
+"""Shared views from which it is no want of them that too few agree."""
 
 Seen = Mapping[int, Sequence[BoardPose]]
 """Moment -> poses of the board in one camera."""
@@ -53,12 +55,19 @@ def _unlinked(names: Sequence[str], linked: Sequence[int], pairs: Pairs) -> str:
     """Which camera is nearest to being linked, and what to do."""
     others = [number for number in range(len(names)) if number not in linked]
     between = {
-        (a, b): pairs[min(a, b), max(a, b)].moments if (min(a, b), max(a, b)) in pairs else 0
+        (a, b): (found.moments, found.shared) if (found := pairs.get((min(a, b), max(a, b)))) else (0, 0)
         for a in linked
         for b in others
     }
     a, b = max(between, key=lambda pair: between[pair])
+    moments, shared = between[a, b]
+    if shared >= CONTRADICTING:
+        return (
+            f"{names[a]}-{names[b]} agree on {moments} of the {shared} moments with the board in both, "
+            f"{LEAST_MOMENTS} needed: one of them is out of step with the others, its picture is mirrored, "
+            "or it has another lens than the room says"
+        )
     return (
-        f"{names[a]}-{names[b]} agree on {between[a, b]} moments with the board in both, "
+        f"{names[a]}-{names[b]} agree on {moments} moments with the board in both, "
         f"{LEAST_MOMENTS} needed: show the board to {names[b]} and another camera at once, in more places"
     )
