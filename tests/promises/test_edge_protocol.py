@@ -271,7 +271,7 @@ class RingEdge(RingEnds):
             while found is not None and not found.broken:
                 self.take(index, found)
             if found is not None and owed is not None:
-                assert waits or not owed.due, f"reader {index} never got {owed.due}"
+                assert waits or owed.satisfied, f"reader {index}: {owed}"
                 assert found.lost is not owed.ended
                 assert self.readable(found.fileno()), "a dead writer must wake its readers"
 
