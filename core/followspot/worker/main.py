@@ -95,14 +95,11 @@ class WorkerMain:
             self._give_up(order.over)
             self.channel.send(Built())
             if not order.incarnation:  # a restarted worker finds the others running, or some of them gone
-                links.wait_matched()
-            self.scheduler.setup()
-            self._restore(order.states)
-            self.reporter.send_log()
-            last_times = self.scheduler.sources.last_times() if order.frames is not None else {}
-            self.channel.send(Ready(expected=self.scheduler.sources.expected(), last_times=last_times))
-            if self._started():
-                self._run()
+                links.wait_matched(lambda: not self._stopped_early())
+            if not self._stopped_early():
+                self._get_ready(order, self.scheduler)
+                if self._started():
+                    self._run()
         except FollowspotError as failure:
             error = str(failure)
         finally:
@@ -159,6 +156,21 @@ class WorkerMain:
             resumed=order.incarnation > 0,
         )
         return build_worker(Wiring(links.plan), order.worker, self.ledger, options, links)
+
+    def _stopped_early(self) -> bool:
+        """Whether the run is stopped before this worker is ready; other ends may be gone by then."""
+        while self.channel.waits(0.0):
+            self._early.append(self.channel.receive())
+        return any(isinstance(received.request, StopRun) for received in self._early)
+
+    def _get_ready(self, order: BuildWorker, scheduler: Scheduler) -> None:
+        """Set all stages up, and tell the host."""
+        scheduler.setup()
+        self._restore(order.states)
+        self.reporter.send_log()
+        sources = scheduler.sources
+        last_times = sources.last_times() if order.frames is not None else {}
+        self.channel.send(Ready(expected=sources.expected(), last_times=last_times))
 
     def _started(self) -> bool:
         """Wait at the barrier for the start; False if the run is stopped before."""
