@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zlib
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import IO
 
@@ -119,7 +120,8 @@ def _from_records(file: IO[bytes], size: int) -> Contents:
                 raise Damaged("the file is cut off within a record")
             opcode, length = HEAD.unpack(head)
             if opcode == Opcode.DATA_END:
-                scan.contents.problem = "its index is damaged; the messages are whole"
+                told = _told_messages(file, offset + HEAD.size + length, size)
+                scan.contents.problem = f"its index is damaged; {scan.compared(told)}"
                 break
             if offset + HEAD.size + length > size:
                 raise Damaged("the file is cut off or damaged")
@@ -131,14 +133,41 @@ def _from_records(file: IO[bytes], size: int) -> Contents:
     return scan.contents
 
 
+def _told_messages(file: IO[bytes], offset: int, size: int) -> int | None:
+    """The number of messages by the statistics behind the data; None if these cannot be read."""
+    for _ in range(_MAX_ITEMS):
+        file.seek(offset)
+        head = file.read(HEAD.size)
+        if len(head) < HEAD.size:
+            break
+        opcode, length = HEAD.unpack(head)
+        span = Span(offset, HEAD.size + length)
+        offset += span.length
+        if offset > size:
+            break
+        if opcode == Opcode.STATISTICS:
+            with suppress(Damaged):
+                found: records.Statistics = parse(
+                    records.Statistics, read_span(file, span, Opcode.STATISTICS)
+                )
+                return found.message_count
+    return None
+
+
 @dataclass
 class _Scan:
-    """Reads the records of the data section. It opens a chunk only if that may have new channels."""
+    """Reads the records of the data section, and counts the messages."""
 
     file: IO[bytes]
     contents: Contents
     definitions: Definitions
-    chunk: ChunkSpan | None = None
+    messages: int = 0
+
+    def compared(self, told: int | None) -> str:
+        """Whether the messages are as many as the statistics tell: a chunk may be missing, or there twice."""
+        if told is None or told == self.messages:
+            return "the messages are whole"
+        return f"the {self.messages} messages in the file are not those that it tells of, {told}"
 
     def take(self, opcode: int, span: Span) -> None:
         """One record. Raises Damaged."""
@@ -161,6 +190,7 @@ class _Scan:
         """Add a chunk with its channels. Raises Damaged, also if the chunk is cut off."""
         chunk = read_chunk(self.file, span, self.definitions)
         times = [message.time for found in chunk.messages.values() for message in found]
+        self.messages += len(times)
         begin, end = min(times, default=0), max(times, default=0)
         self.contents.chunks.append(
             ChunkSpan(span.offset, span.length, begin, end, frozenset(chunk.messages))

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mcap.opcode import Opcode
 from tests.full_disk import full_disk
 
 from followspot import Context
@@ -16,7 +17,7 @@ from followspot.errors import FollowspotError
 from followspot.messages import Header, seal, stamped
 from followspot.tracking import Positions
 from followspot_recording.recording import Recording
-from followspot_recording.records import MAGIC
+from followspot_recording.records import HEAD, MAGIC
 from followspot_recording.sink import RecordingSink
 
 COUNT = 60
@@ -114,6 +115,28 @@ def test_a_flipped_bit_in_a_chunk_ends_the_recording_there(whole: bytes, tmp_pat
     assert 0 < len(found) < COUNT
     assert "at byte" in problem
     assert f"of {len(data)}; read up to there" in problem
+
+
+@pytest.mark.parametrize("times", [0, 2])
+def test_a_recording_without_one_of_its_chunks_or_with_one_twice_is_not_whole(
+    whole: bytes, tmp_path: Path, times: int
+) -> None:
+    """times: how often the chunk is there."""
+    start, end = last_chunk(whole)
+    found, problem = read(tmp_path / "a.mcap", whole[:start] + times * whole[start:end] + whole[end:])
+    assert found != list(range(COUNT))
+    assert "not those that it tells of" in problem
+
+
+def last_chunk(data: bytes) -> tuple[int, int]:
+    """Where the last chunk of a recording begins and ends."""
+    found, offset = (0, 0), len(MAGIC)
+    while offset + HEAD.size < len(data):
+        opcode, length = HEAD.unpack_from(data, offset)
+        end = offset + HEAD.size + length
+        found = (offset, end) if opcode == Opcode.CHUNK else found
+        offset = end
+    return found
 
 
 @pytest.mark.parametrize("data", [b"", b"hello, world"])
