@@ -35,6 +35,8 @@ MAX_DIMENSIONS = 8
 """Largest number of dimensions of a column."""
 MAX_SEQ = 1 << 62
 """Largest number of a frame."""
+MIN_INTEGER, MAX_INTEGER = -(1 << 63), (1 << 63) - 1
+"""Smallest and largest integer that a field holds."""
 
 
 class Header(NamedTuple):
@@ -274,7 +276,12 @@ def seal(message: M) -> M:
     for name, kind in message.scalars:
         value = values[name]
         if type(value) is not kind:
-            values[name] = _plain(name, value, kind)
+            values[name] = value = _plain(name, value, kind)
+        if kind is int:
+            if not MIN_INTEGER <= value <= MAX_INTEGER:
+                raise InvalidMessage(f"{name} is no number of 64 bits")
+        elif kind is not float and kind is not bool:
+            _check_text(name, value if kind is str else "".join(value))
     layout: list[Any] = []
     for name in message.array_names:
         array = values[name]
@@ -333,6 +340,14 @@ def _plain(name: str, value: Any, kind: Any) -> Any:
     if not matches:
         raise InvalidMessage(f"{name} is a {type(value).__name__}, declared {kind}")
     return value
+
+
+def _check_text(name: str, text: str) -> None:
+    """Raise InvalidMessage if a text cannot be encoded."""
+    try:
+        text.encode()
+    except UnicodeEncodeError as error:
+        raise InvalidMessage(f"{name} is no Unicode text: {error}") from None
 
 
 def check_shape(

@@ -61,6 +61,32 @@ def test_what_breaks_the_contract_is_refused_with_the_reason(field: str, value: 
         seal(message)
 
 
+class Told(Message):
+    number: int
+    text: str
+    names: tuple[str, ...]
+
+
+@pytest.mark.parametrize(
+    ("told", "reason"),
+    [
+        (Told(1 << 63, "", ()), "number is no number of 64 bits"),
+        (Told(-(1 << 63) - 1, "", ()), "number is no number of 64 bits"),
+        (Told(10**5000, "", ()), "number is no number of 64 bits"),
+        (Told(0, "\ud800", ()), "text is no Unicode text"),
+        (Told(0, "", ("ä", "\udcff")), "names is no Unicode text"),
+    ],
+)
+def test_what_cannot_travel_is_refused_by_edges_within_a_process_too(told: Told, reason: str) -> None:
+    with pytest.raises(InvalidMessage, match=reason):
+        seal(told)
+
+
+@pytest.mark.parametrize("number", [-(1 << 63), (1 << 63) - 1])
+def test_numbers_of_64_bits_and_any_text_can_travel(number: int) -> None:
+    assert seal(Told(number, "ä\0", ("😀", ""))).number == number
+
+
 def test_empty_message_has_no_rows_and_is_valid() -> None:
     empty = seal(Points.empty())
     assert (empty.xy.shape, empty.weight.shape, empty.size.shape, empty.camera) == ((0, 2), (0,), (2,), "")

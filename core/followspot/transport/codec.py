@@ -11,13 +11,22 @@ from typing import Any
 
 import numpy as np
 
-from followspot.messages import MAX_BYTES, Array, Header, InvalidMessage, Message, check_shape, in_range
+from followspot.messages import (
+    MAX_BYTES,
+    MAX_INTEGER,
+    MIN_INTEGER,
+    Array,
+    Header,
+    InvalidMessage,
+    Message,
+    check_shape,
+    in_range,
+)
 from followspot.transport.token import Watermark, is_watermark
 from followspot.transport.wire import ALIGN, MAX_HEAD, RAW, aligned, pack_head, padded, unpack_head
 
 MAX_SOURCE = 1000
 """Longest name of a source, characters."""
-_INT64 = 1 << 63
 MAX_PACKED = MAX_BYTES + 2 * MAX_HEAD
 """Largest packed token, bytes: the arrays, their padding, and the head."""
 
@@ -94,7 +103,7 @@ class Codec:
                 value = tuple(value)
             elif type(value) is not kind:
                 raise InvalidMessage(f"{name} is a {type(value).__name__}, declared {kind}")
-            elif type(value) is int and not -_INT64 <= value < _INT64:
+            elif type(value) is int and not MIN_INTEGER <= value <= MAX_INTEGER:
                 raise InvalidMessage(f"{name} is {value}, which is no number of 64 bits")
             values[name] = value
         return values
