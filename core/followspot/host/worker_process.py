@@ -24,6 +24,7 @@ from followspot.control.worker_messages import (
     Stages,
 )
 from followspot.control.worker_report import WorkerReport
+from followspot.host.forked_worker import EXIT_CODE_UNKNOWN
 from followspot.log.record import MAX_TEXT
 
 _TIMEOUT = 5.0
@@ -162,10 +163,13 @@ class WorkerProcess:
 
     def exit_reason(self) -> str:
         """How a process that sent no report ended."""
-        code = self.process.wait()
-        how = f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+        code, pid = self.process.wait(), self.process.pid
         why = f", because {self.killed}" if self.killed else ""
-        return f"worker {self.name} (process {self.process.pid}) died: {how}{why}"
+        if not pid:
+            return f"worker {self.name} was not started: the process that forks workers died{why}"
+        how = "exit code unknown" if code == EXIT_CODE_UNKNOWN else f"exit code {code}"
+        how = f"killed by {signal.Signals(-code).name}" if code < 0 else how
+        return f"worker {self.name} (process {pid}) died: {how}{why}"
 
     def kill(self, why: str) -> None:
         """End the process at once. why: the reason as a clause, for `exit_reason`."""

@@ -10,6 +10,7 @@ import sys
 import pytest
 
 from followspot.control.worker_report import WorkerReport
+from followspot.host.forked_worker import EXIT_CODE_UNKNOWN
 from followspot.host.worker_process import WorkerProcess
 
 
@@ -40,6 +41,38 @@ def test_a_worker_that_has_reported_exits_by_itself_and_any_other_is_killed(
     left.end()
     assert left.process.poll() == code
     assert not left.open
+
+
+class Ended:
+    """A process that has ended."""
+
+    def __init__(self, pid: int, code: int) -> None:
+        self.pid = pid
+        self._code = code
+
+    def poll(self) -> int:
+        return self._code
+
+    def wait(self, timeout: float | None = None) -> int:
+        return self._code
+
+    def kill(self) -> None:
+        pass
+
+
+@pytest.mark.parametrize(
+    ("pid", "code", "reason"),
+    [
+        (7, -signal.SIGKILL, "worker left (process 7) died: killed by SIGKILL"),
+        (7, 3, "worker left (process 7) died: exit code 3"),
+        (7, EXIT_CODE_UNKNOWN, "worker left (process 7) died: exit code unknown"),
+        (0, EXIT_CODE_UNKNOWN, "worker left was not started: the process that forks workers died"),
+    ],
+)
+def test_why_a_worker_is_gone_is_said_as_far_as_it_is_known(pid: int, code: int, reason: str) -> None:
+    left = WorkerProcess("left", 0, lambda _name, _end: Ended(pid, code))
+    assert left.exit_reason() == reason
+    left.end()
 
 
 def test_a_worker_in_a_thread_does_not_keep_its_process_alive() -> None:
