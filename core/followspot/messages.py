@@ -281,7 +281,9 @@ def seal(message: M) -> M:
             if not MIN_INTEGER <= value <= MAX_INTEGER:
                 raise InvalidMessage(f"{name} is no number of 64 bits")
         elif kind is not float and kind is not bool:
-            _check_text(name, value if kind is str else "".join(value))
+            text = value if kind is str else "".join(value)
+            if not text.isascii():
+                _check_text(name, text)
     layout: list[Any] = []
     for name in message.array_names:
         array = values[name]
