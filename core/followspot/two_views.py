@@ -31,4 +31,4 @@ def check_two_views(cameras: Sequence[Camera], need: str) -> Iterator[Mistake]:
         text = (
             f"{need} two cameras at different places, and {', '.join(names[:_MOST_NAMED])}{more} stand at one"
         )
-        yield Mistake(None, text, "find where they stand: run followspot calibrate wand, or board")
+        yield Mistake(None, text, "followspot calibrate wand, or board, finds the places of the cameras")

@@ -16,7 +16,7 @@ from followspot_balls.detection import (
     DetectionParams,
     Detections,
     blobs_by_view,
-    of_one_colour,
+    of_one_color,
     without_template,
 )
 from followspot_balls.hue import BINS, bhattacharyya, hue_bits, normalised
@@ -125,7 +125,7 @@ class ColorBlobs(Stage):
     def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
         """Warn about targets without a template, and about those of one colour."""
         yield from without_template(room, cameras, "colour", lambda target: target.hue_histogram)
-        yield from of_one_colour(room, cameras, params.similarity)
+        yield from of_one_color(room, cameras, params.similarity)
 
     def setup(self) -> None:
         name, p = self.camera.name, self.params

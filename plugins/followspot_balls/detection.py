@@ -55,7 +55,7 @@ def without_template(
             yield Mistake(None, text, "followspot calibrate targets --room ROOM.yaml --clips CLIPS learns it")
 
 
-def of_one_colour(room: Room, cameras: Sequence[Camera], least: float) -> Iterator[Mistake]:
+def of_one_color(room: Room, cameras: Sequence[Camera], least: float) -> Iterator[Mistake]:
     """The targets that no camera tells from another one, each with the first such.
 
     least: similarity of hues from which a blob is taken for a target.

@@ -142,7 +142,7 @@ class PersonSlots:
         return self.slots
 
     def _release(self, oldest: int, present: Collection[int]) -> None:
-        """Free the slots of persons last seen before this time, ns, who are not present either."""
+        """Free the slots of persons that were last seen before this time, ns, and are not present now."""
         self._row = {
             person: row for person, row in self._row.items() if person in present or self._seen[row] >= oldest
         }

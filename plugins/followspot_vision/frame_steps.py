@@ -14,7 +14,7 @@ def doubt_of_steps(numbers: Collection[int], fps: float) -> str:
     """Why these are hardly all frames that were looked at, "" if they may be.
 
     A detector that looks at every fifth picture says nothing of the four between, but they count as pictures
-    in which nobody is: tracks end there. fps: rate of the numbers.
+    without people: tracks end there. fps: rate of the numbers.
     """
     steps = np.diff(sorted(numbers))
     step = int(np.gcd.reduce(steps)) if len(steps) else 1

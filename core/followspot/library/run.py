@@ -149,7 +149,7 @@ class OwnRun(ScriptHandle):
             self._begun.wait(_BEGIN)
             if keep is not unkept:
                 self._await_recorder()
-        except BaseException:  # Ctrl-C: nobody gets this handle, and nobody else could end the run
+        except BaseException:  # after Ctrl-C no script has this handle, and so none could end the run
             self._abandon()
             raise
 

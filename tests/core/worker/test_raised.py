@@ -16,7 +16,7 @@ class Note(Message):
 
 
 class Unreadable(Exception):
-    """An error that cannot say what it is."""
+    """An error whose text cannot be read."""
 
     def __str__(self) -> str:
         raise ValueError("no text")

@@ -41,8 +41,9 @@ def _lines(name: str, window: bool, counts: Sequence[EdgeCount]) -> list[str]:
     unmatched, late = (sum(getattr(count, kind) for count in counts) for kind in ("unmatched", "late"))
     lines = []
     if _many(unmatched, sent):
-        why = "found no partner and were not used: raise tolerance, or give each sender a reader of its own"
-        why = "came after the last firing of their reader and were not used" if window else why
+        remedy = "raise tolerance, or give each sender a reader of its own"
+        no_partner = f"found no partner and were not used: {remedy}"
+        why = "came after the last firing of their reader and were not used" if window else no_partner
         lines.append(f"{name}: {unmatched} of {sent} messages {why}")
     if _many(late, sent):
         remedy = "raise deadline, or check the clocks of the senders"
