@@ -11,6 +11,7 @@ from typing import Any, get_args
 
 import pydantic
 from pydantic.fields import FieldInfo
+from pydantic_core import PydanticSerializationError
 
 from followspot.document import Node, plain
 from followspot.errors import Mistake, Place, did_you_mean
@@ -48,7 +49,13 @@ def validated(
     except pydantic.ValidationError as error:
         mistakes += [_mistake(detail, stage, noun, params, place) for detail in error.errors()]
         return None
-    return model.model_dump(mode="json") if len(mistakes) == before else None
+    if len(mistakes) > before:
+        return None
+    try:
+        return model.model_dump(mode="json")
+    except (PydanticSerializationError, UnicodeError):  # a default of any type, such as a function
+        mistakes += [_unwritable(n, noun, params.get(n), place) for n in fields if not _is_written(model, n)]
+        return None
 
 
 def output_paths(params: type[StageParams], values: Mapping[str, Any]) -> list[str]:
@@ -136,6 +143,21 @@ def _mistake(detail: Any, stage: type[Stage], noun: str, params: Mapping[str, No
     given = f" {detail['input']!r}" if isinstance(detail["input"], str | int | float | bool) else " this"
     text = f'"{name}" of {noun} cannot be{given}: {problem}'
     return Mistake(node.place if node is not None else place, text, _about(fields.get(top)).lstrip(", "))
+
+
+def _is_written(model: StageParams, name: str) -> bool:
+    """Whether a parameter can be written as JSON, in which it travels to a worker."""
+    try:
+        model.model_dump(mode="json", include={name})
+    except (PydanticSerializationError, UnicodeError):
+        return False
+    return True
+
+
+def _unwritable(name: str, noun: str, node: Node | None, place: Place) -> Mistake:
+    text = f'"{name}" of {noun} cannot be written as JSON, in which parameters travel to workers'
+    remedy = "let its class take numbers, text, lists and mappings, and make what it needs of them in setup"
+    return Mistake(node.place if node is not None else place, text, remedy)
 
 
 def _find(params: Mapping[str, Node], location: Sequence[int | str]) -> Node | None:

@@ -48,12 +48,17 @@ def _parameter(name: str, info: Any) -> dict[str, Any]:
     return {
         "name": name,
         "type": getattr(info.annotation, "__name__", str(info.annotation)),
-        "default": None if info.is_required() else _plain(info.default),
+        "default": None if info.is_required() else _plain(_default(info)),
         "required": info.is_required(),
         "range": ", ".join(limits) or _choices(info.annotation),
         "unit": (info.json_schema_extra or {}).get("unit", ""),
         "description": info.description or "",
     }
+
+
+def _default(info: Any) -> Any:
+    """The default; None for one that is made of the other parameters."""
+    return None if info.default_factory_takes_validated_data else info.get_default(call_default_factory=True)
 
 
 def _choices(annotation: Any) -> str:
