@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
+from followspot.ports import SignatureError, ports
 from followspot.room import Room
 from followspot.stage import Stage
 from followspot.testing.promises import declaration, life, messages, sources, work
@@ -83,6 +84,11 @@ def findings(
 ) -> Iterator[Finding]:
     """Every broken promise of a stage class."""
     trial = Trial(stage, params, room or tiny_room(), messages)
+    try:
+        ports(stage)
+    except SignatureError as error:  # without ports nothing else can be tried
+        yield Finding("has readable ports", str(error))
+        return
     for promise in PROMISES:
         for text in promise(trial):
             yield Finding(promise.__name__.replace("_", " "), text)

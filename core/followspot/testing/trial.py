@@ -141,5 +141,9 @@ def noise(seed: int = 0) -> Array:
 
 
 def reason(error: BaseException) -> str:
-    """An exception in one line."""
-    return " ".join(f"{type(error).__name__}: {error}".split())[:300]
+    """An exception in one line; its own `__str__` may fail."""
+    try:
+        text = str(error)
+    except Exception:
+        text = "its text cannot be read"
+    return " ".join(f"{type(error).__name__}: {text}".split())[:300]

@@ -47,6 +47,53 @@ class Reusing(Stage):
         return Frame(frame.camera, self.pixels)
 
 
+class Unreadable(Exception):
+    def __str__(self) -> str:
+        raise LookupError
+
+
+class Speechless(Stage):
+    """Raises what says nothing."""
+
+    def process(self, blobs: Blobs) -> Blobs:
+        raise Unreadable
+
+
+class Untyped(Stage):
+    """Does not say what it takes."""
+
+    def process(self, blobs) -> Blobs:  # type: ignore[no-untyped-def]
+        return blobs
+
+
+class Stubborn(Stage):
+    """Goes on when its generator is closed."""
+
+    def process(self) -> Source[Blobs]:
+        for number in range(1, 4):
+            try:
+                yield at(number, Blobs.empty())
+            except GeneratorExit:
+                yield at(4, Blobs.empty())
+
+
+class HalfTimed(Stage):
+    """Says times that are no whole numbers."""
+
+    def process(self) -> Source[Blobs]:
+        yield at(1.5, Blobs.empty())  # type: ignore[arg-type]
+
+
+class Guessing(Stage):
+    """Does not know its times."""
+
+    def process(self) -> Source[Blobs]:
+        yield at(1, Blobs.empty())
+
+    def capture_time(self, number: int) -> int | None:
+        raise LookupError
+
+
 class Clocked(Stage):
     """Sends the time of day."""
 

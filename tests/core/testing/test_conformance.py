@@ -151,6 +151,11 @@ def test_the_kit_names_each_broken_promise() -> None:
         (breaking.Undeclared, "yields what it declares"),
         (breaking.Timeless, "yields what it declares"),
         (breaking.Lonely, "leaves empty inputs alone"),
+        (breaking.Speechless, "takes plausible inputs"),
+        (breaking.Untyped, "has readable ports"),
+        (breaking.Stubborn, "stops within a second"),
+        (breaking.HalfTimed, "yields what it declares"),
+        (breaking.Guessing, "tells its capture times"),
     ],
 )
 def test_a_broken_promise_is_found(stage: type[Stage], promise: str) -> None:

@@ -44,8 +44,12 @@ def tells_its_capture_times(trial: Trial) -> Iterator[str]:
     times = list(dict.fromkeys(message.header.time for message in _first_or_none(trial)))
     if not times:
         return
-    with trial.at_work() as stage:
-        told = [stage.capture_time(number) for number in range(len(times))]
+    try:
+        with trial.at_work() as stage:
+            told = [stage.capture_time(number) for number in range(len(times))]
+    except Exception as error:
+        yield f"capture_time raises {reason(error)}"
+        return
     if any(said not in (None, time) for said, time in zip(told, times, strict=True)):
         yield f"capture times are {times} ns, capture_time tells {told}"
 
@@ -61,13 +65,27 @@ def stops_within_a_second(trial: Trial) -> Iterator[str]:
     """Ctrl-C closes the generator and then the stage."""
     if not trial.yields:
         return
-    with trial.at_work() as stage:
-        generator = stage.process()
-        next(generator, None)
-        started = time.monotonic()
-        generator.close()
+    try:
+        with trial.at_work() as stage:
+            generator = stage.process()
+            next(generator, None)
+            started = time.monotonic()
+            refused = _refused(generator)
+    except Exception:
+        return  # others say so
+    if refused:
+        yield f"closing its generator raises {refused}"
     if time.monotonic() - started > 1.0:
         yield f"it took {time.monotonic() - started:.1f} s to stop"
+
+
+def _refused(generator: Any) -> str:
+    """What a generator raises that is closed; empty if nothing."""
+    try:
+        generator.close()
+    except Exception as error:
+        return reason(error)
+    return ""
 
 
 def _items(trial: Trial) -> list[Any]:
