@@ -16,11 +16,13 @@ from followspot_room.guessing import Guess, guess_pose, room_of, without_still
 SIZE, FOCAL = (768, 576), 900.0
 
 
-def people(pitch: float, height: float, statures: np.ndarray, seed: int = 1) -> np.ndarray:
+def people(
+    pitch: float, height: float, statures: np.ndarray, seed: int = 1, distances: tuple[float, float] = (9, 40)
+) -> np.ndarray:
     """Feet and heights in the picture, (N, 3) px, of people scattered before a camera."""
     room = room_of(Path("a.avi"), Path("a.yaml"), SIZE, FOCAL, Guess(pitch, height, 0.0, 0))
     rng = np.random.default_rng(seed)
-    xy = np.column_stack([rng.uniform(9, 40, len(statures)), rng.uniform(-5, 5, len(statures))])
+    xy = np.column_stack([rng.uniform(*distances, len(statures)), rng.uniform(-5, 5, len(statures))])
     feet, head = (project(room.cameras["camera"], np.column_stack([xy, z])) for z in (0 * statures, statures))
     return np.column_stack([feet, feet[:, 1] - head[:, 1]])
 
@@ -45,6 +47,20 @@ def test_what_is_found_again_and_again_at_one_place_is_no_walker() -> None:
     walkers = np.array([[100.0, 200.0, 80.0], [400.0, 300.0, 95.0]])
     lamp = np.array([[250.0, 105.0, 70.0], [251.0, 106.0, 69.0], [250.0, 104.0, 70.0]])
     assert np.array_equal(without_still(np.concatenate([walkers, lamp])), walkers)
+
+
+def test_people_at_one_distance_are_refused_with_the_remedy() -> None:
+    rng = np.random.default_rng(5)
+    seen = people(np.radians(10), 3.0, rng.normal(1.72, 0.05, 30), distances=(9.8, 10.2))
+    with pytest.raises(InputError, match="fits these people as well as one at") as refused:
+        guess_pose(seen, SIZE, FOCAL, 1.72)
+    assert "walk near the camera and far from it" in str(refused.value)
+
+
+def test_people_whom_no_camera_could_see_so_are_refused() -> None:
+    above = np.column_stack([np.arange(30) * 25.0, np.full(30, 20.0), np.full(30, 10.0)])
+    with pytest.raises(InputError, match="no camera above a floor"):
+        guess_pose(above, SIZE, 10.0, 1.72)
 
 
 def test_too_few_people_are_refused_with_the_remedy() -> None:

@@ -32,6 +32,8 @@ STILL = 0.08
 """Detections that agree within this share of their height are furniture or a standing person."""
 FEWEST = 8
 """People that the guess needs."""
+OPEN = 2.0
+"""Ratio of two heights of the camera that fit nearly as well, from which on the people do not tell it."""
 PITCHES = np.radians(np.arange(-5.0, 75.0, 0.25))
 """Candidate pitch angles, rad."""
 
@@ -114,25 +116,43 @@ def guess_pose(people: Array, size: tuple[int, int], focal: float, person: float
 
     The feet of a person of height h are seen at an angle a below the horizon, the head at b, both at the
     distance H / tan(a) = (H - h) / tan(b) from a camera at height H, hence H = h tan(a) / (tan(a) - tan(b)).
-    people: (N, 3) as :func:`people_in`; size, focal: px; person: h, m. Raises InputError for too few people.
+    people: (N, 3) as :func:`people_in`; size, focal: px; person: h, m. Raises InputError for too few people,
+    and for people whose sizes fit a low camera as well as a high one, as those at one distance do.
     """
     moving = without_still(people)
     if len(moving) < FEWEST:
         text = f"only {len(moving)} people were found at places of their own"
         raise InputError.of(text, f"give a video in which {FEWEST} and more people walk upright")
-    best = Guess(0.0, 0.0, np.inf, len(moving))
-    for pitch in PITCHES.tolist():
-        feet = _below_horizon(moving[:, :2], size, focal, pitch)
-        head = _below_horizon(moving[:, :2] - moving[:, 2:] * [0.0, 1.0], size, focal, pitch)
-        usable = (feet > 0) & (feet > head)
-        if usable.mean() < 0.8:
-            continue
-        heights = person * feet[usable] / (feet - head)[usable]
-        height = float(np.median(heights))
-        spread = float(np.median(np.abs(heights - height)))
-        if spread / height < best.spread / max(best.height, 1e-9):
-            best = Guess(pitch, height, spread, len(moving))
+    tried = [
+        Guess(pitch, *found, len(moving))
+        for pitch in PITCHES.tolist()
+        if (found := _height_at(pitch, moving, size, focal, person)) is not None
+    ]
+    if not tried:
+        remedy = "give the camera's own --field, and a video that is not upside down"
+        raise InputError.of("no camera above a floor sees people so high in the picture", remedy)
+    best = min(tried, key=lambda guess: guess.spread / guess.height)
+    limit = best.spread / best.height * (1 + 2 / np.sqrt(len(moving)))  # by chance another could be the best
+    fitting = [guess.height for guess in tried if guess.spread <= limit * guess.height]
+    if max(fitting) > OPEN * min(fitting):
+        text = f"a camera {min(fitting):.1f} m above the floor fits these people as well as one at"
+        remedy = "give a video in which people walk near the camera and far from it"
+        raise InputError.of(f"{text} {max(fitting):.1f} m", remedy)
     return best
+
+
+def _height_at(
+    pitch: float, people: Array, size: tuple[int, int], focal: float, person: float
+) -> tuple[float, float] | None:
+    """Height of a camera with this pitch and the median deviation from it, m; None if few people fit."""
+    feet = _below_horizon(people[:, :2], size, focal, pitch)
+    head = _below_horizon(people[:, :2] - people[:, 2:] * [0.0, 1.0], size, focal, pitch)
+    usable = (feet > 0) & (feet > head)
+    if usable.mean() < 0.8:
+        return None
+    heights = person * feet[usable] / (feet - head)[usable]
+    height = float(np.median(heights))
+    return height, float(np.median(np.abs(heights - height)))
 
 
 def _below_horizon(pixel: Array, size: tuple[int, int], focal: float, pitch: float) -> Array:
