@@ -10,7 +10,7 @@ import pytest
 from tests.datasets import dataset, needs_data
 from tests.tools.calibrate.rooms import camera_of, made_room
 
-from followspot import Camera, Room
+from followspot import Camera, Room, Target
 from followspot.cli.main import main
 from followspot.errors import FollowspotError
 from followspot.geometry import project
@@ -248,3 +248,13 @@ def test_a_room_that_cannot_be_refined_is_refused(count, told, tmp_path, capsys)
     save(Room("studio", {camera.name: replace(camera) for camera in TRUE[:count]}), path)
     assert main(["calibrate", "refine", "--room", str(path)]) == 2
     assert told in capsys.readouterr().err
+
+
+def test_a_run_without_blobs_is_refused_with_what_the_command_can_do(tmp_path, capsys):
+    path = tmp_path / "room.yaml"
+    save(Room("studio", {camera.name: camera for camera in TRUE}, targets={"red": Target("red", 0.05)}), path)
+    assert main(["calibrate", "refine", "--room", str(path), "--run", str(tmp_path)]) == 2
+    refused = capsys.readouterr().err
+    assert "has no blobs.csv" in refused
+    assert "or leave --run out" in refused
+    assert "--track" not in refused

@@ -68,7 +68,9 @@ def findings(args: argparse.Namespace, room: Room) -> Findings:
             length = measured_length(points.points, seen.frame, seen.label, args.length)
     if args.run or args.track:
         targets = target_sightings(
-            read_run(args.run, room) if args.run else track_recording(args.graph, args.room, args.frames),
+            read_run(args.run, room, "let the check track by itself: --track")
+            if args.run
+            else track_recording(args.graph, args.room, args.frames),
             room,
         )
         tracks = agreement(cameras, targets.pixel, targets.time, limit, bias)

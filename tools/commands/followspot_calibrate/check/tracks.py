@@ -35,13 +35,16 @@ class TargetSightings:
     pixel: Array
 
 
-def read_run(folder: Path, room: Room) -> Tracked:
-    """Tracks and blobs of a run's output folder. Raises InputError if one is missing or wrong."""
+def read_run(folder: Path, room: Room, otherwise: str) -> Tracked:
+    """Tracks and blobs of a run's output folder. Raises InputError if one is missing or wrong.
+
+    otherwise: what the user of the command may do where the run wrote no blobs.
+    """
     blobs = next((folder / name for name in FILES if (folder / name).is_file()), None)
     if blobs is None:
         remedy = (
             "add a stage to the graph: blobs: {uses: sinks.csv, in: {blobs: [color, infrared]}, "
-            "with: {path: blobs.csv}}; or let the check track by itself: --track"
+            f"with: {{path: blobs.csv}}}}; or {otherwise}"
         )
         raise InputError.of(f"{folder} has no {FILES[0]}", remedy)
     table = read_tracks_csv(folder / TRACKS)

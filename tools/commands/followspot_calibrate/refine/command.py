@@ -33,7 +33,11 @@ def refine_room(args: argparse.Namespace) -> int:
     """Track, adjust, write the page, and the room if it is better; print. Raises FollowspotError."""
     room = load(args.room)
     require(room, args)
-    tracked = read_run(args.run, room) if args.run else track_recording(args.graph, args.room, args.frames)
+    tracked = (
+        read_run(args.run, room, "leave --run out: the command then tracks the room's recording by itself")
+        if args.run
+        else track_recording(args.graph, args.room, args.frames)
+    )
     shown = None
     if args.clips is not None:
         shown = find_places(args.clips, list(room.cameras.values()), show_progress)
