@@ -347,6 +347,24 @@ def test_command_names_the_camera_without_a_board(boards: Path, capsys: pytest.C
     assert list(load(boards / "room.yaml").cameras) == ["cam0"]
 
 
+def test_command_takes_the_chosen_cameras_only(boards: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    clip = str(boards / "boards/cam0")
+    clips = ["--clip", f"left={clip}", "--clip", f"right={clip}"]
+    assert intrinsics(boards, *clips, "--camera", "middle") == 2
+    assert "--camera middle: no pictures of it are given" in capsys.readouterr().err
+    assert intrinsics(boards, "--videos", str(boards / "boards"), "--camera", "cam0", "cam1") == 2
+    assert "--camera cam1: no pictures of it are given" in capsys.readouterr().err
+    assert not (boards / "room.yaml").exists()
+    assert intrinsics(boards, *clips, "--camera", "right") == 0
+    assert list(load(boards / "room.yaml").cameras) == ["right"]
+
+
+def test_command_takes_one_recording_of_a_camera(boards: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    clip = f"cam0={boards / 'boards/cam0'}"
+    assert intrinsics(boards, "--clip", clip, "--clip", clip) == 2
+    assert "cam0 has another recording" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [

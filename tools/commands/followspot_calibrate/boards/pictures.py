@@ -30,6 +30,7 @@ def recordings(videos: Path | None, clips: list[str], cameras: list[str]) -> dic
     cameras: only these; if empty, every recording of the folder is a camera. Raises InputError.
     """
     found: dict[str, Path] = {}
+    given: dict[str, Path] = {}
     if videos is not None:
         found = find_recordings(videos, cameras or _names(videos))
     for clip in clips:
@@ -37,7 +38,11 @@ def recordings(videos: Path | None, clips: list[str], cameras: list[str]) -> dic
         if not path or not Path(path).exists():
             text = f"--clip {clip}: " + (f"{path} is not there" if path else "this is no CAMERA=PATH")
             raise InputError.of(text, "for example --clip cam0=boards/cam0.mp4")
-        found[name] = Path(path)
+        if name in given:
+            text = f"--clip {clip}: {name} has another recording: {given[name]}"
+            raise InputError.of(text, "give one for each camera; or put the pictures of both into one folder")
+        given[name] = Path(path)
+    found |= given
     if not found:
         text = f"{videos} has no recording of a camera" if videos else "no recordings are given"
         raise InputError.of(text, "give --videos DIR with DIR/<camera>.mp4, or --clip CAMERA=PATH")

@@ -48,11 +48,22 @@ def blank(name: str, size: tuple[int, int], source: StageUse | None = None) -> C
 
 
 def look(args: argparse.Namespace, live: Mapping[str, Camera], detector: Detector) -> dict[str, Collected]:
-    """The views of each camera. Raises InputError."""
-    seen = {name: collect(name, live_pictures(camera), None, detector) for name, camera in live.items()}
-    if args.videos or args.clip:
-        found = recordings(args.videos, args.clip, args.camera)
-        seen.update({name: _recorded(name, path, args.pictures, detector) for name, path in found.items()})
+    """The views of each camera that is chosen. Raises InputError, also if one of them has no pictures."""
+    recorded = recordings(args.videos, args.clip, args.camera) if args.videos or args.clip else {}
+    given = [*live, *recorded]
+    lacking = [name for name in args.camera if name not in given]
+    if lacking:
+        text = f"--camera {lacking[0]}: no pictures of it are given"
+        raise InputError.of(text, did_you_mean(lacking[0], given, "cameras"))
+    seen = {}
+    for name in given:
+        if args.camera and name not in args.camera:
+            continue
+        seen[name] = (
+            collect(name, live_pictures(live[name]), None, detector)
+            if name in live
+            else _recorded(name, recorded[name], args.pictures, detector)
+        )
     return seen
 
 
