@@ -156,6 +156,22 @@ def test_what_other_targets_and_cameras_know_stays_and_likeness_is_told(
         (["run", "FOLDER/balls.avi"], "is a video, not a graph, room or placement"),
         (["calibrate", "targets", "--room", "FOLDER/room.yaml", "--pick", "red@99"], "it has 12, counted"),
         (
+            ["calibrate", "targets", "--room", "FOLDER/room.yaml", "--pick", "red=9,9", "--pick", "red=8,8"],
+            "--pick red is given twice",
+        ),
+        (
+            ["calibrate", "targets", "--room", "FOLDER/room.yaml", "--pick", "red=9,9", "--pick", "blue"],
+            "--pick blue has no place",
+        ),
+        (
+            ["calibrate", "targets", "--room", "FOLDER/room.yaml", "--pick", "red=9,9", "--radius", "0"],
+            "--radius 0 is no radius of a target in metres",
+        ),
+        (
+            ["calibrate", "targets", "--room", "FOLDER/room.yaml", "--clips", "FOLDER", "--radius", "76.2"],
+            "--radius 76.2 is no radius of a target in metres",
+        ),
+        (
             ["calibrate", "targets", "--room", "FOLDER/room.yaml", "--pick", "red", "--camera", "cam1"],
             'there is no camera "cam1"',
         ),

@@ -97,6 +97,9 @@ def test_what_cannot_be_calibrated_is_said(recording: Path, capsys: pytest.Captu
     assert "joins the blobs of several cameras" in capsys.readouterr().err
     assert main([*base, "--graph", "nowhere.yaml"]) == 2
     assert "nowhere.yaml" in capsys.readouterr().err
+    for limit in ("0", "-1", "nan", "inf"):
+        assert main([*base, "--graph", GRAPH, "--limit", limit]) == 2
+        assert f"--limit {limit} is not positive" in capsys.readouterr().err
 
 
 def test_the_blobs_that_are_paired_are_those_behind_a_search_gate() -> None:

@@ -11,7 +11,7 @@ from followspot.errors import Mistake, Place
 from followspot.messages import Array
 from followspot.room import Room
 
-_SMALLEST, _LARGEST = 0.0005, 3.0
+SMALLEST_RADIUS, LARGEST_RADIUS = 0.0005, 3.0
 """Smallest and largest radius of a target, m."""
 _CLOSEST, _FARTHEST = 0.001, 500.0
 """Smallest and largest distance between the cameras that stand farthest apart, m."""
@@ -30,7 +30,7 @@ def odd_lengths(room: Room, node: Node | None) -> Iterator[Mistake]:
     one, other, apart = _farthest(centers)
     for target in room.targets.values():
         at = child(child(child(node, "targets"), target.name), "radius")
-        if not _SMALLEST <= target.radius <= _LARGEST:
+        if not SMALLEST_RADIUS <= target.radius <= LARGEST_RADIUS:
             text = f"target {target.name} has a radius of {target.radius:g} m"
             yield Mistake(_place(at), text, "a radius is in metres: a ball of 76.2 mm has 0.0762")
         elif apart >= _WIDE and target.radius > apart / 2:

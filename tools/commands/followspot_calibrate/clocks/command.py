@@ -39,6 +39,8 @@ def calibrate_clocks(args: argparse.Namespace) -> int:
 
     Raises InputError for files and options, FollowspotError if the graph fails or too little moves.
     """
+    if not 0 < args.limit < np.inf:
+        raise InputError.of(f"--limit {args.limit:g} is not positive", "give milliseconds, for example 2")
     room = room_file.load(args.room)
     reference = camera_number(room, args.reference)
     with TemporaryDirectory(prefix="followspot-clocks-") as folder:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from followspot import Room, Target
-from followspot.errors import FollowspotError, InputError, writing
+from followspot.errors import FollowspotError, writing
 from followspot.room_file import load, update
 from followspot_calibrate.clips import folders_of
 from followspot_calibrate.output import print_result
@@ -16,7 +16,7 @@ from followspot_calibrate.progress import clear_progress, show_progress
 from followspot_calibrate.refine.solving import Refinement
 from followspot_calibrate.report import write_report
 from followspot_calibrate.targets.cameras import Agreement, agreement
-from followspot_calibrate.targets.learning import Learnt, learn, with_templates
+from followspot_calibrate.targets.learning import Learnt, learn, refuse_radius, with_templates
 from followspot_calibrate.targets.outcome import Outcome
 from followspot_calibrate.targets.page import page_of
 from followspot_calibrate.targets.separability import Separability, separability
@@ -30,8 +30,7 @@ def calibrate_targets(args: argparse.Namespace, usual: float) -> int:
     warning, and so are two targets that look alike. Raises FollowspotError for targets that no camera saw;
     the others are written.
     """
-    if args.radius is not None and not args.radius > 0:
-        raise InputError.of(f"--radius {args.radius:g} is not positive", "give metres, for example 0.05")
+    refuse_radius(args.radius)
     room_file, radius = args.room, args.radius
     room = load(room_file)
     report = {folder.name: learn_aloud(folder, room) for folder in folders_of(args.clips, "target")}

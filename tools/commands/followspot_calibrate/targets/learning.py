@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Camera, Room, Target
-from followspot.errors import FollowspotError
+from followspot.errors import FollowspotError, InputError
+from followspot.graph.checks.lengths import LARGEST_RADIUS, SMALLEST_RADIUS
 from followspot.messages import Array
 from followspot_balls.template import ColorSpots, color_spots, color_template, learn_infrared
 from followspot_calibrate.clips import MOST_FRAMES, read_frames
@@ -57,6 +58,13 @@ def learn_from(recording: Path, camera: Camera) -> Learnt:
         return Learnt(camera, len(frames), gray=gray, area=area)
     except ValueError as error:
         return Learnt(camera, len(frames), problem=f"{error}; move the target through the camera's view")
+
+
+def refuse_radius(radius: float | None) -> None:
+    """Raises InputError for a radius that no target has in metres, as if it were written in millimetres."""
+    if radius is not None and not SMALLEST_RADIUS <= radius <= LARGEST_RADIUS:
+        text = f"--radius {radius:g} is no radius of a target in metres"
+        raise InputError.of(text, f"from {SMALLEST_RADIUS:g} to {LARGEST_RADIUS:g}; of a ball of 50 mm 0.05")
 
 
 def with_templates(target: Target, radius: float | None, learnt: Sequence[Learnt]) -> Target:

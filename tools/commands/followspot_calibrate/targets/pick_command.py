@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from followspot.messages import Array
 from followspot.plugins.registry import load_stage
 from followspot.room_file import load, update
 from followspot_balls.picked import MOST_ALIKE, Pick, Template, likeness, template_of, with_template
+from followspot_calibrate.targets.learning import refuse_radius
 
 GRID = 100
 """Distance of the lines in the picture to look at, px."""
@@ -28,9 +30,11 @@ def pick_targets(args: argparse.Namespace, usual: float) -> int:
 
     usual: radius, m, if neither the user nor the room file gives it.
     """
+    refuse_radius(args.radius)
     room = load(args.room)
     camera = _camera(room, args.camera)
     picks = [read_pick(text) for text in args.pick]
+    _refuse_some_of(picks)
     for pick in picks:
         if not pick.box:
             print(_to_look_at(args.room, camera, pick))
@@ -55,6 +59,18 @@ def read_pick(text: str) -> Pick:
         remedy = "write NAME=X,Y, NAME=X,Y,WIDTH,HEIGHT, or NAME alone to see a picture, each with @FRAME"
         raise InputError.of(f"--pick {text} names no place in a picture", remedy)
     return Pick(found["name"], numbers, None if found["frame"] is None else int(found["frame"]))
+
+
+def _refuse_some_of(picks: Sequence[Pick]) -> None:
+    """Raises InputError for picks of which some would not be learnt."""
+    names = [pick.name for pick in picks]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise InputError.of(f"--pick {twice} is given twice", "give one place for each target")
+    placeless = next((pick.name for pick in picks if not pick.box), None)
+    if placeless is not None and len(picks) > 1:
+        text = f"--pick {placeless} has no place, so it shows a picture and nothing is learnt"
+        raise InputError.of(text, "give it alone, or give it a place, too")
 
 
 def picture_of(camera: Camera, frame: int | None) -> Array:
