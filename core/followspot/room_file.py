@@ -60,11 +60,12 @@ def update(
     entries = root.value if isinstance(root.value, Mapping) else {}
     wanted = {**plain(root), **sections} if isinstance(root.value, Mapping) else plain(root)
     text = read_text(file, DOCUMENT)
+    line_end = "\r\n" if "\r\n" in text else "\n"
     # From the last section to the first, so that line numbers of the others stay valid.
     for key in sorted(sections, key=lambda key: entries[key].key.line if key in entries else 0, reverse=True):
-        text = _spliced(text, entries, key, dump({key: sections[key]}))
+        text = _spliced(text, entries, key, dump({key: sections[key]}).replace("\n", line_end))
     if not _says(text, wanted):
-        text = dump(wanted)
+        text = dump(wanted).replace("\n", line_end)
     _write(file, text)
 
 
@@ -196,12 +197,13 @@ def _says(text: str, wanted: Any) -> bool:
 
 
 def _write(path: Path, text: str) -> None:
-    """Check the text as a room, write it beside the file, then replace the file."""
+    """Check the text as a room, write it beside the file, then replace the file, which a link may name."""
     room_of(parse(text, f"{path} (as it would be)"), str(path.parent))
+    path = Path(os.path.realpath(path))
     mode = path.stat().st_mode & 0o777 if path.exists() else 0o644
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as stream:
+        with os.fdopen(handle, "w", encoding="utf-8", newline="") as stream:
             stream.write(text)
         Path(temporary).chmod(mode)
         Path(temporary).replace(path)

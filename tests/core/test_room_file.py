@@ -152,6 +152,22 @@ def test_learning_targets_leaves_every_other_line_and_comment(room_file: Path) -
     assert load(room_file).targets["red"].area == {"cam0": (3.0, 9.5)}
 
 
+def test_a_room_that_a_link_names_is_written_where_it_is(room_file: Path) -> None:
+    link = room_file.with_name("link.yaml")
+    link.symlink_to(room_file)
+    update(link, targets={"blue": Target("blue", 0.05)})
+    assert link.is_symlink()
+    assert list(load(room_file).targets) == ["blue"]
+
+
+def test_a_room_with_line_ends_of_windows_keeps_them(room_file: Path) -> None:
+    room_file.write_bytes(room_file.read_bytes().replace(b"\n", b"\r\n"))
+    update(room_file, targets={"blue": Target("blue", 0.05)})
+    written = room_file.read_bytes()
+    assert written.count(b"\n") == written.count(b"\r\n") > 9
+    assert list(load(room_file).targets) == ["blue"]
+
+
 def test_learning_targets_works_where_the_room_has_none(room_file: Path) -> None:
     room_file.write_text(ROOM[: ROOM.index("targets:")].rstrip("\n"), encoding="utf-8")
     update(room_file, targets={"red": learnt("red")})
