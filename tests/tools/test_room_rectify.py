@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
-from followspot import Camera, Context, Room, room_file
+from followspot import Camera, Context, Room, Target, room_file
 from followspot.cli.main import main
 from followspot.geometry import project
 from followspot.room import StageUse
@@ -103,6 +103,16 @@ def test_a_rectified_room_plays_the_frames_of_its_videos(
     assert [frame.header[1:3] for frame in frames] == [(k, k * 40_000_000) for k in range(3)]
     assert {frame.pixels.shape for frame in frames} == {(camera.size[1], camera.size[0], 3)}
     assert [round(float(np.median(frame.pixels)), -1) for frame in frames] == [40, 120, 200]
+
+
+def test_templates_have_the_areas_of_the_new_pictures(tmp_path: Path) -> None:
+    film(tmp_path / "cam.avi")
+    red = Target("red", 0.05, area={"cam": (8.0, 100.0), "other": (4.0, 40.0)})
+    cameras = {"cam": tilted(), "other": replace(tilted(), name="other", source=None)}
+    room_file.save(Room("room", cameras, targets={"red": red}), tmp_path / "room.yaml")
+    output = tmp_path / "upright.yaml"
+    assert main(["room", "rectify", str(tmp_path / "room.yaml"), "--scale", "0.5", "-o", str(output)]) == 0
+    assert room_file.load(output).targets["red"].area == {"cam": (2.0, 25.0), "other": (4.0, 40.0)}
 
 
 def test_a_room_without_anything_to_turn_is_refused(
