@@ -72,6 +72,33 @@ def test_the_same_room_gets_other_recordings(tmp_path: Path, capsys: pytest.Capt
     assert "sensors without a source: imu0" in capsys.readouterr().err
 
 
+def test_templates_have_the_areas_of_larger_recordings(tmp_path: Path) -> None:
+    room = monday(tmp_path)
+    red = Target("red", 0.05, area={"a": (3.0, 70.0), "b": (4.0, 80.0)})
+    save(replace(room, targets={"red": red}), tmp_path / "monday.yaml")
+    recorded(tmp_path / "tuesday", "a", "b")
+    cv2.imwrite(str(tmp_path / "tuesday/a/0.png"), np.zeros((96, 128), "u1"))
+    out = tmp_path / "tuesday.yaml"
+    command = ["room", "import", str(tmp_path / "monday.yaml"), "--videos", str(tmp_path / "tuesday")]
+    assert main([*command, "-o", str(out)]) == 0
+    assert load(out).targets["red"].area == {"a": (12.0, 280.0), "b": (4.0, 80.0)}
+
+
+def test_some_cameras_take_their_part_of_the_templates_with_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    room = monday(tmp_path)
+    red = Target("red", 0.05, area={"a": (3.0, 70.0), "b": (4.0, 80.0)})
+    save(replace(room, targets={"red": red}), tmp_path / "monday.yaml")
+    out = tmp_path / "part.yaml"
+    command = ["room", "import", str(tmp_path / "monday.yaml"), "-o", str(out), "--only"]
+    assert main([*command, "b"]) == 0
+    assert list(load(out).cameras) == ["b"]
+    assert load(out).targets["red"].area == {"b": (4.0, 80.0)}
+    assert main([*command, "c"]) == 2
+    assert "--only" in capsys.readouterr().err
+
+
 def test_a_mistake_in_the_room_file_is_told_at_its_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

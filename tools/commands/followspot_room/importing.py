@@ -10,17 +10,20 @@ from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
-from followspot import Camera, Room
+from followspot import Camera, Room, room_form
 from followspot.errors import InputError, Mistake, did_you_mean, writing
 from followspot.files import DOCUMENT, read_text
+from followspot.graph.room_part import part_of
 from followspot.room import StageUse
-from followspot.room_file import load, save
+from followspot.room_file import save
+from followspot.yaml_reader import read
 from followspot_cameras.recorded_times.beside import TABLE, spread_of_moments, times_beside
 from followspot_cameras.recordings import POSE_TRUTH, find_recordings
 from followspot_room.calibration import read_calibration
 from followspot_room.format import Calibration
 from followspot_room.moving import moved
 from followspot_room.recorded_size import as_recorded, picture_size
+from followspot_room.resized import resized
 
 ROOM = re.compile(r"^room:", re.MULTILINE)
 TRUTH = "truth.csv"
@@ -46,9 +49,9 @@ def import_room(
     videos: None for cameras alone; only: cameras to take, empty for all; infrared: cameras that are infrared
     whatever the file says.
     """
-    base = without_recordings(load(calibration)) if is_room_file(calibration) else Room()
-    read = calibration_of(base) if base.cameras else read_calibration(calibration)
-    known = with_infrared(with_only(read, only), infrared)
+    base = without_recordings(part_of_file(calibration, only)) if is_room_file(calibration) else Room()
+    given = calibration_of(base) if base.cameras else read_calibration(calibration)
+    known = with_infrared(with_only(given, only), infrared)
     names = [camera.name for camera in known.cameras]
     recordings = find_recordings(videos, names) if videos else {}
     missing = [name for name in names if name not in recordings] if videos else []
@@ -74,6 +77,16 @@ def is_room_file(path: Path) -> bool:
         return path.suffix in (".yaml", ".yml") and bool(ROOM.search(read_text(path, DOCUMENT)))
     except (OSError, UnicodeDecodeError):
         return False
+
+
+def part_of_file(path: Path, only: Sequence[str]) -> Room:
+    """The room of a file with these cameras and what belongs to them; all of it for none. Raises InputError.
+
+    All of it also if there is no camera of such a name, which `with_only` says.
+    """
+    document, mistakes = read(path), list[Mistake]()
+    part = part_of(document, only, mistakes) if only else document
+    return room_form.room_of(document if mistakes else part, str(path.parent))
 
 
 def without_recordings(room: Room) -> Room:
@@ -155,10 +168,12 @@ def room_of(
         times = times_beside(camera.name, path)
         return replace(camera, source=_use(stage, path, {} if times is None else {"times": str(times)}))
 
+    cameras = {camera.name: with_source(camera) for camera in calibration.cameras}
     room = replace(
         base,
         name=output.stem,
-        cameras={camera.name: with_source(camera) for camera in calibration.cameras},
+        cameras=cameras,
+        targets={name: resized(target, base.cameras, cameras) for name, target in base.targets.items()},
         planes=calibration.planes,
         truth=_use(*truth) if truth else None,
     )

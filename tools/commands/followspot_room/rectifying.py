@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Container
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from followspot import Camera, Target
+from followspot import Camera
 from followspot.errors import InputError, writing
 from followspot.geometry import ray
 from followspot.messages import Array
 from followspot.room_file import load, save
 from followspot_room.moving import moved
+from followspot_room.resized import resized
 
 STEEP = 0.17
 """Angle from the vertical, rad, below which a viewing direction has no upright view."""
@@ -37,7 +37,7 @@ def rectify_room(room_file: Path, output: Path, scale: float, *, as_json: bool) 
         text = f"{room_file} has no pinhole or fisheye camera with a video that looks at a horizon"
         raise InputError.of(text, "import the room with its videos: followspot room import")
     kept = [name for name in turned if name not in changed]
-    targets = {name: resized(target, changed, scale) for name, target in room.targets.items()}
+    targets = {name: resized(target, room.cameras, turned) for name, target in room.targets.items()}
     with writing(output):
         output.parent.mkdir(parents=True, exist_ok=True)
         save(moved(replace(room, name=output.stem, cameras=turned, targets=targets), output), output)
@@ -49,15 +49,6 @@ def rectify_room(room_file: Path, output: Path, scale: float, *, as_json: bool) 
     else:
         print(f"{output}: " + ", ".join(f"{name} {w}x{h} px" for name, (w, h) in sizes.items()))
     return 0
-
-
-def resized(target: Target, cameras: Container[str], scale: float) -> Target:
-    """The target with the areas that these cameras see in their new pictures."""
-    areas = {
-        name: (area[0] * scale**2, area[1] * scale**2) if name in cameras else area
-        for name, area in target.area.items()
-    }
-    return replace(target, area=areas)
 
 
 def rectified(camera: Camera, scale: float) -> Camera:
