@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.tools.calibrate.rooms import made_room
@@ -38,6 +40,18 @@ def test_centres_that_fit_nothing_are_told():
     shuffled = {name: center + random.normal(0, 1, 3) for name, center in CENTERS.items()}
     found = onto_centers(ROOM.cameras, shuffled, scaled=True)
     assert any("known places are met within" in text for text in found.warnings)
+
+
+def test_flipped_pictures_of_all_cameras_are_told():
+    cameras = made_room(cameras=6, rows=2).cameras
+    known = {camera.name: camera.center for camera in cameras}
+    flipped = [replace(c, translation=-c.rotation @ (c.center * [1.0, -1.0, 1.0])) for c in cameras]
+    with pytest.raises(FollowspotError, match="v from the top"):
+        onto_centers(flipped, known, scaled=True)
+    known[cameras[0].name] = known[cameras[0].name] + 1.0
+    with pytest.raises(FollowspotError, match="mirror image"):
+        onto_centers(flipped, known, scaled=False)
+    assert "was it moved?" in onto_centers(cameras, known, scaled=True).warnings[0]
 
 
 def test_two_centres_are_too_few():

@@ -12,12 +12,16 @@ from followspot import Camera
 from followspot.errors import FollowspotError
 from followspot.messages import Array
 from followspot_calibrate.adjust import Anchors
-from followspot_calibrate.similarity import Similarity, agreeing, on_a_line, similarity, spread
+from followspot_calibrate.similarity import NEAR, Similarity, agreeing, on_a_line, similarity, spread
 from followspot_calibrate.triangulation import triangulate
 from followspot_calibrate.wand.hazards.swapped import exchanged_places
 
 WRONG_SCALE = 0.02
 """Difference of a known wand from known places, over its length, that gives a warning."""
+
+MIRROR = np.array([1.0, 1.0, -1.0])
+FEWEST_REFLECTED = 4
+"""Cameras that tell a room from its mirror image; three fit either."""
 
 EXACT = 1e-5
 """Known centres are not taken to be more exact, m."""
@@ -53,7 +57,7 @@ def onto_centers(cameras: Sequence[Camera], known: Mapping[str, Array], *, scale
     """Aligns camera centres with their known places, m; leaves out cameras that were moved since.
 
     scaled: True if they give the scale too; else it stays. Raises FollowspotError for fewer than three
-    centres or centres on a line, and if two cameras have exchanged places.
+    centres or centres on a line, if two cameras have exchanged places, and if all stand in a mirror image.
     """
     named = [camera for camera in cameras if camera.name in known]
     source = np.array([camera.center for camera in named]).reshape(-1, 3)
@@ -69,6 +73,12 @@ def onto_centers(cameras: Sequence[Camera], known: Mapping[str, Array], *, scale
         raise FollowspotError(
             f"{one} and {other} are exchanged: each is at the known place of the other; "
             "exchange their recordings, or their names in the room file, or give --align none"
+        )
+    reflected = _met(source * MIRROR, target)
+    if reflected >= FEWEST_REFLECTED and reflected > _met(source, target):
+        raise FollowspotError(
+            "the cameras stand in a mirror image of their known places: the pictures of all are flipped; "
+            "u is counted from the left and v from the top, or give --align none"
         )
     agree = agreeing(source, target, scaled=True)
     found = _aligned("centers", source, target, agree, scaled)
@@ -106,6 +116,13 @@ def onto_itself(cameras: Sequence[Camera], *, metric: bool) -> Alignment:
         else ("the scale is unknown: lengths are not metres; give --length, --align or --marker",)
     )
     return Alignment("none", Similarity(np.eye(3), -middle), None, metric, lacks)
+
+
+def _met(source: Array, target: Array) -> int:
+    """How many points are near their places after the similarity that most agree on."""
+    agree = agreeing(source, target)
+    met = similarity(source[agree], target[agree]).points(source)
+    return int((np.linalg.norm(met - target, axis=1) < NEAR * spread(target)).sum())
 
 
 def _anchors(
