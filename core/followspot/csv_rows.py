@@ -52,7 +52,7 @@ class Row:
     def number(self, column: str) -> float:
         """A finite number. Raises InputError."""
         try:
-            value = float(self.cells[self.columns[column]])
+            value = float(_plain(self.cell(column)))
         except ValueError:
             raise self.mistake(column, "a number") from None
         if not math.isfinite(value):
@@ -69,10 +69,10 @@ class Row:
     def nanoseconds(self, column: str, unit: str) -> int:
         """A time in ns without the error of binary fractions. unit: of `DECIMALS`. Raises InputError."""
         try:
-            value = Decimal(self.cell(column)).scaleb(DECIMALS[unit])
+            value = Decimal(_plain(self.cell(column))).scaleb(DECIMALS[unit])
             if value.is_finite() and abs(value) < MAX_TIME // 2:
                 return int(value.to_integral_value())
-        except DecimalException:
+        except (DecimalException, ValueError):
             pass
         raise self.mistake(column, f"a time in {unit}")
 
@@ -135,6 +135,16 @@ def header_of(path: Path) -> tuple[str, ...]:
     """The names in the first line of a CSV file. Raises InputError."""
     with _lines(path) as lines:
         return tuple(_head(str(path), lines))
+
+
+def _plain(number: str) -> str:
+    """The text of a number, as it is. Raises ValueError if only Python takes it for one.
+
+    Python reads 1_000 and the digits of other scripts; in a CSV file they are damage.
+    """
+    if "_" in number or not number.isascii():
+        raise ValueError(number)
+    return number
 
 
 @contextmanager

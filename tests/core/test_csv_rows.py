@@ -52,6 +52,17 @@ def test_a_time_that_no_clock_shows_is_refused(tmp_path: Path, text: str) -> Non
         only_row(tmp_path / "truth.csv", f"{text},0,a").nanoseconds("time", "s")
 
 
+@pytest.mark.parametrize("text", ["1_000", "\uff11\uff12", "\u0661.5"])
+def test_digits_of_other_scripts_and_underscores_make_no_number(tmp_path: Path, text: str) -> None:
+    row = only_row(tmp_path / "tracks.csv", f"{text},{text},a")
+    with pytest.raises(InputError, match=r"(?s)tracks\.csv:2:1.*needs a number"):
+        row.number("time")
+    with pytest.raises(InputError, match=r"(?s)tracks\.csv:2:1.*needs a number"):
+        row.integer("time")
+    with pytest.raises(InputError, match=r"(?s)tracks\.csv:2:1.*needs a time in s"):
+        row.nanoseconds("time", "s")
+
+
 def test_times_are_exact_to_the_nanosecond(tmp_path: Path) -> None:
     row = only_row(tmp_path / "truth.csv", "1764360000.123456789,0,a")
     assert row.nanoseconds("time", "s") == 1764360000123456789
