@@ -10,7 +10,9 @@ from followspot.document import Node, child
 from followspot.errors import Mistake, Place, did_you_mean
 from followspot.files import RUN_LOG
 from followspot.graph.camera_kind import gives_picture
+from followspot.graph.checks.close_messages import joins_of_close_messages
 from followspot.graph.checks.files import check_files
+from followspot.graph.checks.flow import Flow
 from followspot.graph.checks.left_out import unserved_wires
 from followspot.graph.checks.reproducibility import risks
 from followspot.graph.checks.warnings import warnings
@@ -80,6 +82,9 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
     _check_outputs(stages, mistakes)
     doubts = check_files(stages, expanded.room, mistakes)
     room = _checked_room(expanded, mistakes)
+    flow = Flow({checked.instance.name: checked for checked in stages}, edges)
+    if not mistakes:
+        mistakes += told_once(joins_of_close_messages(flow, expanded.room))
     notes = (*expanded.notes, *notes)
     return Checked(
         name=expanded.name,
@@ -89,7 +94,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
         edges=tuple(edges),
         notes=notes,
         risks=tuple(risks(stages, edges)),
-        warnings=() if mistakes else (*told_once(doubts), *warnings(stages, edges, expanded)),
+        warnings=() if mistakes else (*told_once(doubts), *warnings(flow, expanded)),
         offered=subgraph_ports(expanded.outputs, stages, expanded.room),
         room_document=expanded.room_node,
         subgraphs=expanded.subgraphs,

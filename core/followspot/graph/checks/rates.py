@@ -23,12 +23,12 @@ def nominal_rate(checked: CheckedStage, room: Room) -> float | None:
 
 def joins_of_unequal_rates(flow: Flow, room: Room) -> Iterator[Mistake]:
     """Stages that join streams of known, different rates: a join gives as many sets as the slowest has."""
-    rates = _rates(flow, room)
+    known_rates = rates(flow, room)
     for name, edges in flow.firing_edges.items():
         reader = flow.stages[name]
         if not reader.tolerance:  # it takes each message by itself
             continue
-        known = [(rate, edge) for edge in edges if (rate := rates[edge.wire.source.name]) is not None]
+        known = [(rate, edge) for edge in edges if (rate := known_rates[edge.wire.source.name]) is not None]
         if not known:
             continue
         slowest, fastest = (pick(known, key=lambda found: found[0]) for pick in (min, max))
@@ -49,7 +49,7 @@ def _mistake(
     return Mistake(fast.wire.feed.place, text, remedy)
 
 
-def _rates(flow: Flow, room: Room) -> Mapping[str, float | None]:
+def rates(flow: Flow, room: Room) -> Mapping[str, float | None]:
     """Firings per second of each instance, Hz: that of a source, or of the slowest stream that is joined."""
     found: dict[str, float | None] = {}
     for name in flow.order:

@@ -24,12 +24,9 @@ MOST_NAMED = 6
 """Most cameras that a warning names."""
 
 
-def warnings(
-    stages: Sequence[CheckedStage], edges: Sequence[CheckedEdge], expanded: Expanded
-) -> list[Mistake]:
+def warnings(flow: Flow, expanded: Expanded) -> list[Mistake]:
     """Everything in a graph without mistakes that can never give a result, at its place."""
     room = expanded.room
-    flow = Flow({checked.instance.name: checked for checked in stages}, edges)
     found = [
         *_unread(flow, expanded),
         *_unused(flow, room, expanded.room_node),
