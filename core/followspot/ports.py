@@ -200,17 +200,27 @@ def _outputs(stage: type[Stage], returned: Any) -> tuple[OutputSpec, ...]:
         return ()
     message = _message(returned)
     if message is not None:
-        return (OutputSpec(ONE_OUTPUT, message),)
+        return (_output(stage, ONE_OUTPUT, message),)
     several = _optional(returned)
     if dataclasses.is_dataclass(several):
         hints = typing.get_type_hints(several)
         found = [(f.name, _message(hints[f.name])) for f in dataclasses.fields(several)]
         if found and all(kind is not None for _, kind in found):
-            return tuple(OutputSpec(name, kind) for name, kind in found if kind is not None)
+            return tuple(_output(stage, name, kind) for name, kind in found if kind is not None)
     raise SignatureError(
         f"{stage.__name__}.process returns {returned!r}: return a message type, a dataclass of message types,"
         " Source[...], Outputs[...], Deferred[...] or Lagged[...] of either, or None"
     )
+
+
+def _output(stage: type[Stage], name: str, kind: type[Message]) -> OutputSpec:
+    """An output of exactly this type. Raises SignatureError if it is the base of all messages."""
+    if kind is Message and stage.for_type is None:
+        raise SignatureError(
+            f"{stage.__name__}.process returns Message, the base of all messages: return the type"
+            " that it sends"
+        )
+    return OutputSpec(name, kind)
 
 
 def _message(hint: Any) -> type[Message] | None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from followspot import Joined, Latest, Message, Nearest, Source, Stage, Window
+from followspot import Joined, Latest, Message, Nearest, Outputs, Source, Stage, Window
 from followspot.ports import InputSpec, OutputSpec, Ports, SignatureError, accepts, ports
 
 
@@ -34,6 +34,12 @@ class Baked:
 class Odd:
     bread: Bread
     price: float
+
+
+@dataclass(frozen=True)
+class AnyField:
+    bread: Bread
+    rest: Message | None
 
 
 def stage(process: Callable[..., Any]) -> type[Stage]:
@@ -114,6 +120,18 @@ def no_output(self: Any, flour: Wheat) -> float: ...
 def odd_output(self: Any, flour: Wheat) -> Odd: ...
 
 
+def any_output(self: Any, flour: Wheat) -> Message: ...
+
+
+def any_outputs(self: Any, flour: Wheat) -> Outputs[Message]: ...
+
+
+def any_field(self: Any, flour: Wheat) -> AnyField: ...
+
+
+def any_source(self: Any) -> Source[Message]: ...
+
+
 def many(self: Any, *flour: Wheat) -> Bread: ...
 
 
@@ -137,6 +155,10 @@ def asleep(self: Any, flour: Window[Wheat], order: Latest[Bread]) -> Bread: ...
         (no_message, r"flour: MessageType, or MessageType in Joined, Latest, Nearest or Window"),
         (no_output, "return a message type, a dataclass of message types"),
         (odd_output, "return a message type, a dataclass of message types"),
+        (any_output, "returns Message, the base of all messages: return the type that it sends"),
+        (any_outputs, "returns Message, the base"),
+        (any_field, "returns Message, the base"),
+        (any_source, "returns Message, the base"),
         (many, "name each input"),
         (unknown, "an annotation that cannot be read: name 'Oats' is not defined"),
         (fed_source, "yields and has inputs; a source has none"),

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import ConfigDict
 
 from followspot import Deferred, Field, Lagged, Latest, Outputs, Source, Stage, StageParams, Window, at
-from followspot.messages import Array, Message
+from followspot.messages import Array
 from followspot.tracking import Blobs, Forecast, Frame, Tracks
 
 
@@ -341,5 +341,5 @@ class Timeless(Stage):
 class Lonely(Stage):
     """Needs what is only held."""
 
-    def process(self, blobs: Blobs, forecast: Latest[Forecast] = None) -> Message:
+    def process(self, blobs: Blobs, forecast: Latest[Forecast] = None) -> Blobs:
         return blobs.where(np.arange(len(forecast.xyz)))  # type: ignore[union-attr]

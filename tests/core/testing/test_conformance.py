@@ -11,7 +11,7 @@ import pytest
 from tests.core.testing import breaking
 from tests.stages import rates
 
-from followspot import Field, Message, Source, Stage, StageParams
+from followspot import Field, Source, Stage, StageParams
 from followspot.plugins.registry import catalogue, load_stage
 from followspot.testing import PROMISES, check_stage, findings
 from followspot.testing.promises.life import closes_within_a_second, starts_in_a_fresh_process
@@ -80,7 +80,7 @@ class Raising(Stage):
 class NotYielding(Stage):
     """Says it is a source."""
 
-    def process(self) -> Source[Message]:
+    def process(self) -> Source[Blobs]:
         return iter(())
 
 
