@@ -28,6 +28,9 @@ Array = NDArray[Any]
 
 MAX_BYTES = 1 << 28
 """Largest message that any edge accepts, in bytes."""
+MAX_TEXTS = 62_000
+"""Most bytes that the texts of a message take together, in UTF-8 and with 3 bytes for the length of each: so
+they fit into a head with all else (`followspot.transport.wire.MAX_HEAD`)."""
 MAX_TIME = 1 << 62
 """Largest absolute capture time, ns (146 years from 1970). A watermark, with every tolerance and lateness
 that a graph can add, stays below the values that mean absence and the end (`followspot.transport.token`)."""
@@ -85,6 +88,9 @@ class Cells(NamedTuple):
     decimals: int | None = None
     extra: bool = False
 
+
+_SURELY_SHORT = MAX_TEXTS // 5
+"""Characters, and texts of a tuple, that `MAX_TEXTS` allows whatever they are."""
 
 SCALARS: tuple[type, ...] = (str, int, float, bool)
 
@@ -273,6 +279,7 @@ def seal(message: M) -> M:
     values of now, whatever the stage writes to its own arrays later. Raises InvalidMessage.
     """
     values = message.__dict__
+    length = 0
     for name, kind in message.scalars:
         value = values[name]
         if type(value) is not kind:
@@ -282,8 +289,11 @@ def seal(message: M) -> M:
                 raise InvalidMessage(f"{name} is no number of 64 bits")
         elif kind is not float and kind is not bool:
             text = value if kind is str else "".join(value)
+            length += len(text) + len(value)
             if not text.isascii():
                 _check_text(name, text)
+    if length > _SURELY_SHORT:
+        _check_length(message)
     layout: list[Any] = []
     for name in message.array_names:
         array = values[name]
@@ -350,6 +360,18 @@ def _check_text(name: str, text: str) -> None:
         text.encode()
     except UnicodeEncodeError as error:
         raise InvalidMessage(f"{name} is no Unicode text: {error}") from None
+
+
+def _check_length(message: Message) -> None:
+    """Raise InvalidMessage if the texts of a message are too long together."""
+    fields = [
+        (name, getattr(message, name)) for name, kind in message.scalars if kind in (str, tuple[str, ...])
+    ]
+    texts = [text for _, value in fields for text in ((value,) if isinstance(value, str) else value)]
+    size = sum(len(text.encode()) + 3 for text in texts)
+    if size > MAX_TEXTS:
+        names = ", ".join(name for name, _ in fields)
+        raise InvalidMessage(f"the texts ({names}) have {size} bytes, at most {MAX_TEXTS} allowed")
 
 
 def check_shape(

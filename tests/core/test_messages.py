@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from followspot.messages import (
+    MAX_TEXTS,
     UNSTAMPED,
     Array,
     Header,
@@ -19,6 +20,7 @@ from followspot.messages import (
     seal,
     stamped,
 )
+from followspot.transport.codec import pack, unpack
 
 
 class Points(Message):
@@ -75,6 +77,9 @@ class Told(Message):
         (Told(10**5000, "", ()), "number is no number of 64 bits"),
         (Told(0, "\ud800", ()), "text is no Unicode text"),
         (Told(0, "", ("ä", "\udcff")), "names is no Unicode text"),
+        (Told(0, "x" * MAX_TEXTS, ()), rf"the texts \(text, names\) have {MAX_TEXTS + 3} bytes, at most"),
+        (Told(0, "ä" * (MAX_TEXTS // 2), ()), f"at most {MAX_TEXTS} allowed"),
+        (Told(0, "", ("",) * (MAX_TEXTS // 3)), f"at most {MAX_TEXTS} allowed"),
     ],
 )
 def test_what_cannot_travel_is_refused_by_edges_within_a_process_too(told: Told, reason: str) -> None:
@@ -85,6 +90,11 @@ def test_what_cannot_travel_is_refused_by_edges_within_a_process_too(told: Told,
 @pytest.mark.parametrize("number", [-(1 << 63), (1 << 63) - 1])
 def test_numbers_of_64_bits_and_any_text_can_travel(number: int) -> None:
     assert seal(Told(number, "ä\0", ("😀", ""))).number == number
+
+
+@pytest.mark.parametrize("text", ["x" * (MAX_TEXTS - 3), "😀" * (MAX_TEXTS // 4 - 1)])
+def test_the_longest_texts_can_travel_between_processes(text: str) -> None:
+    assert unpack(pack(seal(Told(0, text, ()))), Told).text == text  # type: ignore[union-attr]
 
 
 def test_empty_message_has_no_rows_and_is_valid() -> None:

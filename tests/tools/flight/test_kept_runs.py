@@ -20,6 +20,7 @@ import followspot as fs
 from followspot.cli.main import main
 from followspot.errors import FollowspotError, InputError
 from followspot.library.handle import RunHandle, run_here
+from followspot.tracking import Blobs
 from followspot_recording.recording import Recording
 
 CLOCK = """
@@ -292,7 +293,7 @@ def test_wrong_options_are_told_before_anything_starts(
 
 def test_a_class_of_this_process_is_told_to_move_into_a_file(tmp_path: Path) -> None:
     class Tick(fs.Stage):
-        def process(self) -> fs.Source[fs.Message]:
+        def process(self) -> fs.Source[Blobs]:
             yield from ()
 
     graph = fs.Graph("ticks")
