@@ -17,6 +17,7 @@ from followspot.errors import FollowspotError
 from followspot.geometry import direction, wrap
 from followspot.messages import Array
 from followspot.people import PoseTruth
+from followspot_accuracy.frame_rows import one_in_a_frame
 from followspot_accuracy.statistics import frames_of
 
 POSE_COLUMNS = ("time", "person", "x", "y", "z_head_top", "torso_heading", "head_pan", "head_tilt")
@@ -107,9 +108,9 @@ _Person = tuple[int, Array, float]
 
 def _truth_rows(path: Path) -> Iterator[tuple[float, _Person, Array]]:
     if set(TRUTH_COLUMNS) & set(header_of(path)) - set(PLACES):
-        yield from map(_truth_row, read_rows(path, TRUTH_COLUMNS))
+        yield from map(_truth_row, one_in_a_frame(read_rows(path, TRUTH_COLUMNS), "person"))
         return
-    for row in read_rows(path, PLACES):
+    for row in one_in_a_frame(read_rows(path, PLACES), "person"):
         pose = np.full(6, np.nan)
         pose[:2] = row.numbers("x", "y")
         yield row.number("time"), (row.integer("person"), pose, 1.0), ORIGIN

@@ -12,6 +12,7 @@ from followspot.csv_rows import Row, read_rows
 from followspot.inertial import PosedTruth
 from followspot.messages import Array
 from followspot.tracking import STATES, Truth
+from followspot_accuracy.frame_rows import one_in_a_frame
 from followspot_accuracy.statistics import frames_of
 
 TRACK_COLUMNS = ("time", "object", "state", "x", "y", "z")
@@ -85,7 +86,8 @@ def read_tracks_csv(path: Path) -> TrackTable:
 
 def read_truth_csv(path: Path) -> TruthTable:
     """Truth with the columns of `TRUTH_COLUMNS`, more are ignored. Raises InputError with line numbers."""
-    return _truth_table(_truth_row(row) for row in read_rows(path, TRUTH_COLUMNS, QUATERNION))
+    rows = one_in_a_frame(read_rows(path, TRUTH_COLUMNS, QUATERNION), "object")
+    return _truth_table(map(_truth_row, rows))
 
 
 def truth_of(messages: Iterable[Truth]) -> TruthTable:

@@ -308,6 +308,22 @@ def test_truth_of_several_cameras_is_united_by_person_and_the_best_view_counts(t
     )
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"{TRUE_HEAD}\n0,1,1,0,1.7,1,0.5,0,0,0,0.2\n0.00004,1,1,0,1.7,1,0.5,0,0,0,0.2\n",
+        "time,person,x,y\n0,1,1.5,0\n0,1,1.6,0\n",
+    ],
+)
+def test_a_second_row_of_a_person_in_a_frame_of_one_file_is_refused(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "truth.csv"
+    path.write_text(text)
+    with pytest.raises(
+        InputError, match=r'truth\.csv:3:1: person "1" has a row of this frame already, in li'
+    ):
+        read_pose_truth_csv(path)
+
+
 @pytest.mark.parametrize("first", [0, 1, 2])
 def test_of_several_views_of_a_person_the_most_visible_pose_counts(tmp_path: Path, first: int) -> None:
     files = [tmp_path / name for name in ("far.csv", "near.csv", "place.csv")]

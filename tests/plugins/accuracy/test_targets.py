@@ -315,6 +315,17 @@ def test_objects_whose_times_differ_by_rounding_are_of_one_frame(tmp_path: Path)
     assert [one.coverage for one in score(read_tracks_csv(tracks_file), true).values()] == [1.0, 1.0]
 
 
+def test_a_second_row_of_an_object_in_a_frame_is_refused_with_both_lines(tmp_path: Path) -> None:
+    head = "time,object,x,y,z,hidden,trackable,pair"
+    times = [round(k / 1500, 3) for k in range(4)]  # 0.0007 s apart, and written in ms
+    rows = [f"{time},{name},0,0,1,0,1,1" for time in times for name in ("red", "blue")]
+    path = tmp_path / "truth.csv"
+    path.write_text("\n".join([head, *rows]))
+    told = r'(?s)truth\.csv:6:1: object "red" has a row of this frame already, in line 4.*with more digits'
+    with pytest.raises(InputError, match=told):
+        read_truth_csv(path)
+
+
 def test_truth_with_a_time_for_each_object_is_refused(tmp_path: Path) -> None:
     tracks_file, truth_file = written(tmp_path, 0.02)
     with pytest.raises(InputError, match=r"(?s)blue at no time .*give all objects of a frame one time"):
