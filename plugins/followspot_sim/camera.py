@@ -7,12 +7,12 @@ from typing import ClassVar
 
 from followspot import Source
 from followspot.tracking import Frame
+from followspot_sim.ball_performance import BallPerformance
 from followspot_sim.parameters import CameraParams
-from followspot_sim.performance import Performance
 from followspot_sim.picture import Picture
 
 
-class SimCamera(Performance):
+class SimCamera(BallPerformance):
     """Render the simulated room as this camera sees it, frame by frame.
 
     Every instance computes the same performance, so the pictures are consistent in any placement. With

@@ -6,12 +6,12 @@ from typing import ClassVar
 
 from followspot import Source
 from followspot.tracking import DepthImage
+from followspot_sim.ball_performance import BallPerformance
 from followspot_sim.depth_picture import DepthPicture
 from followspot_sim.parameters import DepthCameraParams
-from followspot_sim.performance import Performance
 
 
-class SimDepthCamera(Performance):
+class SimDepthCamera(BallPerformance):
     """Render the simulated room as this depth camera sees it, frame by frame.
 
     The scene is that of `sim.camera`: cameras of both kinds and equal parameters see one performance. With

@@ -23,7 +23,7 @@ class DepthPicture:
     """One depth camera's images of the simulated room, any frame at any time."""
 
     def __init__(self, params: DepthCameraParams, room: Room, camera: Camera) -> None:
-        """Prepare the empty room and the noise. Raises InputError if `only_target` names no target."""
+        """Prepare the empty room and the noise. Raises InputError as `check_targets`."""
         self.shape = (camera.size[1], camera.size[0])
         self._camera, self._params = camera, params
         self.world: World = world_of(setting(params, room, params.clock_offset))

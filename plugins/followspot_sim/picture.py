@@ -46,7 +46,7 @@ class Picture:
         """Prepare all that stays: rays, the lookup of the screens, the dark room, the noise.
 
         clock_offset: how much later than the frame's time the pictures are taken, s.
-        Raises InputError if `only_target` names no target of the room.
+        Raises InputError if a parameter names no target of the room.
         """
         self.camera = camera
         self.world: World = world_of(setting(params, room, clock_offset))

@@ -6,13 +6,13 @@ import numpy as np
 
 from followspot import Source
 from followspot.tracking import Truth
+from followspot_sim.ball_performance import BallPerformance
 from followspot_sim.parameters import SimParams
-from followspot_sim.performance import Performance
 from followspot_sim.visibility import judge, visible_fraction
 from followspot_sim.world import setting, world_of
 
 
-class SimTruth(Performance):
+class SimTruth(BallPerformance):
     """Give the ground truth of each frame; the parameters must equal those of the cameras."""
 
     class Params(SimParams):

@@ -54,15 +54,27 @@ class Scene:
     part: Array
 
 
+def check_targets(params: SimParams, room: Room) -> None:
+    """Raises InputError if `only_target` or `colors` names no target of the room."""
+    named = [("colors", name) for name in params.colors]
+    if params.only_target:
+        named.append(("only_target", params.only_target))
+    mistakes = [
+        Mistake(None, f'{key}: the room has no target "{name}"', did_you_mean(name, room.targets, "targets"))
+        for key, name in named
+        if name not in room.targets
+    ]
+    if mistakes:
+        raise InputError(mistakes)
+
+
 def setting(params: SimParams, room: Room, clock_offset: float = 0.0) -> Setting:
     """The setting of a room, seen `clock_offset` seconds late.
 
-    Raises InputError if `only_target` names no target of the room.
+    Raises InputError as `check_targets`.
     """
+    check_targets(params, room)
     names = list(room.targets)
-    if params.only_target and params.only_target not in names:
-        text = f'alone: the room has no target "{params.only_target}"'
-        raise InputError([Mistake(None, text, did_you_mean(params.only_target, names, "targets"))])
     floor = room.planes.get("floor", np.array([0.0, 0.0, 1.0, 0.0]))
     a, b, c, d = (float(v) for v in floor)
     return Setting(

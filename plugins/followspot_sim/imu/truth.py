@@ -6,13 +6,13 @@ import numpy as np
 
 from followspot import Source
 from followspot.inertial import PosedTruth
+from followspot_sim.ball_performance import BallPerformance
 from followspot_sim.imu.parameters import PropParams
 from followspot_sim.imu.turning import Turning
-from followspot_sim.performance import Performance
 from followspot_sim.truth import SimTruth
 
 
-class PosedSimTruth(Performance):
+class PosedSimTruth(BallPerformance):
     """Give the ground truth of each frame; the parameters must equal those of cameras and sensors."""
 
     class Params(PropParams):

@@ -217,6 +217,15 @@ def test_an_unknown_target_alone_is_refused_with_the_names_there_are():
         stage.setup()
 
 
+@pytest.mark.parametrize("named", [{"only_target": "gren"}, {"colors": {"gren": [1, 2, 3]}}])
+def test_the_check_names_targets_that_the_room_has_not(named: dict[str, object]):
+    (key,) = named
+    with pytest.raises(InputError, match=rf'(?s)^{key}: the room has no target "gren".*did you mean "green"'):
+        SimCamera.check_files(SimCamera.Params(**named), ROOM, None)
+    with pytest.raises(InputError, match=key):
+        Picture(SimParams(**named), ROOM, ROOM.cameras["cam0"])
+
+
 def test_a_picture_without_any_ball_in_it_is_rendered_too():
     away = replace(ROOM.cameras["cam1"], translation=np.array([0.0, 0.0, -50.0]))
     picture = Picture(SimParams(people=0), ROOM, away)
