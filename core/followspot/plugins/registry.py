@@ -67,7 +67,10 @@ def use_plugin_files(paths: Sequence[str], *, changed: bool = False) -> None:
         for stage in stages:
             known = _files.get(stage.name)
             if known is not None and known.path != stage.path:
-                raise PluginError(f"{path}: stage {stage.name} is already offered by {known.path}")
+                raise PluginError(
+                    f"{path}: stage {stage.name} is already offered by {known.path}; rename one of the files,"
+                    " for stages are named by file and class, whatever the folder"
+                )
             if stage.name in catalogue():
                 taken = catalogue()[stage.name].distribution
                 raise PluginError(

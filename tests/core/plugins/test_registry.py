@@ -248,8 +248,11 @@ def test_a_file_cannot_take_a_name_that_is_taken(tmp_path: Path) -> None:
     (tmp_path / "other").mkdir()
     first, second = one_file(tmp_path, "keys.py", STAGE), one_file(tmp_path / "other", "keys.py", STAGE)
     registry.use_plugin_files([first, first])
-    with pytest.raises(PluginError, match="already offered by"):
+    with pytest.raises(PluginError) as caught:
         registry.use_plugin_files([second])
+    assert f"{second}: stage keys.piano is already offered by {first}; rename one of the files" in str(
+        caught.value
+    )
 
 
 @pytest.mark.usefixtures("no_files")
