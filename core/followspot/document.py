@@ -56,7 +56,15 @@ def node_of(value: Any, place: Place) -> Node:
 
 def dump(data: Any) -> str:
     """The text of a document from plain Python values; `yaml_reader.parse` gives the same values back."""
-    return str(yaml.dump(data, Dumper=_Dumper, sort_keys=False, width=110, default_flow_style=None))
+    return str(
+        yaml.dump(
+            data, Dumper=_Dumper, sort_keys=False, width=110, default_flow_style=None, allow_unicode=True
+        )
+    )
+
+
+_LINE_ENDS = frozenset("\x85\u2028\u2029")
+"""Characters that end a line for YAML unless they are escaped, as double quotes do."""
 
 
 class _Dumper(yaml.SafeDumper):
@@ -64,6 +72,8 @@ class _Dumper(yaml.SafeDumper):
 
     def text(self, value: str) -> yaml.ScalarNode:
         """A text, quoted if it would be read as something else."""
+        if not _LINE_ENDS.isdisjoint(value):
+            return self.represent_scalar(STR_TAG, value, style='"')
         try:
             plain_text = resolve(value) == value
         except ValueError:

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from followspot import files
-from followspot.document import MAX_DEPTH, Node, child, node_of, plain
+from followspot.document import MAX_DEPTH, Node, child, dump, node_of, plain
 from followspot.errors import InputError, Mistake, Place
 from followspot.yaml_reader import parse, read
 from followspot.yaml_scalars import LARGEST_INT
@@ -173,6 +173,16 @@ JSON = st.recursive(
 @settings(suppress_health_check=[HealthCheck.too_slow])  # trees take long to make on a busy machine
 def test_plain_is_the_inverse_of_node_of(data: Any) -> None:
     assert plain(node_of(data, Place("data", 1, 1))) == data
+
+
+def test_text_is_written_as_it_is() -> None:
+    assert dump({"graph": "Bühne", "seen": ["舞台", "🎭"]}) == "graph: Bühne\nseen: [舞台, 🎭]\n"
+
+
+@given(st.text() | st.text(alphabet="a: \x85\u2028\u2029\ufeff\n\t'\"\u00e9\x9b"))
+@example("\x85")
+def test_any_text_that_is_written_is_read_again(text: str) -> None:
+    assert plain(parse(dump({"a": [text], f"b{text}": text}), "x")) == {"a": [text], f"b{text}": text}
 
 
 def mistakes_or_none(read_it: Callable[[], Node]) -> Sequence[Mistake]:
