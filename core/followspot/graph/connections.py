@@ -156,24 +156,41 @@ def _output(wire: Wire, source: Ports, port: InputSpec, mistakes: list[Mistake])
     elif feed.port is not None:
         named = source.output(feed.port)
         if named is None:
-            remedy = did_you_mean(feed.port, [output.name for output in source.outputs], "outputs")
-            mistakes.append(Mistake(feed.place, f'stage "{name}" has no output "{feed.port}"', remedy))
+            guess = did_you_mean(feed.port, [output.name for output in source.outputs], "outputs")
+            mistakes.append(Mistake(feed.place, f'stage "{name}" has no output "{feed.port}"', guess))
         elif named not in fitting:
             text = f'"{name}.{named.name}" gives {named.type.__name__}, but {wanted}'
-            mistakes.append(Mistake(feed.place, text, f"outputs of {name}: {offer}"))
+            remedy = _defined_again(named.type, port.type) or f"outputs of {name}: {offer}"
+            mistakes.append(Mistake(feed.place, text, remedy))
         return named if named in fitting else None
     elif len(fitting) == 1:
         return fitting[0]
     elif port.type is Message and (same := source.output(wire.port)) is not None:
         return same  # of several, the one with the name that the graph gives the input
     elif len(source.outputs) == 1:
-        text = f'"{name}" gives {source.outputs[0].type.__name__}, but {wanted}'
-        mistakes.append(Mistake(feed.place, text, f"name a stage that gives {port.type.__name__}"))
+        given = source.outputs[0].type
+        text = f'"{name}" gives {given.__name__}, but {wanted}'
+        remedy = _defined_again(given, port.type) or f"name a stage that gives {port.type.__name__}"
+        mistakes.append(Mistake(feed.place, text, remedy))
     else:
         several = "several outputs" if fitting else "no output"
         text = f'stage "{name}" has {several} of type {port.type.__name__}; {wanted}'
-        mistakes.append(Mistake(feed.place, text, f"name the port; outputs: {offer}"))
+        twins = (_defined_again(output.type, port.type) for output in source.outputs)
+        remedy = next(filter(None, twins), "") or f"name the port; outputs: {offer}"
+        mistakes.append(Mistake(feed.place, text, remedy))
     return None
+
+
+def _defined_again(given: type[Message], wanted: type[Message]) -> str:
+    """The remedy if a type is not taken although it bears the name of the wanted one; else empty."""
+    if given is wanted or given.__name__ != wanted.__name__:
+        return ""
+    if given.__module__ != wanted.__module__:
+        return f"these are two classes of one name, of the modules {given.__module__} and {wanted.__module__}"
+    return (
+        f"these are two classes of one name, for {wanted.__name__} was defined again: define the stages that"
+        " use it again, too; in a notebook, run their cells"
+    )
 
 
 def check_cycles(edges: Sequence[CheckedEdge], mistakes: list[Mistake]) -> None:

@@ -401,6 +401,34 @@ def test_a_misspelt_input_is_told_with_the_right_one() -> None:
     assert "positions" in mistake.remedy
 
 
+def test_a_type_that_was_defined_again_is_told_from_the_one_that_a_stage_takes() -> None:
+    def cell() -> tuple[type[fs.Stage], type[fs.Stage]]:
+        class Num(fs.Message):
+            value: int
+
+        class Give(fs.Stage):
+            def process(self) -> fs.Source[Num]:
+                yield fs.at(0, Num(1))
+
+        class Take(fs.Stage):
+            def process(self, num: Num) -> None:
+                return None
+
+        Give.process.__annotations__["return"] = fs.Source[Num]  # type: ignore[valid-type]
+        Take.process.__annotations__["num"] = Num
+        return Give, Take
+
+    graph = fs.Graph("cells")
+    give = graph.add("give", cell()[0])
+    graph.add("take", cell()[1], num=give)
+    (mistake,) = fs.check(graph)
+    assert mistake.text == '"give" gives Num, but input "num" of stage "take" takes Num'
+    assert mistake.remedy == (
+        "these are two classes of one name, for Num was defined again: define the stages that use it again, "
+        "too; in a notebook, run their cells"
+    )
+
+
 def test_a_saved_graph_is_the_same_as_the_composed_one(tmp_path: Path) -> None:
     graph = composed()
     del graph.stages["low"]
