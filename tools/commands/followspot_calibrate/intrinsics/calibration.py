@@ -106,7 +106,8 @@ def warnings_of(found: Fit, covered: Coverage, tilt: float) -> list[str]:
         notes.append(f"only {covered.share:.0%} of the picture is covered: show the board in its {where}")
     if tilt < LEAST_TILT:
         notes.append(
-            f"all boards are parallel within {tilt:.0f} degrees, which leaves the focal length open: "
+            f"all boards are parallel within {tilt:.0f} degrees, which leaves the focal length open "
+            f"({found.matrix[0, 0]:.0f} +- {found.sigma[0]:.0f} px, more if the model is not quite right): "
             "tilt the board by 30 to 45 degrees, to all sides"
         )
     sigma = found.sigma[0] / found.matrix[0, 0]
