@@ -23,6 +23,7 @@ from followspot_persons.associate.joint_model import JointModel
 from followspot_persons.associate.joint_tracks import JointTracks
 from followspot_persons.associate.limbs import Lengths, constrained, learnt
 from followspot_persons.associate.parameters import AssociateParams
+from followspot_persons.associate.picture_size import Reach, doubt_of_size
 from followspot_persons.associate.reports import box_poses, joint_poses, skeletons_of
 from followspot_persons.associate.skeleton_pose import tell_heading
 from followspot_persons.associate.torso_colors import BINS, histograms
@@ -65,6 +66,7 @@ class Associate(Stage):
 
     def setup(self) -> None:
         """Prepare the cameras. Raises FollowspotError if both kinds of detections are connected."""
+        self.reach = dict.fromkeys(self.room.cameras, Reach())
         if {Points2D, Boxes} <= set(self.context.receives):
             raise FollowspotError(f"{self.context.name} takes points or boxes; use a stage for each")
         given, cameras = self.params, self.room.cameras
@@ -94,6 +96,8 @@ class Associate(Stage):
     def with_joints(self, points: Sequence[Points2D], pictures: Mapping[str, Array]) -> Outputs:
         """The people after a set of joints."""
         points = [one for one in points if one.camera in self.number]
+        for one in points:
+            self.reach[one.camera] = self.reach[one.camera].beyond(one.pixel)
         self.name_joints(points)
         joints = self.joint_model.joints
         sets = [
@@ -145,6 +149,11 @@ class Associate(Stage):
         now = as_of(self.by_boxes, self.box_model, _time(boxes, self.by_boxes.time))
         poses, self.heading = box_poses(now, self.heading)
         return Outputs(poses, Skeletons.empty())
+
+    def close(self) -> None:
+        """Warn of cameras whose joints seem to be of smaller pictures."""
+        if doubt := doubt_of_size(self.reach, self.room.cameras):
+            self.context.warn(doubt)
 
     def state(self) -> Any:
         return {

@@ -118,6 +118,22 @@ def test_joints_whose_names_tell_no_heading_are_warned_of_once() -> None:
         assert all("left_shoulder" in text for text in warnings)
 
 
+@pytest.mark.parametrize(("scale", "told"), [(0.5, True), (1.0, False)])
+def test_joints_of_pictures_of_half_the_size_are_warned_of_at_the_end(scale: float, told: bool) -> None:
+    room, sets, _ = crowded(people=2, frames=20, fps=10, seed=7)
+    warnings: list[str] = []
+    stage = Associate(Context("associate", room, receives=(Points2D,), warn=warnings.append))
+    stage.setup()
+    for each in sets:
+        scaled = [replace(points, pixel=scale * points.pixel, xy=scale * points.xy) for points, _ in each]
+        for points, (old, _) in zip(scaled, each, strict=True):
+            points.__dict__["header"] = old.header
+        stage.process(points=scaled)
+    stage.close()
+    assert len(warnings) == told
+    assert all("upper left quarter" in text and "smaller pictures" in text for text in warnings)
+
+
 def test_joints_and_boxes_at_once_are_refused() -> None:
     stage = Associate(Context("associate", corner_room(), receives=(Points2D, Boxes)))
     with pytest.raises(FollowspotError, match="points or boxes"):
