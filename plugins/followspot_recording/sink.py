@@ -66,7 +66,7 @@ class RecordingSink(Stage):
         self.path = self.context.out / given.path
         chunking = Chunking(int(given.chunk_size * MIB), given.chunk_time, given.compression)
         self.recorder = join(self.path, chunking)
-        if self.recorder.path != self.path:
+        if self.recorder.path != self.path and self.recorder.users == 1:  # the first of the file says so
             self.context.warn(f"{self.path} exists; recording to {self.recorder.path.name} beside it")
         port = given.port or self.context.name
         self.topic, self.view = exact_topic(port), view_topic(port)

@@ -234,6 +234,18 @@ def test_an_older_recording_is_never_replaced(tmp_path: Path) -> None:
         assert len(list(recording.messages("track.tracks"))) == 2
 
 
+def test_that_a_recording_goes_to_another_file_is_said_once_for_all_its_ports(tmp_path: Path) -> None:
+    record(tmp_path / "a.mcap", 1)
+    warnings: list[str] = []
+    context = Context("a", out=tmp_path, warn=warnings.append)
+    sinks = [RecordingSink(context, path="a.mcap", port=port) for port in ("x.out", "y.out", "z.out")]
+    for sink in sinks:
+        sink.setup()
+    for sink in sinks:
+        sink.close()
+    assert warnings == [f"{tmp_path / 'a.mcap'} exists; recording to a-2.mcap beside it"]
+
+
 def test_every_replay_has_its_stage() -> None:
     for name, kind in REPLAYS.items():
         (port,) = ports(load_stage(f"recording.{name}")).outputs
