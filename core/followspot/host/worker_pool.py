@@ -106,7 +106,7 @@ class WorkerPool:
 
     def begin(self, worker: WorkerProcess) -> None:
         """Start the stages of a worker."""
-        worker.phase = "running"
+        worker.begin()
         for order in tuple(self._standing_orders):
             worker.channel.tell(order)
         self._begun = self._begun or time.monotonic_ns()

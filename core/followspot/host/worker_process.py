@@ -93,6 +93,10 @@ class WorkerProcess:
         """True while the worker can still send messages."""
         return self.open and self.report is None
 
+    def begin(self) -> None:
+        """Count as running, and as heard until now: it was silent while it waited for the others."""
+        self.phase, self.heard = "running", time.monotonic()
+
     def receive(self) -> None:
         """Take the messages that have arrived; call this when the channel is readable.
 

@@ -32,6 +32,17 @@ def test_a_new_worker_has_no_counts() -> None:
         left.end()
 
 
+def test_a_worker_that_waited_for_the_others_in_silence_does_not_count_as_hanging_when_it_begins() -> None:
+    left = worker(600.0)
+    try:
+        left.phase, left.heard = "ready", left.heard - 3600.0
+        left.begin()
+        assert left.phase == "running"
+        assert left.status().age_s < 1800.0
+    finally:
+        left.end()
+
+
 @pytest.mark.parametrize(("reported", "code"), [(True, 0), (False, -signal.SIGKILL)])
 def test_a_worker_that_has_reported_exits_by_itself_and_any_other_is_killed(
     reported: bool, code: int
