@@ -12,6 +12,7 @@ from followspot.control.worker_orders import LeaveRun, SendStates
 from followspot.control.worker_report import WorkerReport
 from followspot.host.clocks.host import HostClock
 from followspot.host.heartbeat import Heartbeat, RestartPolicy, fed
+from followspot.host.restart_notes import RestartNotes
 from followspot.host.worker_pool import WorkerPool
 from followspot.host.worker_process import WorkerProcess
 from followspot.log.record import Level
@@ -45,6 +46,7 @@ class Supervisor:
         self._kill_at: float | None = None
         self._heartbeat = Heartbeat()
         self._restarts = RestartPolicy()
+        self._notes = RestartNotes()
 
     def prepare(self) -> None:
         """Start all workers that have not ended before. Raises OSError."""
@@ -140,7 +142,7 @@ class Supervisor:
         if worker.name not in self._leaving:
             self._dead.add(worker.name)
             wait = self._restarts.after_death(worker.name, now)
-            self._tell("warning", f"{why}; it is started again in {wait:.1f} s", worker.name)
+            self._tell("warning", self._notes.of(worker.name, why, wait), worker.name)
 
     def _end_without_report(self, worker: WorkerProcess, error: str) -> None:
         """Mark a worker as ended for good, with a report in its place."""
