@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Literal
 
 import cv2
 import numpy as np
 
-from followspot import Array, Field, Stage, StageParams
+from followspot import Array, Field, Mistake, Room, Stage, StageParams
 from followspot.geometry import undistort
+from followspot.room import Member
 from followspot.tracking import Frame
 from followspot_vision.edge_corners import edge_corners
 from followspot_vision.marker_messages import Markers
@@ -52,14 +54,23 @@ class Aruco(Stage):
 
     params: Params
 
+    @classmethod
+    def check_files(cls, params: Params, room: Room, member: Member | None) -> Iterable[Mistake]:
+        """Numbers of markers that the dictionary has not: they would never be found."""
+        last = len(_dictionary(params.dictionary).bytesList) - 1
+        for key, numbers in (("ids", params.ids), ("names", params.names)):
+            strange = [number for number in numbers if not 0 <= number <= last]
+            if strange:
+                text = f"{key}: {params.dictionary} has no marker {strange[0]}"
+                yield Mistake(None, text, f"its markers are 0 to {last}")
+
     def setup(self) -> None:
         p = self.params
         asked = cv2.aruco.DetectorParameters()
         if p.refinement == "subpixel":
             asked.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
         asked.minMarkerPerimeterRate = p.minimum_perimeter
-        dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, p.dictionary))
-        self.detector = cv2.aruco.ArucoDetector(dictionary, asked)
+        self.detector = cv2.aruco.ArucoDetector(_dictionary(p.dictionary), asked)
 
     def process(self, frame: Frame) -> Markers:
         ids, corners = self.found(frame.pixels)
@@ -92,6 +103,10 @@ class Aruco(Stage):
             for row in order.tolist():
                 corner[row] = edge_corners(self.camera, gray, corner[row])
         return number[order], corner[order]
+
+
+def _dictionary(name: Dictionary) -> cv2.aruco.Dictionary:
+    return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
 
 
 def _largest_of_each(names: list[int], corners: Array) -> Array:

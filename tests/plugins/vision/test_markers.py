@@ -122,6 +122,20 @@ def test_only_markers_that_are_asked_for_are_found_and_have_their_names() -> Non
     assert found.names == ("0", "hat")
 
 
+@pytest.mark.parametrize(
+    ("dictionary", "last"), [("DICT_4X4_50", 49), ("DICT_4X4_100", 99), ("DICT_APRILTAG_16h5", 29)]
+)
+def test_markers_that_the_dictionary_has_not_are_mistakes(dictionary: str, last: int) -> None:
+    def found(**params: object) -> list[tuple[str, str]]:
+        checked = Aruco.check_files(Aruco.Params(dictionary=dictionary, **params), ROOM, None)
+        return [(mistake.text, mistake.remedy) for mistake in checked]
+
+    remedy = f"its markers are 0 to {last}"
+    assert found(ids=[0, last], names={last: "hat"}) == []
+    assert found(ids=[0, last + 1]) == [(f"ids: {dictionary} has no marker {last + 1}", remedy)]
+    assert found(names={-1: "hat"}) == [(f"names: {dictionary} has no marker -1", remedy)]
+
+
 def test_of_two_markers_with_one_name_the_larger_is_taken() -> None:
     board = np.full((480, 640, 3), 255, np.uint8)
     marker = cv2.aruco.generateImageMarker(cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50), 7, 200)
