@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from followspot.errors import FollowspotError
-from followspot.plugins.hooks import load_plan_options
+from followspot.plugins.loaded_hooks import load_plan_options
 
 if TYPE_CHECKING:
     from followspot.graph.check import Checked

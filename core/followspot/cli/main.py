@@ -20,7 +20,7 @@ from typing import Any
 from followspot.cli import agent, attach, certs, check, completion, graph, move, plugins, router, run, swap
 from followspot.errors import FollowspotError, InputError, did_you_mean
 from followspot.notes import show_notes
-from followspot.plugins.hooks import load_commands
+from followspot.plugins.loaded_hooks import load_commands
 
 CORE = (
     run.COMMAND,

@@ -71,7 +71,7 @@ def _run(args: argparse.Namespace) -> int:
 
 def _list(files: Sequence[StageEntry], *, as_json: bool) -> None:
     """Print the installed stages and hooks, and the stages of one-file plugins."""
-    from followspot.plugins.hooks import load_hooks
+    from followspot.plugins.loaded_hooks import load_hooks
     from followspot.plugins.registry import catalogue, examined
     from followspot.tables import table
 

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 from followspot.cli.agent_options import add_network_options, network_of
 from followspot.cli.graph_options import add_graph_options, frame_count, output_folder, plan_of
 from followspot.errors import FollowspotError, warning_lines
-from followspot.plugins.hooks import Command, load_plan_options
+from followspot.plugins.hooks import Command
+from followspot.plugins.loaded_hooks import load_plan_options
 
 _SOON = 1.0
 """Seconds that scoring may take after the user has stopped a run."""

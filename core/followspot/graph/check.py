@@ -25,7 +25,7 @@ from followspot.graph.parameters import output_paths, validated
 from followspot.graph.sampling import sampled_cycles
 from followspot.graph.subgraph_ports import subgraph_ports
 from followspot.graph.subgraph_use import SubgraphUse
-from followspot.plugins.hooks import load_scorers
+from followspot.plugins.loaded_hooks import load_scorers
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.ports import Ports, ports
 from followspot.room import SETS, Room, StageUse

@@ -9,7 +9,7 @@ from functools import partial
 from followspot.errors import InputError
 from followspot.graph.plan import Plan
 from followspot.library.keep import Keep, seconds_of
-from followspot.plugins.hooks import load_hooks
+from followspot.plugins.loaded_hooks import load_hooks
 
 OnErrors = Callable[[Sequence[str]], None]
 """Takes the errors of a run, none if it succeeded."""

@@ -9,7 +9,7 @@ from typing import Any, Protocol, Self
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.messages import Message
-from followspot.plugins.hooks import load_hooks
+from followspot.plugins.loaded_hooks import load_hooks
 from followspot.room import Room
 
 

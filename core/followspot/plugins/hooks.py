@@ -1,7 +1,8 @@
-"""The hooks that a package can implement, and the loading of the packages that do.
+"""The hooks that a package can implement, and what each offers: commands, options, readers, scorers, keepers.
 
 A package names a module in the entry-point group `followspot.hooks.v1`; the module's functions marked with
 `hookimpl` are the hooks. `followspot --help` imports these modules, so they import nothing heavy at the top.
+`followspot.plugins.loaded_hooks` finds and loads them.
 """
 
 from __future__ import annotations
@@ -9,20 +10,15 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, field
-from functools import cache
-from importlib.metadata import EntryPoint, entry_points
+from dataclasses import dataclass
 from inspect import cleandoc
 from pathlib import Path
 from typing import Any
 
 import pluggy
 
-GROUP = "followspot.hooks.v1"
 PROJECT = "followspot"
-_ON_RUNS = ("attach", "swap", "set", "move")
-RESERVED = ("run", "check", "graph", "plugins", "agent", "router", *_ON_RUNS, "certs", "completion")
-"""Commands of followspot itself."""
+"""Prefix of the names of hooks, as pluggy wants it."""
 
 hookspec = pluggy.HookspecMarker(PROJECT)
 hookimpl = pluggy.HookimplMarker(PROJECT)
@@ -128,131 +124,3 @@ class Hooks:
     @hookspec
     def followspot_keepers(self) -> Sequence[Keeper]:  # type: ignore[empty-body]
         """Flight recorders of runs of scripts."""
-
-
-@dataclass(frozen=True)
-class HookModule:
-    """A module of hooks; problem: why it could not be loaded, empty if it was."""
-
-    name: str
-    value: str
-    distribution: str
-    problem: str = ""
-
-
-@dataclass(frozen=True)
-class LoadedHooks:
-    """All hook modules with their commands, options, readers, scorers and keepers."""
-
-    modules: tuple[HookModule, ...]
-    commands: tuple[Command, ...]
-    plan_options: tuple[PlanOptions, ...]
-    readers: tuple[RecordingReader, ...] = ()
-    scorers: tuple[Scorer, ...] = ()
-    keepers: tuple[Keeper, ...] = ()
-
-
-@dataclass(frozen=True)
-class _Offer:
-    """Commands, options, readers, scorers and keepers of one module; problem: why some are missing."""
-
-    problem: str = ""
-    commands: list[Command] = field(default_factory=list)
-    plan_options: list[PlanOptions] = field(default_factory=list)
-    readers: list[RecordingReader] = field(default_factory=list)
-    scorers: list[Scorer] = field(default_factory=list)
-    keepers: list[Keeper] = field(default_factory=list)
-
-
-@cache
-def load_hooks() -> LoadedHooks:
-    """Load each hook module separately: a broken one is named and left out."""
-    modules: list[HookModule] = []
-    commands: list[Command] = []
-    plan_options: list[PlanOptions] = []
-    readers: list[RecordingReader] = []
-    scorers: list[Scorer] = []
-    keepers: list[Keeper] = []
-    taken = dict.fromkeys(RESERVED, "followspot")
-    for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
-        offer = _load(entry)
-        problem = offer.problem
-        plan_options += offer.plan_options
-        readers += offer.readers
-        scorers += offer.scorers
-        keepers += offer.keepers
-        for command in offer.commands:
-            other = taken.get(command.title) or taken.get(command.parent or "")
-            if other:
-                problem = f'command "{command.title}" is already offered by {other}'
-            else:
-                taken[command.title] = entry.name
-                commands.append(command)
-        distribution = entry.dist.name if entry.dist is not None else "?"
-        modules.append(HookModule(entry.name, entry.value, distribution, problem))
-    return LoadedHooks(
-        tuple(modules),
-        tuple(commands),
-        tuple(plan_options),
-        tuple(readers),
-        tuple(scorers),
-        tuple(keepers),
-    )
-
-
-def load_commands() -> Sequence[Command]:
-    """The commands of all hook modules that are well."""
-    return load_hooks().commands
-
-
-def load_scorers() -> Sequence[Scorer]:
-    """The scorers of all hook modules that are well."""
-    return load_hooks().scorers
-
-
-def load_plan_options() -> Sequence[PlanOptions]:
-    """The plan options of all hook modules that are well."""
-    return load_hooks().plan_options
-
-
-def _load(entry: EntryPoint) -> _Offer:
-    """Import, register and ask one module."""
-    manager = pluggy.PluginManager(PROJECT)
-    manager.add_hookspecs(Hooks)
-    try:
-        module = entry.load()
-        manager.register(module, name=entry.name)
-        manager.check_pending()
-        problem = _silent(module)
-        commands = [command for offered in manager.hook.followspot_commands() for command in offered]
-        options = [option for offered in manager.hook.followspot_plan_options() for option in offered]
-        readers = [reader for offered in manager.hook.followspot_recording_readers() for reader in offered]
-        scorers = [scorer for offered in manager.hook.followspot_scorers() for scorer in offered]
-        keepers = [keeper for offered in manager.hook.followspot_keepers() for keeper in offered]
-    except (Exception, SystemExit) as error:
-        return _Offer(" ".join(f"{type(error).__name__}: {error}".split()))
-    if not all(isinstance(command, Command) for command in commands):
-        return _Offer("followspot_commands returns something that is no Command")
-    if not all(isinstance(option, PlanOptions) for option in options):
-        return _Offer("followspot_plan_options returns something that is no PlanOptions")
-    if not all(isinstance(reader, RecordingReader) for reader in readers):
-        return _Offer("followspot_recording_readers returns something that is no RecordingReader")
-    if not all(isinstance(scorer, Scorer) for scorer in scorers):
-        return _Offer("followspot_scorers returns something that is no Scorer")
-    if not all(isinstance(keeper, Keeper) for keeper in keepers):
-        return _Offer("followspot_keepers returns something that is no Keeper")
-    return _Offer(problem, commands, options, readers, scorers, keepers)
-
-
-def _silent(module: object) -> str:
-    """Mistakes that pluggy ignores: hooks without the mark, a module without hooks."""
-    functions = {
-        name: hasattr(value, f"{PROJECT}_impl")
-        for name, value in vars(module).items()
-        if name.startswith(f"{PROJECT}_") and callable(value)
-    }
-    for name, marked in functions.items():
-        if not marked:
-            return f"{name} is not marked with @hookimpl"
-    known = ", ".join(name for name in vars(Hooks) if name.startswith(f"{PROJECT}_"))
-    return "" if functions else f"the module implements no hook; known: {known}"

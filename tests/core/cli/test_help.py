@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from followspot.cli.main import CORE
-from followspot.plugins.hooks import Command, load_commands
+from followspot.plugins.hooks import Command
+from followspot.plugins.loaded_hooks import load_commands
 
 
 @pytest.mark.parametrize("command", [*CORE, *load_commands()], ids=lambda command: command.title)

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from tests.core.plugins.packages import install
 
-from followspot.plugins.hooks import RESERVED, HookModule, load_hooks
+from followspot.plugins.loaded_hooks import RESERVED, HookModule, load_hooks
 
 HOOKS = """\
 from followspot.plugins.hooks import Command, hookimpl
@@ -88,7 +88,7 @@ def test_the_commands_of_followspot_itself_are_reserved() -> None:
 
 def test_asking_for_help_imports_nothing_heavy() -> None:
     code = (
-        "import sys; from followspot.plugins.hooks import load_hooks; load_hooks();"
+        "import sys; from followspot.plugins.loaded_hooks import load_hooks; load_hooks();"
         "print([n for n in ('cv2', 'scipy', 'zenoh', 'numpy', 'pydantic', 'yaml') if n in sys.modules])"
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

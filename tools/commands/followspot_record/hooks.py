@@ -17,14 +17,8 @@ from followspot.cli.graph_options import (
 )
 from followspot.cli.run import add_run_options
 from followspot.errors import InputError
-from followspot.plugins.hooks import (
-    Command,
-    Keeper,
-    PlanOptions,
-    RecordingReader,
-    hookimpl,
-    load_plan_options,
-)
+from followspot.plugins.hooks import Command, Keeper, PlanOptions, RecordingReader, hookimpl
+from followspot.plugins.loaded_hooks import load_plan_options
 from followspot_record.flight.options import checked, configure_keeping, configure_mark, kept
 
 if TYPE_CHECKING:

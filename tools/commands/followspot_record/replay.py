@@ -17,7 +17,7 @@ from followspot.graph.load import Loaded
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan
 from followspot.graph.sampling import plan_sampled_cycles
-from followspot.plugins.hooks import load_plan_options
+from followspot.plugins.loaded_hooks import load_plan_options
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 from followspot_record.embedded import offered_ports, recorded_plan

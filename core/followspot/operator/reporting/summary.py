@@ -8,7 +8,7 @@ from typing import Any
 
 from followspot.control.path_latency import PathLatency
 from followspot.operator.reporting.report import RunReport
-from followspot.plugins.hooks import load_scorers
+from followspot.plugins.loaded_hooks import load_scorers
 from followspot.tables import table
 from followspot.worker.ledger import COUNTS, SOURCE_LOSSES, EdgeCount
 

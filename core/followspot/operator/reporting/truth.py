@@ -13,7 +13,7 @@ from followspot.context import Context
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.operator.reporting.scored import scored_file
-from followspot.plugins.hooks import load_scorers
+from followspot.plugins.loaded_hooks import load_scorers
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 from followspot.scoring import Score, Scoring

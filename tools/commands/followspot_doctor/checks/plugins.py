@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from followspot.errors import InputError
 from followspot.graph.compile import compile_graph
-from followspot.plugins.hooks import load_hooks
+from followspot.plugins.loaded_hooks import load_hooks
 from followspot.plugins.registry import catalogue, examined
 from followspot_doctor.finding import Finding, fine, wrong
 
