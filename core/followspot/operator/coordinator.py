@@ -23,6 +23,7 @@ from followspot.log.merged import MergedLog
 from followspot.log.record import Level, LogPage
 from followspot.log.run_log import OnLog
 from followspot.operator.budgets import BudgetWatch
+from followspot.operator.order_relay import OrderRelay
 from followspot.operator.reporting.report import RunReport
 from followspot.operator.run_status import RunStatus
 from followspot.operator.run_view import RunView
@@ -83,10 +84,7 @@ class Coordinator:
         self._sensors_told = False
         """Whether the sensors have been told when to end."""
         self._begun = begun
-        self._prepared = list(hosts) if begun else []
-        self._pending_orders: list[Relayed] = []
-        """Orders relayed before all hosts were prepared; each host gets them after its preparation."""
-        self._one_relay = Lock()
+        self._order_relay = OrderRelay(hosts if begun else ())
         self._budgets = BudgetWatch()
 
     def stop(self) -> None:
@@ -117,7 +115,7 @@ class Coordinator:
             except OSError as error:
                 text = f"the workers cannot be started: {error.strerror}"
                 raise FollowspotError(f"{text}\n    {_LIMITS}") from None
-            self._relay_to(host)
+            self._order_relay.add(host)
         if not self._all_ready():
             self._end_early()
             return False
@@ -164,7 +162,7 @@ class Coordinator:
             over = tuple(sorted(self._ended))
             host.prepare(replace(self.order, plan=plan_to_data(self.plan), incarnations={}, over=over))
             host.ask(StartRun())
-            self._relay_to(host)
+            self._order_relay.add(host)
             self.order = replace(self.order, reference=self.order.reference or name)
             self.hosts.append(host)
             self.log.join(host)
@@ -175,18 +173,7 @@ class Coordinator:
         Raises FollowspotError if the order does not fit the plan.
         """
         order.check(self.plan, remote=False)
-        with self._one_relay:
-            if not self._begun:
-                self._pending_orders = order.standing(self._pending_orders)
-            for host in self._prepared:
-                host.ask(order)
-
-    def _relay_to(self, host: Host) -> None:
-        """Send the pending orders to a host that has just been prepared."""
-        with self._one_relay:
-            self._prepared.append(host)
-            for order in self._pending_orders:
-                host.ask(order)
+        self._order_relay.send(order, keep=not self._begun)
 
     def records(self, after: int) -> LogPage:
         """Log records of all hosts after the record of this number. Safe from any thread."""
