@@ -9,26 +9,12 @@ from __future__ import annotations
 import signal
 import socket
 import sys
-from collections.abc import Collection, Sequence
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
-from followspot.control.checkpoint import state_from_data
-from followspot.control.dispatch import Handlers
-from followspot.control.lifecycle import EndWorkers, StartRun, StopRun
+from followspot.control.lifecycle import StartRun, StopRun
 from followspot.control.pipe import Channel, ChannelClosed, Received
-from followspot.control.swap import ChangeOrder
 from followspot.control.worker_messages import Built, Done, Failed, Listening, Ready
-from followspot.control.worker_orders import (
-    ORDERS,
-    BuildWorker,
-    LeaveRun,
-    SendStates,
-    SetClock,
-    Side,
-    TakeRing,
-)
+from followspot.control.worker_orders import ORDERS, BuildWorker, Side, TakeRing
 from followspot.errors import FollowspotError
 from followspot.graph.plan_data import plan_from_data
 from followspot.log.collector import LogCollector, collecting
@@ -36,25 +22,20 @@ from followspot.own_process import ignore_terminal
 from followspot.plugins.registry import use_plugin_files
 from followspot.worker.blas_limit import ONE_BLAS_THREAD
 from followspot.worker.build import build_worker
-from followspot.worker.change.hot_swap import HotSwap
-from followspot.worker.change.rewiring import Rewiring
+from followspot.worker.built_worker import BuiltWorker
 from followspot.worker.clock import Clock
-from followspot.worker.edge_links import EdgeLinks, rows_of, uses_zenoh
+from followspot.worker.edge_links import EdgeLinks, uses_zenoh
 from followspot.worker.ledger import Ledger
 from followspot.worker.orders import Orders
 from followspot.worker.os_scheduling import apply_scheduling
 from followspot.worker.reporting.host_reporter import HostReporter
 from followspot.worker.reporting.report import Warnings, missing, worker_report
-from followspot.worker.runners.stage_runner import StageRunner
-from followspot.worker.scheduler import Scheduler
-from followspot.worker.taps.worker_taps import WorkerTaps
 from followspot.worker.wiring import RunOptions, Wiring
-
-if TYPE_CHECKING:
-    from followspot.worker.taps.published_ports import PublishedPort
 
 _REMINDER = 0.5
 """Seconds between two announcements, at the barrier, that the ends of edges here exist."""
+_Rings = dict[Side, dict[int, socket.socket]]
+"""This worker's ends of rings, by side and number of the edge."""
 
 
 class WorkerMain:
@@ -69,64 +50,53 @@ class WorkerMain:
         self._in_process = in_process
         self.log = LogCollector("")
         self.warnings = Warnings(lambda stage, text: self.log.say("warning", stage, text))
-        self.scheduler: Scheduler | None = None
-        self.links: EdgeLinks | None = None
-        self.taps: WorkerTaps | None = None
-        self.restart = False
         self.reporter = HostReporter(channel, self.log, self.warnings)
-        self.published: list[PublishedPort] = []
+        self.worker: BuiltWorker | None = None
+        """The stages, once they are built."""
         self._early: list[Received] = []
         """Orders that came before the start."""
 
     def live(self) -> None:
         """Build, start, run, report. Raises ChannelClosed when the host ends before the start."""
-        rings: dict[Side, dict[int, socket.socket]] = {"sending": {}, "receiving": {}}
+        order, memory, rings = self._receive_plan()
+        self.log.worker = order.worker
+        links: EdgeLinks | None = None
+        error = ""
+        try:
+            links = self._links(order, rings)
+            self.worker = worker = self._build(order, memory, links)
+            if self._get_ready(order, worker) and self._started(worker):
+                self._run(worker, restart=order.restart)
+        except FollowspotError as failure:
+            error = str(failure)
+        finally:
+            self.reporter.stop()
+            if self.worker is not None:
+                self.worker.close()
+            if links is not None:
+                links.close()
+        if links is not None:
+            self._warn_of_rejected(links)
+        self.reporter.send_log()
+        if self.worker is None:
+            self.channel.send(Failed(error=error))
+        else:
+            self._report(self.worker, error, restart=order.restart)
+
+    def _receive_plan(self) -> tuple[BuildWorker, int, _Rings]:
+        """The order to build, the descriptor of the ledger's memory, and the ends of rings that come before.
+
+        Raises ChannelClosed.
+        """
+        rings: _Rings = {"sending": {}, "receiving": {}}
         order, descriptors = self.channel.receive()
         while isinstance(order, TakeRing):
             rings[order.side][order.edge] = socket.socket(fileno=descriptors[0])
             order, descriptors = self.channel.receive()
         assert isinstance(order, BuildWorker)
-        name, error, self.restart = order.worker, "", order.restart
-        self.log.worker = name
-        try:
-            self.links = links = self._links(order, rings["sending"], rings["receiving"])
-            self.scheduler = self._build(order, descriptors[0], links)
-            self.taps = WorkerTaps(name, self.scheduler, links, partial(self.warnings.add, "taps"))
-            self._give_up(order.over)
-            self.channel.send(Built())
-            if not order.incarnation:  # a restarted worker finds the others running, or some of them gone
-                links.wait_matched(lambda: not self._stopped_early())
-            if not self._stopped_early():
-                self._get_ready(order, self.scheduler)
-                if self._started():
-                    self._run()
-        except FollowspotError as failure:
-            error = str(failure)
-        finally:
-            self.reporter.stop()
-            if self.taps is not None:
-                self.taps.close()
-            if self.scheduler is not None:
-                self.scheduler.close()
-            if self.links is not None:
-                self.links.close()
-        for edge, times in self.links.rejected().items() if self.links is not None else ():
-            self.warnings.add(edge, f"refused {times} times what was malformed or not from its sender")
-        self.reporter.send_log()
-        if self.scheduler is not None:
-            self.reporter.send_stages(self.scheduler)
-            if not (error or self.restart or self.links is None or self.links.plan.live):
-                error = missing(self.scheduler)
-            self.channel.send(Done(report=worker_report(name, self.scheduler, self.warnings, error)))
-        else:
-            self.channel.send(Failed(error=error))
+        return order, descriptors[0], rings
 
-    def _links(
-        self,
-        order: BuildWorker,
-        sending: dict[int, socket.socket],
-        receiving: dict[int, socket.socket],
-    ) -> EdgeLinks:
+    def _links(self, order: BuildWorker, rings: _Rings) -> EdgeLinks:
         """Open the Zenoh session, if needed, and take the ends of the rings over."""
         plan = plan_from_data(order.plan)
         for refusal in apply_scheduling(plan.scheduling_of(order.worker)):  # before any thread is started
@@ -140,22 +110,38 @@ class WorkerMain:
                 log_rejections()
             session = connected(network)
             self.channel.send(Listening(locators=tuple(locators(session))))
-        return EdgeLinks(plan, sending, receiving, session, order.run, order.incarnation)
+        return EdgeLinks(plan, rings["sending"], rings["receiving"], session, order.run, order.incarnation)
 
-    def _build(self, order: BuildWorker, memory: int, links: EdgeLinks) -> Scheduler:
+    def _build(self, order: BuildWorker, memory: int, links: EdgeLinks) -> BuiltWorker:
         """Build the stages. memory: file descriptor of the ledger's memory."""
         use_plugin_files(links.plan.plugin_files)
-        self.ledger = Ledger(links.plan.rows, _shared_words(memory))
-        self.clock = Clock(*order.clock)
-        self.options = options = RunOptions(
+        ledger = Ledger(links.plan.rows, _shared_words(memory))
+        options = RunOptions(
             Path(order.out),
             order.frames,
             self.warnings.add,
             order.restart,
-            self.clock,
+            Clock(*order.clock),
             resumed=order.incarnation > 0,
         )
-        return build_worker(Wiring(links.plan), order.worker, self.ledger, options, links)
+        scheduler = build_worker(Wiring(links.plan), order.worker, ledger, options, links)
+        return BuiltWorker(order.worker, scheduler, links, ledger, options, self.reporter, self.warnings)
+
+    def _get_ready(self, order: BuildWorker, worker: BuiltWorker) -> bool:
+        """Connect all edges, set all stages up, and tell the host; False if the run is stopped before."""
+        worker.give_up(order.over)
+        self.channel.send(Built())
+        if not order.incarnation:  # a restarted worker finds the others running, or some of them gone
+            worker.links.wait_matched(lambda: not self._stopped_early())
+        if self._stopped_early():
+            return False
+        worker.scheduler.setup()
+        worker.restore(order.states)
+        self.reporter.send_log()
+        sources = worker.scheduler.sources
+        last_times = sources.last_times() if order.frames is not None else {}
+        self.channel.send(Ready(expected=sources.expected(), last_times=last_times))
+        return True
 
     def _stopped_early(self) -> bool:
         """Whether the run is stopped before this worker is ready; other ends may be gone by then."""
@@ -163,110 +149,42 @@ class WorkerMain:
             self._early.append(self.channel.receive())
         return any(isinstance(received.request, StopRun) for received in self._early)
 
-    def _get_ready(self, order: BuildWorker, scheduler: Scheduler) -> None:
-        """Set all stages up, and tell the host."""
-        scheduler.setup()
-        self._restore(order.states)
-        self.reporter.send_log()
-        sources = scheduler.sources
-        last_times = sources.last_times() if order.frames is not None else {}
-        self.channel.send(Ready(expected=sources.expected(), last_times=last_times))
-
-    def _started(self) -> bool:
+    def _started(self, worker: BuiltWorker) -> bool:
         """Wait at the barrier for the start; False if the run is stopped before."""
-        assert self.links is not None
         while True:
             while not self.channel.waits(_REMINDER):
-                self.links.remind()
+                worker.links.remind()
             received = self.channel.receive()
             if isinstance(received.request, StartRun):
-                self.clock.begun = received.request.begun
+                worker.options.clock.begun = received.request.begun
             if isinstance(received.request, StartRun | StopRun):
                 return isinstance(received.request, StartRun)
             self._early.append(received)
 
-    def _run(self) -> None:
+    def _run(self, worker: BuiltWorker, *, restart: bool) -> None:
         """Run the stages to the end of all streams, and obey the orders of the host meanwhile."""
-        assert self.scheduler is not None
-        assert self.links is not None
-        if self.links.session is not None:
-            from followspot.worker.taps.published_ports import published
-
-            self.published = published(self.links, self.scheduler)
-        answer = self.reporter.send_change
-        self.change = HotSwap(self.scheduler, answer, self._rewiring)
-        handlers = self._handlers(self.scheduler, self.links)
+        worker.publish_ports()
+        scheduler = worker.scheduler
         orders = Orders(
-            self.channel, self.scheduler, handlers, in_process=self._in_process, restart=self.restart
+            self.channel, scheduler, worker.handlers, in_process=self._in_process, restart=restart
         )
         orders.listen(self._early)
         if not self._in_process:
-            signal.signal(signal.SIGTERM, lambda *_: self.scheduler.stop() if self.scheduler else None)
-        self.reporter.start(self.scheduler, orders.leave_soon)
-        try:
-            self.scheduler.run()
-        finally:
-            self.change.close()
+            signal.signal(signal.SIGTERM, lambda *_: scheduler.stop())
+        self.reporter.start(scheduler, orders.leave_soon)
+        worker.run()
 
-    def _handlers(self, scheduler: Scheduler, links: EdgeLinks) -> Handlers:
-        """The handlers of all orders to a running worker."""
-        return {
-            **scheduler.handlers,
-            **(self.taps.handlers if self.taps is not None else {}),
-            EndWorkers: lambda order: self._give_up(order.workers),
-            TakeRing: lambda order, end: links.take(scheduler, order, socket.socket(fileno=end)),
-            SendStates: lambda _: self.reporter.send_states(scheduler),
-            SetClock: self._set_clock,
-            LeaveRun: self._leave_run,
-            ChangeOrder: self.change.obey,
-        }
+    def _warn_of_rejected(self, links: EdgeLinks) -> None:
+        for edge, times in links.rejected().items():
+            self.warnings.add(edge, f"refused {times} times what was malformed or not from its sender")
 
-    def _rewiring(self, data: dict[str, Any]) -> Rewiring:
-        """What a new plan adds to the worker. Raises FollowspotError."""
-        assert self.scheduler is not None
-        assert self.links is not None
-        name, links = self.log.worker, self.links.for_plan(plan_from_data(data))
-        rewired = partial(self._rewired, links)
-        return Rewiring(self.scheduler, Wiring(links.plan), name, self.ledger, self.options, links, rewired)
-
-    def _rewired(self, links: EdgeLinks, new: Sequence[StageRunner]) -> None:
-        """Have the plan of these links from now on. new: stages that it adds here."""
-        assert self.scheduler is not None
-        assert self.links is not None
-        self.links.adopt(links)
-        for runner in new:
-            self.warnings.begin(runner.name)
-        if self.links.session is not None:
-            from followspot.worker.taps.published_ports import published
-
-            self.published += published(self.links, self.scheduler, self.published)
-
-    def _set_clock(self, order: SetClock) -> None:
-        self.clock.captured, self.clock.steady = order.correction
-
-    def _leave_run(self, _: LeaveRun) -> None:
-        """Send checkpoints and end the worker in the middle of its streams. Raises ChannelClosed."""
-        assert self.scheduler is not None
-        self.reporter.send_states(self.scheduler)
-        raise ChannelClosed("this worker's stages move to another worker")
-
-    def _give_up(self, workers: Collection[str]) -> None:
-        """These workers have ended: nothing more comes from the other ends of their edges."""
-        assert self.scheduler is not None
-        assert self.links is not None
-        self.scheduler.ends.give_up(rows_of(self.links.plan, workers))
-
-    def _restore(self, states: dict[str, Any]) -> None:
-        """Restore the checkpoints of the stages of the worker that died."""
-        assert self.scheduler is not None
-        for runner in self.scheduler.runners:
-            if runner.name in states:
-                try:
-                    runner.stage.restore(state_from_data(states[runner.name]))
-                except Exception as error:
-                    self.warnings.add(
-                        runner.name, f"it starts without its former state, which cannot be restored: {error}"
-                    )
+    def _report(self, worker: BuiltWorker, error: str, *, restart: bool) -> None:
+        """Send the last status and the report of a worker that has ended. Raises ChannelClosed."""
+        scheduler = worker.scheduler
+        self.reporter.send_stages(scheduler)
+        if not (error or restart or worker.links.plan.live):
+            error = missing(scheduler)
+        self.channel.send(Done(report=worker_report(worker.name, scheduler, self.warnings, error)))
 
 
 def _shared_words(fd: int) -> memoryview:

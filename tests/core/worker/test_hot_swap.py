@@ -40,8 +40,8 @@ def scheduler_of(run: Coordinator) -> Scheduler:
     assert isinstance(host, LocalHost)
     process = host.workers["main"].process
     assert isinstance(process, WorkerThread)
-    assert process.main.scheduler is not None
-    return process.main.scheduler
+    assert process.main.worker is not None
+    return process.main.worker.scheduler
 
 
 def change(run: Coordinator, *words: str) -> None:
