@@ -18,8 +18,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from followspot import Context, Room, Stage, Target, at
-from followspot.messages import seal
 from followspot.plugins.registry import load_stage
+from followspot.sealing import seal
 from followspot.tables import table
 from followspot.tracking import Positions
 from scripting import options_of

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from followspot.belonging import misfit
-from followspot.messages import Message, column, seal
+from followspot.messages import Message, column
 from followspot.people import Poses
 from followspot.room import Room
+from followspot.sealing import seal
 from followspot.testing.samples import BLACK, sample
 from followspot.testing.tiny_room import tiny_room
 from followspot.tracking import (

@@ -17,9 +17,9 @@ from followspot.messages import (
     at,
     column,
     identical,
-    seal,
     stamped,
 )
+from followspot.sealing import seal
 from followspot.transport.codec import pack, unpack
 
 

@@ -23,8 +23,9 @@ from followspot.control.tapping import PlaceTaps
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.load import load
 from followspot.graph.plan_data import plan_from_data
-from followspot.messages import Header, InvalidMessage, Message, seal, stamped
+from followspot.messages import Header, InvalidMessage, Message, stamped
 from followspot.room_form import room_of
+from followspot.sealing import seal
 from followspot.security.request_guard import Asked, Rejected, RequestGuard
 from followspot.tracking import Blobs, Frame, Pairs, Tracks
 from followspot.transport.wire import ALIGN, PREFIX

@@ -21,7 +21,8 @@ import resource, sys, time
 import numpy as np
 from pathlib import Path
 from followspot import Context
-from followspot.messages import Header, seal, stamped
+from followspot.messages import Header, stamped
+from followspot.sealing import seal
 from followspot.tracking import Frame
 from followspot_recording.sink import RecordingSink
 

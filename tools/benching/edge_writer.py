@@ -15,7 +15,8 @@ import numpy as np
 import zenoh
 
 from benching.bare_ring import SMALL, BareWriter
-from followspot.messages import Array, Header, seal, stamped
+from followspot.messages import Array, Header, stamped
+from followspot.sealing import seal
 from followspot.tracking import Frame
 from followspot.transport.edge import PortWriter
 from followspot.transport.ring.writer import RingWriter

@@ -8,7 +8,8 @@ from typing import Any
 import msgpack
 import numpy as np
 
-from followspot.messages import Array, Message, seal, stamped
+from followspot.messages import Array, Message, stamped
+from followspot.sealing import seal
 from followspot.transport.wire import ALIGN, MAX_HEAD, PREFIX, VERSION, pack_head, unpack_head
 from followspot.transport.zenoh.codec import pack_as
 from fuzzing.mutation import NASTY_FLOATS

@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from followspot.belonging import misfit
-from followspot.messages import MAX_SEQ, MAX_TIME, Header, InvalidMessage, Message, seal, stamped
+from followspot.messages import MAX_SEQ, MAX_TIME, Header, InvalidMessage, Message, stamped
 from followspot.plugins.registry import PluginError, catalogue, load_stage
+from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.testing.samples import BLACK, sample
 from followspot.testing.tiny_room import tiny_room

@@ -16,9 +16,10 @@ from followspot.control.checkpoint import state_from_data
 from followspot.errors import FollowspotError
 from followspot.firing import Firing
 from followspot.graph.plan import Plan, PlannedStage
-from followspot.messages import Header, InvalidMessage, Message, seal
+from followspot.messages import Header, InvalidMessage, Message
 from followspot.plugins.registry import load_stage
 from followspot.ports import InputSpec, ports
+from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.transport.codec import unpack
 from followspot.worker.build import RUNNERS

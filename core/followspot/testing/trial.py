@@ -16,9 +16,10 @@ import numpy as np
 import pydantic
 
 from followspot.context import Context
-from followspot.messages import Array, Header, Message, seal, stamped
+from followspot.messages import Array, Header, Message, stamped
 from followspot.ports import Ports, ports
 from followspot.room import Member, Room
+from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.testing.samples import BLACK, Content, sample
 from followspot.testing.tiny_room import tiny_room

@@ -19,9 +19,9 @@ from followspot.messages import (
     Header,
     InvalidMessage,
     Message,
-    check_shape,
     in_range,
 )
+from followspot.sealing import check_shape
 from followspot.transport.token import Watermark, is_watermark
 from followspot.transport.wire import ALIGN, MAX_HEAD, RAW, aligned, pack_head, padded, unpack_head
 

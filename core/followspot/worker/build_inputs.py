@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from followspot.belonging import misfit
 from followspot.graph.plan import AHEAD, PlannedEdge, PlannedStage
-from followspot.messages import seal
 from followspot.ports import InputSpec
+from followspot.sealing import seal
 from followspot.transport.token import ABSENT
 from followspot.worker.inputs.input_queue import UNCHANGED, InputQueue
 from followspot.worker.inputs.join import Join, JoinInput

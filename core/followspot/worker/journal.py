@@ -17,7 +17,8 @@ import pydantic
 
 from followspot.control.checkpoint import state_to_data
 from followspot.firing import FIRINGS, Firing
-from followspot.messages import Header, Message, seal, stamped
+from followspot.messages import Header, Message, stamped
+from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.transport.codec import pack
 from followspot.worker.inputs.input_queue import InputQueue

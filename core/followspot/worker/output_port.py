@@ -6,7 +6,8 @@ from collections.abc import Callable
 from threading import Lock
 
 from followspot.context import SourceLoss
-from followspot.messages import Header, InvalidMessage, Message, seal, stamped
+from followspot.messages import Header, InvalidMessage, Message, stamped
+from followspot.sealing import seal
 from followspot.transport.token import ABSENT, END, UNKNOWN, Watermark
 from followspot.worker.ledger import AWAY, OVERRUN, PRODUCED, REFUSED, SOURCE_LOSSES
 from followspot.worker.port_edges import PortEdges

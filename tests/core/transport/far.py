@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from followspot.messages import Header, Message, seal, stamped
+from followspot.messages import Header, Message, stamped
+from followspot.sealing import seal
 from followspot.tracking import Blobs, Frame
 from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.ring.reader import RingReader

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from tests.core.transport.rings import DEPTH, SHAPE, Ring, frame, messages
 
-from followspot.messages import Array, Header, Message, column, identical, seal, stamped
+from followspot.messages import Array, Header, Message, column, identical, stamped
+from followspot.sealing import seal
 from followspot.tracking import Frame
 from followspot.transport.ring.slots import Slots
 from followspot.transport.ring.writer import RingWriter

@@ -22,9 +22,9 @@ from followspot.messages import (
     Message,
     column,
     identical,
-    seal,
     stamped,
 )
+from followspot.sealing import seal
 from followspot.tracking import Blobs, Forecast, Frame, Pairs
 from followspot.transport.codec import codec_of, pack, unpack
 from followspot.transport.token import ABSENT, END, MAX_WATERMARK, Watermark

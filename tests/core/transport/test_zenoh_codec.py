@@ -13,7 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from followspot.graph.plan import EdgeCodec
-from followspot.messages import Array, Header, InvalidMessage, identical, seal, stamped
+from followspot.messages import Array, Header, InvalidMessage, identical, stamped
+from followspot.sealing import seal
 from followspot.tracking import Blobs, Frame
 from followspot.transport.codec import pack
 from followspot.transport.token import Watermark

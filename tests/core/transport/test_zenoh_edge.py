@@ -17,7 +17,8 @@ import zenoh
 from tests.integration.hosts import free_port
 
 from followspot.errors import FollowspotError
-from followspot.messages import Header, Message, identical, seal, stamped
+from followspot.messages import Header, Message, identical, stamped
+from followspot.sealing import seal
 from followspot.tracking import Blobs, Frame
 from followspot.transport.codec import pack
 from followspot.transport.keys import reader_key

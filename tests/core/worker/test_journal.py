@@ -24,7 +24,8 @@ from followspot.library.repeat import (
     held_in,
     missing_in,
 )
-from followspot.messages import identical, seal, stamped
+from followspot.messages import identical, stamped
+from followspot.sealing import seal
 
 RATES = Path(__file__).parents[2] / "stages" / "rates.py"
 MEMORIES = """

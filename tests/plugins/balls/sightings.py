@@ -8,7 +8,8 @@ import numpy as np
 from tests.plugins.balls.scene import blobs_of, make_room
 
 from followspot.context import Context
-from followspot.messages import Array, seal
+from followspot.messages import Array
+from followspot.sealing import seal
 from followspot.tracking import Blobs, Candidates, Forecast
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs

@@ -22,7 +22,7 @@ from tests.plugins.balls.sightings import (
 )
 
 from followspot.context import Context
-from followspot.messages import seal
+from followspot.sealing import seal
 from followspot.tracking import LOST, MISSING, Forecast
 from followspot_balls.associate import Associate
 from followspot_balls.associate_tracked import AssociateTracked

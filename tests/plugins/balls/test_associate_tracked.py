@@ -20,7 +20,7 @@ from tests.plugins.balls.sightings import (
 )
 
 from followspot.context import Context
-from followspot.messages import seal
+from followspot.sealing import seal
 from followspot.tracking import MISSING, TRACKED
 from followspot_balls.associate import Associate
 from followspot_balls.associate_tracked import AssociateTracked

@@ -14,8 +14,9 @@ from tests.plugins.balls.test_tracker import RECORDINGS, recorded_frames, record
 
 from followspot.context import Context
 from followspot.geometry import back_projection, triangulate_pairs
-from followspot.messages import Array, seal
+from followspot.messages import Array
 from followspot.room import Room
+from followspot.sealing import seal
 from followspot.tracking import Candidates, Forecast, Positions
 from followspot_balls.bounding_planes import nearest_planes
 from followspot_balls.bundle.glow import glow_sigma

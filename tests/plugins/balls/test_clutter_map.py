@@ -9,7 +9,8 @@ import pytest
 from tests.plugins.balls.scene import blobs_of, forecast_at, make_room
 
 from followspot.context import Context
-from followspot.messages import Array, seal
+from followspot.messages import Array
+from followspot.sealing import seal
 from followspot.tracking import LOST, TRACKED, Pairs
 from followspot_balls.clutter_map import EVERY, FEW, KNOWN, NEW, USUAL, ClutterMap
 from followspot_balls.verify_pairs import VerifyPairs

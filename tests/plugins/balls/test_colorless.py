@@ -9,7 +9,7 @@ import pytest
 from tests.plugins.balls.scene import blobs_of, forecast_at, make_room, positions_at
 
 from followspot.context import Context
-from followspot.messages import seal
+from followspot.sealing import seal
 from followspot.tracking import MISSING, Candidates, Forecast
 from followspot_balls.bundle_fusion import Bundle
 from followspot_balls.colorless import Colorless, ColorlessParams

@@ -10,7 +10,8 @@ from tests.plugins.balls.scene import SIZE, disc, forecast_at, learn_color, make
 
 from followspot.context import Context
 from followspot.geometry import project
-from followspot.messages import Array, seal
+from followspot.messages import Array
+from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.color_blobs import ColorBlobs

@@ -10,7 +10,8 @@ from tests.plugins.balls.scene import RADIUS
 from tests.plugins.balls.sightings import BALL, EVERYWHERE, INFRARED, ROOM, Place, views
 
 from followspot.context import Context
-from followspot.messages import Header, seal, stamped
+from followspot.messages import Header, stamped
+from followspot.sealing import seal
 from followspot.tracking import PREDICTED, Blobs, Forecast
 from followspot_balls.associate import Associate
 from followspot_balls.associate_tracked import AssociateTracked

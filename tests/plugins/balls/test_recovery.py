@@ -9,8 +9,9 @@ import pytest
 from tests.plugins.balls.scene import blobs_of, forecast_at, look_at, make_room
 
 from followspot.context import Context
-from followspot.messages import Array, seal
+from followspot.messages import Array
 from followspot.room import Room
+from followspot.sealing import seal
 from followspot.tracking import LOST, MISSING, Blobs, Candidates, Forecast, Positions
 from followspot_balls.bundle_fusion import Bundle
 from followspot_balls.mean_shift import MeanShift

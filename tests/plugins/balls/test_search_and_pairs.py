@@ -8,8 +8,9 @@ from tests.plugins.balls.scene import RADIUS, blobs_of, forecast_at, make_room
 
 from followspot.context import Context
 from followspot.geometry import project
-from followspot.messages import Array, seal
+from followspot.messages import Array
 from followspot.room import Room
+from followspot.sealing import seal
 from followspot.tracking import LOST, TRACKED, Blobs, Forecast, Pairs
 from followspot_balls.blob_pairs import homography_test
 from followspot_balls.bounding_planes import facing_planes

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from tests.plugins.balls.scene import make_room
 
 from followspot.context import Context
-from followspot.messages import Array, Header, identical, seal, stamped
+from followspot.messages import Array, Header, identical, stamped
+from followspot.sealing import seal
 from followspot.testing import check_stage
 from followspot.tracking import PREDICTED, TRACKED, Positions, Tracks
 from followspot_balls.smooth.stage import Smooth

@@ -8,7 +8,8 @@ from tests.plugins.balls.scene import RADIUS, forecast_at, make_room, picture
 
 from followspot.context import Context
 from followspot.geometry import project
-from followspot.messages import Array, seal
+from followspot.messages import Array
+from followspot.sealing import seal
 from followspot.tracking import Blobs, Forecast
 from followspot_balls.ir_blobs import IrBlobs
 

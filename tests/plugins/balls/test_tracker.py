@@ -14,8 +14,9 @@ from tests.datasets import dataset, needs_data
 from tests.plugins.balls.scene import learn_color, make_room, picture
 
 from followspot.context import Context
-from followspot.messages import Array, Header, Message, seal, stamped
+from followspot.messages import Array, Header, Message, stamped
 from followspot.room import Camera, Room, Target
+from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.bridge import Bridge

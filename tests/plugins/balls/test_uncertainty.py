@@ -10,7 +10,8 @@ import pytest
 from tests.plugins.balls.scene import SIZE, make_room, picture
 from tests.plugins.balls.test_tracker import track
 
-from followspot.messages import Array, seal
+from followspot.messages import Array
+from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.tracking import Frame
 from followspot_accuracy.targets.figures import within_ellipsoid

@@ -13,7 +13,7 @@ import numpy as np
 
 from followspot import Context, Member
 from followspot.inertial import Inertial
-from followspot.messages import seal
+from followspot.sealing import seal
 from followspot.testing import tiny_room
 from followspot_imu.network.sensor import NetworkSensor
 

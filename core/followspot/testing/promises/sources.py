@@ -7,8 +7,9 @@ from collections.abc import Iterator
 from itertools import islice, pairwise
 from typing import Any
 
-from followspot.messages import InvalidMessage, Message, seal
+from followspot.messages import InvalidMessage, Message
 from followspot.outputs import WrongOutput, check_yielded
+from followspot.sealing import seal
 from followspot.testing.promises.work import contents
 from followspot.testing.trial import Trial, outputs, reason
 
