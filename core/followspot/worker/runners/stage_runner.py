@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, TypeVar
 from followspot.firing import FIRINGS
 from followspot.graph.plan import ErrorPolicy
 from followspot.messages import Header, Message
-from followspot.outputs import WrongOutput, check_returned, untimed
+from followspot.outputs import untimed
 from followspot.ports import ports
 from followspot.stage import Stage
 from followspot.transport.token import ABSENT, END, UNKNOWN
@@ -21,8 +21,8 @@ from followspot.worker.inputs.join import Join
 from followspot.worker.journal import Journal
 from followspot.worker.latency import PathLatencies
 from followspot.worker.output_port import OutputPort
-from followspot.worker.runners.error_policy import RAISED, StageError, recover, text_of
-from followspot.worker.runners.runner_count import RunnerCount
+from followspot.worker.runners.error_policy import RAISED, recover
+from followspot.worker.runners.stage_life import StageLife
 
 _capture_time = attrgetter("time")
 Returned = TypeVar("Returned")
@@ -35,8 +35,8 @@ class FiringInputs(NamedTuple):
     header: Header
 
 
-class StageRunner:
-    """Runs one stage instance of this worker.
+class StageRunner(StageLife):
+    """Fires one stage instance of this worker, and sends what it gives.
 
     build: makes the stage, again for the policy `restart`; join: its inputs, empty for a source; outputs: by
     port.
@@ -61,54 +61,31 @@ class StageRunner:
         until a live join fires without its missing partners, None to wait for ever; clock: of this host;
         groups: the stage of the graph file, by instance.
         """
-        self.name = name
+        super().__init__(name, build, on_error)
         self.rank = rank
-        self.uses = ""
-        """Name under which the stage is offered."""
-        self.build = build
-        try:
-            self.stage = build()
-        except RAISED as error:
-            raise StageError(name, None, error) from error
-        self._declare()
         self.join = join
         self.outputs = tuple(outputs.items())
         self._results = tuple(named for named in self.outputs if named[0] != FIRINGS)
         """The outputs of what `process` returns."""
         self.single = self._results[0][1] if [name for name, _ in self._results] == ["out"] else None
         """The output port of a stage that returns messages of one type; else None."""
-        self.on_error = on_error
         self.deadline = deadline
         self.overdue_at: float | None = None
         """When the deadline of the oldest waiting message passes, s, monotonic; None if none waits."""
         self.done = False
         """Whether the inputs have ended and the stage is closed."""
-        self.open = False
-        """Whether the stage is to be closed: `setup` was called, `close` was not."""
-        self.ready = False
-        """Whether `setup` succeeded."""
         self.blocked = False
         """Whether backpressure holds the stage up: an output is full until its reader gives credit."""
         self.working = False
         """Whether the stage is in `process` now."""
         self.absent = False
         """Whether the outputs have announced `ABSENT`."""
-        self.count = RunnerCount()
         self.paths = PathLatencies(groups)
         self.journal = Journal(outputs.get(FIRINGS))
         self.is_sink = not self._results
         self.clock = clock
         self._passed = -END
         """The watermark that the outputs have announced."""
-
-    def setup(self) -> None:
-        """Set the stage up. Raises StageError."""
-        self.open = True
-        try:
-            self.stage.setup()
-        except RAISED as error:
-            raise StageError(self.name, None, error) from error
-        self.ready = True
 
     def step(self) -> None:
         """Fire as often as inputs and outputs allow. Raises StageError if the policy is `fail`."""
@@ -229,13 +206,6 @@ class StageRunner:
         """Let `change` add or remove edges of an output to other workers; returns what it returns."""
         return change()
 
-    def retire(self, stage: Stage) -> None:
-        """Close the stage that was replaced."""
-        try:
-            stage.close()
-        except RAISED as error:
-            stage.context.warn(f"the stage that was replaced did not close: {text_of(error)}")
-
     def leave(self) -> None:
         """Fire with the messages that wait, without their missing partners: the stage leaves the graph."""
         while not self.done and self.has_room() and (fire_at := self.join.ready(overdue=True)) is not None:
@@ -252,21 +222,6 @@ class StageRunner:
         """Whether answers of the stage are under way, which will wake the worker."""
         return False
 
-    def _declare(self) -> None:
-        """Read the output types that the stage declares."""
-        self.declared = ports(type(self.stage)).outputs
-        self._only = self.declared[0].type if len(self.declared) == 1 else None
-        """Type of all results but None, if the stage has one output; None for dataclasses of messages."""
-
-    def _checked(self, result: Any, header: Header) -> Any:
-        """The result, or None if it is not what the stage declares. Raises StageError as :meth:`run`."""
-        try:
-            check_returned(self.declared, result)
-        except WrongOutput as error:
-            recover(self, header, error)
-            return None
-        return result
-
     def finish(self) -> None:
         """Close the stage and end its outputs, for no input comes any more."""
         self.done = True
@@ -274,17 +229,6 @@ class StageRunner:
         self._discard_rest()
         for _, output in self.outputs:
             output.end()
-
-    def close(self) -> None:
-        """Close the stage, once. Raises StageError, for outputs may be incomplete then."""
-        if not self.open:
-            return
-        self.open = False
-        try:
-            self.stage.close()
-        except RAISED as error:
-            if self.ready:  # else `setup` has raised already
-                raise StageError(self.name, None, error) from error
 
     def _discard_rest(self) -> None:
         """Discard messages after the last firing: feedback, or from a sender that was started again."""
