@@ -15,12 +15,12 @@ from followspot.people import Appearances, Boxes, Gradients, Poses
 from followspot.plain_values import from_plain, to_plain
 from followspot.tracking import PREDICTED, TRACKED, Frame
 from followspot_persons.association import box_distance, matched
-from followspot_persons.body_view import HEADING, view
+from followspot_persons.body_view import view
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.pairs import telling_pairs
 from followspot_persons.condensation import Search
 from followspot_persons.fitness import Detection, Fitness, Picture, pictured
-from followspot_persons.followed_person import Followed
+from followspot_persons.followed_person import Followed, poses_of
 from followspot_persons.girth import girths_of
 from followspot_persons.identity_change import changed
 from followspot_persons.illumination import Illumination, in_usual_light
@@ -29,16 +29,13 @@ from followspot_persons.panorama import turn_of
 from followspot_persons.pose_tracker_params import PoseTrackerParams
 from followspot_persons.reprocessing import PastPicture, PastPictures, reprocessed
 from followspot_persons.shape import read_shape, with_girth
-from followspot_persons.slow_pose import SlowPose, between, scattered_about
+from followspot_persons.slow_pose import SlowPose, astray, between, scattered_about
 from followspot_persons.track import HIDDEN, Track, coasted, followed
 from followspot_persons.trail import carried_contact, carried_detection, carried_pose
 from followspot_persons.walkable import Walkable
 
 JOINING = 0.1
 """Share of the particles that a pose of the slow instance replaces."""
-ASTRAY, ASIDE = 0.8, 0.4
-"""Distances from a pose of the slow instance, along and across the line of sight, from which the track was
-another body's or furniture's, m; poses of the slow one are some decimetres off along it, hardly across."""
 NEAR = 0.6
 """Largest distance of a box from its person, in heights of the box."""
 
@@ -84,7 +81,7 @@ class PoseTracker(Stage):
         lit = self.illumination.light
         self.past = self.past.longer(PastPicture.kept(now, seen, lit), self.params.maximum_delay)
         if people is None:
-            return self.poses(frame.camera)
+            return poses_of(frame.camera, self.people)
         self.take_slow_poses(people, now)
         if seconds > self.params.maximum_missed_time:
             self.delete_missed(people, now)
@@ -96,7 +93,7 @@ class PoseTracker(Stage):
             fitness = self.fitness(people, row[number], picture, now, told.get(number))
             picture = self.follow(number, fitness, seconds, now)
         self.delete_missed(people, now)
-        return self.poses(frame.camera)
+        return poses_of(frame.camera, self.people)
 
     def change_identities(self, known: Collection[int]) -> None:
         """Let a share of each known person's particles be where those of the others are."""
@@ -146,7 +143,7 @@ class PoseTracker(Stage):
             self.slow_poses[number] = SlowPose(seen, pose)
             known = self.people.get(number)
             then = None if known is None else known.trail.at(seen)
-            if known is not None and then is not None and self.astray(then, pose):
+            if known is not None and then is not None and astray(then, pose, self.camera.center):
                 self.known[number], known = self.people.pop(number).track, None
             if known is None:
                 self.people[number] = self.found(people, row, before, now)
@@ -179,13 +176,6 @@ class PoseTracker(Stage):
         if people.contact[row, 1] == 0:
             track = replace(track, pose=between(track.pose, told, self.camera.center))
         return replace(known, track=track, boxed=max(known.boxed, int(people.seen[row])))
-
-    def astray(self, then: Array, pose: Array) -> bool:
-        """Whether the track's pose (6,) is not that of the person whom the slow instance saw in this pose."""
-        sight = pose[:2] - self.camera.center[:2]
-        sight, apart = sight / max(float(np.hypot(*sight)), 1e-6), (then - pose)[:2]
-        along, across = sight @ apart, sight[0] * apart[1] - sight[1] * apart[0]
-        return bool(np.hypot(along / ASTRAY, across / ASIDE) > 1)
 
     def followed_then(
         self, people: Appearances, row: int, track: Track, seconds: float, past: PastPicture
@@ -232,9 +222,8 @@ class PoseTracker(Stage):
         known, picture = self.people[number], fitness.picture
         track = followed(known.track, seconds, fitness, self.bodies, self.search, self.rng)
         unboxed = (self.boxed - known.boxed) * NANOSECOND
-        enough = self.params.minimum_likelihood_share + (1 - self.params.minimum_likelihood_share) * min(
-            1.0, unboxed / self.params.box_timeout
-        )
+        least = self.params.minimum_likelihood_share
+        enough = least + (1 - least) * min(1.0, unboxed / self.params.box_timeout)
         agrees = track.shown >= HIDDEN and track.likelihood >= enough * track.typical
         self.people[number] = replace(
             known,
@@ -248,18 +237,13 @@ class PoseTracker(Stage):
         return covered(picture, with_girth(self.shape, track.girth.mean), track.pose)
 
     def delete_missed(self, people: Appearances, now: int) -> None:
-        """Delete persons that were missed too long."""
+        """Delete persons that have left, or that either instance has missed too long."""
         known, left = set(people.person.tolist()), set(people.person[people.left > 0].tolist())
         for number, person in list(self.people.items()):
-            silent = (
-                people.header.time - self.slow_poses[number].time
-            ) * NANOSECOND > self.params.maximum_unseen_time
-            if (
-                silent
-                or number in left
-                or number not in known
-                or (now - person.good) * NANOSECOND > self.params.maximum_missed_time
-            ):
+            unseen = (people.header.time - self.slow_poses[number].time) * NANOSECOND
+            missed = (now - person.good) * NANOSECOND
+            too_long = unseen > self.params.maximum_unseen_time or missed > self.params.maximum_missed_time
+            if too_long or number in left or number not in known:
                 self.known[number] = self.people.pop(number).track
         self.known = {number: track for number, track in self.known.items() if number in known}
 
@@ -274,20 +258,3 @@ class PoseTracker(Stage):
         self.slow_poses = from_plain(dict[int, SlowPose], state["slow_poses"])
         self.illumination = from_plain(Illumination, state["illumination"])
         self.boxed, self.time = int(state["boxed"]), int(state["time"])
-
-    def poses(self, camera: str) -> Poses:
-        """The tracked persons."""
-        people = [self.people[number] for number in sorted(self.people)]
-        pose = np.array([p.track.pose for p in people]).reshape(-1, 6)
-        return Poses(
-            camera=camera,
-            person=np.array([p.number for p in people], np.int32),
-            state=np.array([p.state for p in people], np.uint8),
-            xy=pose[:, :2].copy(),
-            height=pose[:, 2].copy(),
-            heading=pose[:, HEADING].copy(),
-            pan=pose[:, 4].copy(),
-            tilt=pose[:, 5].copy(),
-            sigma=np.array([p.track.sigma for p in people]).reshape(-1, 6),
-            confidence=np.array([min(1.0, p.track.likelihood) for p in people]),
-        )

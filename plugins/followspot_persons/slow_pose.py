@@ -19,6 +19,11 @@ STRAYING = np.array([0.5, 0.5, 0.0, 0.8, 0.8, 0.2])
 """Growth of this sigma with the age of the pose: m/s, m/s, m/s, rad/s, rad/s, rad/s."""
 
 
+ASTRAY, ASIDE = 0.8, 0.4
+"""Distances from a pose of the slow instance, along and across the line of sight, from which the track was
+another body's or furniture's, m; poses of the slow one are some decimetres off along it, hardly across."""
+
+
 @dataclass(frozen=True, eq=False)
 class SlowPose:
     """A pose (6,) of a person that the slow instance reported for a time, ns."""
@@ -49,6 +54,18 @@ def between(pose: Array, told: Array, eye: Array) -> Array:
     out = pose.copy()
     out[:2] += (other - own) / (2 * max(own, 1e-6)) * (pose[:2] - eye[:2])
     return out
+
+
+def astray(then: Array, pose: Array, eye: Array) -> bool:
+    """Whether a track is not that of the person whom the slow instance saw in a pose.
+
+    then: (6,) the track's pose at that time; pose: (6,) of the slow instance; eye: (3,) m, the camera's
+    centre.
+    """
+    sight = pose[:2] - eye[:2]
+    sight, apart = sight / max(float(np.hypot(*sight)), 1e-6), (then - pose)[:2]
+    along, across = sight @ apart, sight[0] * apart[1] - sight[1] * apart[0]
+    return bool(np.hypot(along / ASTRAY, across / ASIDE) > 1)
 
 
 def scattered_about(pose: Array, count: int, rng: np.random.Generator, age: float = 0.0) -> Array:

@@ -18,6 +18,7 @@ from followspot_persons.color.difference import read_relations
 from followspot_persons.color.model import ColorModel
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights
 from followspot_persons.floor_contact import STRIDE_SIGMA, WALK, Contact
+from followspot_persons.followed_person import poses_of
 from followspot_persons.girth import girths_of
 from followspot_persons.hog.likelihood import heading_log_likelihood
 from followspot_persons.hsi import from_plane
@@ -216,9 +217,7 @@ def test_cameras_that_know_the_place_know_the_height():
 
 
 def poses(name, xy, height):
-    tracker = ready(PoseTracker, replace(perspective(), name=name))
-    tracker.people = {}
-    nobody = tracker.poses(name)
+    nobody = poses_of(name, {})
     one = np.ones(1)
     return replace(
         nobody,
