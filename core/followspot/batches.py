@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from followspot.frame_times import to_ns
 from followspot.messages import Array
 from followspot.stage_params import Field, StageParams
 
@@ -31,7 +32,7 @@ class BatchParams(StageParams):
 
 def batches(time: Array, params: BatchParams) -> Iterator[slice]:
     """The rows of each message. time: (N,) rising, ns."""
-    span, start = round(params.batch_time * 1e9), 0
+    span, start = to_ns(params.batch_time), 0
     while start < len(time):
         within = int(np.searchsorted(time[start : start + params.batch], time[start] + span))
         yield slice(start, start + max(1, within))

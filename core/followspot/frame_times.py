@@ -1,4 +1,4 @@
-"""Units of times, and capture times of recordings.
+"""Units of times, conversion between them, and capture times of recordings.
 
 Capture times are computed in exact integer arithmetic, so that every replay has the same ones.
 """
@@ -11,6 +11,16 @@ SECOND = 1_000_000_000
 """ns, the unit of all times of messages."""
 NANOSECOND = 1e-9
 """s, for differences of such times."""
+
+
+def to_ns(seconds: float) -> int:
+    """A time or duration, s, in the unit of messages: ns, rounded."""
+    return round(seconds * 1e9)
+
+
+def to_seconds(ns: int) -> float:
+    """A time or duration of messages, ns, in seconds."""
+    return ns / 1e9
 
 
 def exact_rate(fps: float) -> Fraction:

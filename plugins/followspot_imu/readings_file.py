@@ -11,7 +11,7 @@ import numpy as np
 from followspot import Array, Field, InputPath
 from followspot.csv_rows import Row, header_of, read_rows
 from followspot.errors import InputError, Mistake, Place, did_you_mean
-from followspot.frame_times import capture_time, exact_rate
+from followspot.frame_times import capture_time, exact_rate, to_ns, to_seconds
 from followspot_imu.units import FORCE, MAGNETIC, MOST, TURN, VALUES, UnitParams
 
 COLUMNS = (*VALUES, "time", "sensor")
@@ -51,7 +51,7 @@ def read_readings(
             continue
         times.append(_time(row, given, len(times)))
         if len(times) > 1 and times[-1] <= times[-2]:
-            now, before = (f"{time / 1e9:g} s" for time in (times[-1], times[-2]))
+            now, before = (f"{to_seconds(time):g} s" for time in (times[-1], times[-2]))
             text = f"time {now} comes after {before}"
             raise InputError(
                 [Mistake(Place(row.file, row.line, 1), text, "sort the rows of a sensor by time")]
@@ -77,7 +77,7 @@ def _check_head(given: FileParams) -> None:
 
 def _time(row: Row, given: FileParams, number: int) -> int:
     """Capture time of a row, ns. number: of the sensor's row, from 0."""
-    start = round(given.start_time * 1e9)
+    start = to_ns(given.start_time)
     if row.has("time"):
         return start + row.nanoseconds("time", given.time_unit)
     assert given.rate is not None  # the head was checked

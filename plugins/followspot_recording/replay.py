@@ -7,6 +7,7 @@ from typing import Any, ClassVar, TypeVar
 
 from followspot import Field, InputPath, Message, Stage, StageParams, at
 from followspot.errors import FollowspotError
+from followspot.frame_times import to_ns
 from followspot_recording.contract import is_of, type_name
 from followspot_recording.decoding import decoded
 from followspot_recording.recording import Recording
@@ -62,8 +63,8 @@ class Replay(Stage):
         recording, given = self.recording, self.params
         assert recording is not None
         self._check(recording, kind)
-        start = recording.begin + round(given.start_time * 1e9)
-        stop = recording.end if given.stop_time is None else recording.begin + round(given.stop_time * 1e9)
+        start = recording.begin + to_ns(given.start_time)
+        stop = recording.end if given.stop_time is None else recording.begin + to_ns(given.stop_time)
         began = self.context.begun()
         later, round_seqs = 0, 0
         while True:

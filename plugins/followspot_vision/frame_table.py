@@ -12,7 +12,7 @@ from typing import Generic, Literal, TypeVar
 from followspot import Field, InputPath, StageParams
 from followspot.csv_rows import Row, header_of, read_rows
 from followspot.errors import InputError, Mistake, Place, did_you_mean
-from followspot.frame_times import capture_time, exact_rate
+from followspot.frame_times import capture_time, exact_rate, to_ns, to_seconds
 from followspot_vision.frame_steps import doubt_of_steps
 
 T = TypeVar("T")
@@ -99,7 +99,7 @@ def read_frames(
     needs = (*columns, *(() if camera is None else ("camera",)))
     has_frame, has_time = _check_head(given, needs, optional)
     time_of = None if has_time else _times(given)
-    start = round(given.start_time * 1e9)
+    start = to_ns(given.start_time)
     own: list[tuple[int, int, list[T]]] = []
     moments: dict[int, int] = {}
     for row in islice(read_rows(given.path, needs, (*optional, "frame", "time"), given.columns), most):
@@ -155,7 +155,7 @@ def _check_head(given: FrameParams, needs: Sequence[str], optional: Sequence[str
 
 def _times(given: FrameParams) -> Callable[[int], int]:
     """Capture times, ns, of frames by number."""
-    rate, start = exact_rate(given.fps or 1.0), round(given.start_time * 1e9)
+    rate, start = exact_rate(given.fps or 1.0), to_ns(given.start_time)
     return lru_cache(maxsize=16)(lambda number: start + capture_time(number, rate))
 
 
@@ -163,8 +163,9 @@ def _check_order(row: Row, last: tuple[int, int] | None, now: tuple[int, int]) -
     """Raises InputError unless number and time both rise."""
     if last is None or (now[1] > last[1] and (now[0] > last[0] or now[0] < 0)):
         return
-    name, value = ("time", f"{now[1] / 1e9:g} s") if now[0] < 0 or now[0] > last[0] else ("frame", now[0])
-    before = f"{last[1] / 1e9:g} s" if name == "time" else last[0]
+    by_time = now[0] < 0 or now[0] > last[0]
+    name, value = ("time", f"{to_seconds(now[1]):g} s") if by_time else ("frame", now[0])
+    before = f"{to_seconds(last[1]):g} s" if by_time else last[0]
     if now[0] == last[0] >= 0:
         raise _wrong(row, f"frame {now[0]} has two times", "give all rows of a frame and camera one time")
     raise _wrong(

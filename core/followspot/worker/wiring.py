@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from followspot.errors import InputError
+from followspot.frame_times import to_ns
 from followspot.graph.cycles import cyclic
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
 from followspot.graph.sampling import plan_sampled_cycles
@@ -64,7 +65,7 @@ class Wiring:
 
     def limits(self, stage: PlannedStage) -> Mapping[str, int]:
         """Budgets, ns, of the paths that end at a stage, by their origin."""
-        return {b.origin: round(b.limit * 1e9) for b in self.plan.budgets if b.end == stage.group}
+        return {b.origin: to_ns(b.limit) for b in self.plan.budgets if b.end == stage.group}
 
     def message_type(self, edge: PlannedEdge) -> type[Message]:
         """Type of the messages on an edge: what its sender declares."""
@@ -89,7 +90,7 @@ class Wiring:
     def tolerance(self, edge: PlannedEdge) -> int:
         """Largest difference in capture time between a message of the edge and its matches, ns."""
         own = self.stages[edge.to_stage].tolerance if edge.tolerance is None else edge.tolerance
-        return round(own * 1e9)
+        return to_ns(own)
 
     def circular(self, edge: PlannedEdge) -> bool:
         """Whether the edge is part of a cycle, feedback included."""

@@ -14,6 +14,7 @@ import numpy as np
 
 from followspot.csv_rows import Row, header_of, read_rows
 from followspot.errors import FollowspotError
+from followspot.frame_times import to_seconds
 from followspot.geometry import direction, wrap
 from followspot.messages import Array
 from followspot.people import PoseTruth
@@ -95,7 +96,7 @@ def read_pose_truth_csv(*paths: Path) -> PoseTruthTable:
 def pose_truth_of(messages: Iterable[PoseTruth], viewpoint: Array = ORIGIN) -> PoseTruthTable:
     """True poses as a `room.truth` source gives them, one message per frame."""
     rows = [
-        (m.header.time / 1e9, (int(m.person[i]), pose, float(m.visible[i])))
+        (to_seconds(m.header.time), (int(m.person[i]), pose, float(m.visible[i])))
         for m in messages
         for i, pose in enumerate(np.column_stack([m.xy, m.height, m.heading, m.pan, m.tilt]))
     ]

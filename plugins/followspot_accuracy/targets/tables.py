@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot.csv_rows import Row, read_rows
+from followspot.frame_times import to_seconds
 from followspot.inertial import PosedTruth
 from followspot.messages import Array
 from followspot.tracking import STATES, Truth
@@ -94,7 +95,7 @@ def truth_of(messages: Iterable[Truth]) -> TruthTable:
     """Truth as a `room.truth` source gives it, one message per frame."""
     return _truth_table(
         (
-            m.header.time / 1e9,
+            to_seconds(m.header.time),
             name,
             m.xyz[i],
             (m.hidden[i], m.trackable[i], m.pair[i]),

@@ -12,6 +12,7 @@ from typing import ClassVar
 
 from followspot import Field, InputPath, Source, Stage, StageParams, at
 from followspot.errors import Mistake
+from followspot.frame_times import to_ns
 from followspot.messages import MAX_TIME
 from followspot.room import Member, Room
 from followspot.tracking import Frame
@@ -77,7 +78,7 @@ class LoggedImages(Stage):
         """
         p, camera = self.params, self.camera
         fits = partial(check_size, camera=camera, origin=str(p.path))
-        start, last, damaged, late = round(p.start_time * 1e9), -LARGEST_TIME, 0, 0
+        start, last, damaged, late = to_ns(p.start_time), -LARGEST_TIME, 0, 0
         with self.opened(p) as pictures:
             stop = p.start_frame + p.frames if p.frames else None
             for number, image in islice(enumerate(pictures.images), p.start_frame, stop):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from followspot import Field, InputPath, StageParams
+from followspot.frame_times import to_ns
 from followspot_cameras.recorded_times.table import read_table
 from followspot_cameras.recorded_times.time_list import read_time_list
 
@@ -28,7 +29,7 @@ class TimesParams(StageParams):
     @property
     def start(self) -> int:
         """Ns"""
-        return round(self.start_time * 1e9)
+        return to_ns(self.start_time)
 
 
 def read_times(path: Path, camera: str) -> list[int]:

@@ -9,6 +9,7 @@ import struct
 import time
 from contextlib import suppress
 
+from followspot.frame_times import to_ns
 from followspot_cameras.rtsp.connection import ConnectionLost, Packet, RtspConnection
 from followspot_cameras.rtsp.jitter_buffer import JitterBuffer
 from followspot_cameras.rtsp.transport import PICTURES, REPORTS
@@ -35,7 +36,7 @@ class Datagrams:
     def __init__(self, connection: RtspConnection, wait: float) -> None:
         self._connection = connection
         self._senders = {connection.peer}
-        self._buffer: JitterBuffer[Packet] = JitterBuffer(round(wait * 1e9))
+        self._buffer: JitterBuffer[Packet] = JitterBuffer(to_ns(wait))
         self._reports: list[Packet] = []
         self._ports = _two_ports(connection.own_address)
         self._selector = selectors.DefaultSelector()

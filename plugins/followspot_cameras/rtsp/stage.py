@@ -11,6 +11,7 @@ from urllib.parse import urlsplit
 from pydantic import field_validator, model_validator
 
 from followspot import Field, InputAddress, Source, StageParams, at
+from followspot.frame_times import to_ns
 from followspot.tracking import Frame
 from followspot_cameras.picture import as_frame
 from followspot_cameras.reconnection import READ_TIMEOUT, LiveCamera
@@ -92,7 +93,7 @@ class Rtsp(LiveCamera):
 
     def process(self) -> Source[Frame]:
         """Pictures as they come, with capture times by this computer's clock."""
-        self._times = ReportTimes(round(self.params.wait_for_report * 1e9), self.say)
+        self._times = ReportTimes(to_ns(self.params.wait_for_report), self.say)
         yield from super().process()
 
     def session(self) -> Iterator[Frame]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from followspot import Array
 from followspot.batches import BatchParams
+from followspot.frame_times import to_ns
 from followspot_imu.units import VALUES
 
 
@@ -13,7 +14,7 @@ class Collection:
     """The readings of one message."""
 
     def __init__(self, params: BatchParams) -> None:
-        self._most, self._span = params.batch, round(params.batch_time * 1e9)
+        self._most, self._span = params.batch, to_ns(params.batch_time)
         self._times: list[int] = []
         self._values: list[tuple[float, ...]] = []
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from followspot import Array, Camera, Joined, Mistake, Room, Stage
 from followspot.errors import FollowspotError
+from followspot.frame_times import to_ns
 from followspot.people import Boxes, Poses, Skeletons
 from followspot.plain_values import from_plain, to_plain
 from followspot.points import Points2D
@@ -77,7 +78,7 @@ class Associate(Stage):
         self.joint_model = JointModel((), noise, None if floor is None else tuple(np.asarray(floor).tolist()))
         self.box_model = BoxModel(given.delay_sigma, FLOOR if floor is None else np.asarray(floor))
         p = given.confirmation_probability
-        missed = round(given.maximum_missed_time * 1e9)
+        missed = to_ns(given.maximum_missed_time)
         self.rules = Rules(given.detection_probability, float(np.log(p / (1 - p))), missed, given.area)
         self.by_joints: Crowd[Any] = empty_crowd(self.joint_model, self.views)
         self.by_boxes: Crowd[Any] = empty_crowd(self.box_model, self.views)

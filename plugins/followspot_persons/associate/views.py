@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Array, Camera
+from followspot.frame_times import to_ns
 from followspot.geometry import back_projection, fundamental_matrix
 
 NEAREST = 0.1
@@ -72,7 +73,7 @@ def views_of(cameras: Sequence[Camera]) -> Views:
 
 def _view(camera: Camera) -> View:
     focal = float(np.sqrt(camera.matrix[0, 0] * camera.matrix[1, 1]))
-    offset = round(camera.clock_offset * 1e9)
+    offset = to_ns(camera.clock_offset)
     size = np.array(camera.size, float)
     return View(camera.name, camera.projection, camera.center, back_projection(camera), focal, size, offset)
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from followspot import Camera, Room, Target
 from followspot.errors import FollowspotError, writing
+from followspot.frame_times import to_seconds
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.library.handle import RunHandle
@@ -65,7 +66,7 @@ class Learning:
         height, width = frame.pixels.shape[:2]
         _, jpeg = cv2.imencode(".jpg", frame.pixels, (cv2.IMWRITE_JPEG_QUALITY, _QUALITY))
         about = {"camera": name, "size": [width, height], "targets": known, "file": str(file)}
-        return Reply(f"{name} at {frame.header.time / 1e9:.3f} s", about, jpeg.tobytes())
+        return Reply(f"{name} at {to_seconds(frame.header.time):.3f} s", about, jpeg.tobytes())
 
     def learn(self, run: RunHandle, plan: Plan, asked: Learn) -> Reply:
         """Learn a target from the still picture. Raises FollowspotError, with the remedy on a second line."""

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from followspot.frame_times import to_seconds
 from followspot.inertial import Inertial
 from followspot.message_table import rows_of, table_of
 from followspot.messages import Message
@@ -26,7 +27,7 @@ def inertial_view(m: Inertial, room: Room) -> dict[str, Any]:
     rate: of all readings of the message, 1/s; None if they are too few to tell.
     """
     count = len(m.time)
-    span = (m.time[-1] - m.time[0]) / 1e9 if count >= _TELLING else 0.0
+    span = to_seconds(m.time[-1] - m.time[0]) if count >= _TELLING else 0.0
     drawn = np.unique(np.linspace(count - 1, 0, min(count, MOST_POINTS)).astype(int))
     return {
         "readings": count,

@@ -7,6 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from followspot.errors import FollowspotError
+from followspot.frame_times import to_seconds
 from followspot.library.handle import RunHandle
 from followspot_page.changing import (
     Change,
@@ -111,6 +112,6 @@ class Requests:
 async def _hold(run: RunHandle, asked: Hold) -> str:
     if asked.hold == "step":
         reached = await asyncio.to_thread(run.step, asked.count)
-        return f"at {reached / 1e9:.6f} s"
+        return f"at {to_seconds(reached):.6f} s"
     await asyncio.to_thread(run.pause if asked.hold == "pause" else run.resume)
     return ""

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from followspot import Message
+from followspot.frame_times import to_ns, to_seconds
 from followspot.messages import InvalidMessage
 from followspot.wire import pack, unpack
 from followspot_dashboard.picture import PICTURES, picture_of
@@ -63,7 +64,7 @@ class Scrub:
     @property
     def about(self) -> dict[str, float]:
         """Begin and end of the recording, s of capture time."""
-        return {"begin": self.begin / 1e9, "end": self.end / 1e9}
+        return {"begin": to_seconds(self.begin), "end": to_seconds(self.end)}
 
     @property
     def problems(self) -> list[str]:
@@ -75,8 +76,10 @@ class Scrub:
         """Go to a moment, None for where it stands, and play from there or stand still."""
         start = self._position.time
         if asked.seek is not None:
-            within = min(max(asked.seek, self.begin / 1e9), self.end / 1e9)  # no float is too large for it
-            start = min(max(self.begin, round(within * 1e9)), self.end)
+            within = min(
+                max(asked.seek, to_seconds(self.begin)), to_seconds(self.end)
+            )  # no float is too large for it
+            start = min(max(self.begin, to_ns(within)), self.end)
         elif asked.play and start >= self.end:
             start = self.begin
         self._position = Position(start, asked.play)
@@ -89,11 +92,11 @@ class Scrub:
             position, started = self._position, time.monotonic()
             for port, packed in await asyncio.to_thread(lambda at: list(self._seen(at)), position.time):
                 self._take(port, packed)
-            said = {"type": "position", "at": position.time / 1e9, "playing": position.playing}
+            said = {"type": "position", "at": to_seconds(position.time), "playing": position.playing}
             self._tell(json.dumps(said))
             await self._wait(self._period if position.playing else _RENEWED)
             if position is self._position and position.playing:
-                later = min(position.time + round((time.monotonic() - started) * 1e9), self.end)
+                later = min(position.time + to_ns(time.monotonic() - started), self.end)
                 self._position = Position(later, later < self.end)
 
     async def _wait(self, seconds: float) -> None:
@@ -134,7 +137,7 @@ class Scrub:
         """The newest message of a port at a capture time, ns; None if it is too old."""
         for reach in _REACHES:
             found = None
-            for found in self._recording.messages(port, moment - round(reach * 1e9), moment):  # noqa: B007
+            for found in self._recording.messages(port, moment - to_ns(reach), moment):  # noqa: B007
                 pass
             if found is not None:
                 return found

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from followspot import Room
+from followspot.frame_times import to_seconds
 from followspot.message_table import head_of, rows_of, table_of
 from followspot.messages import Message
 
@@ -37,4 +38,4 @@ def rows(message: Message, room: Room) -> Iterator[tuple[Any, ...]]:
     header = message.header
     for row in rows_of(table_of(message, room)):
         cells = (json.dumps(cell) if isinstance(cell, list | tuple) else cell for cell in row)
-        yield (header.seq, header.time / 1e9, *cells, header.source, header.time)
+        yield (header.seq, to_seconds(header.time), *cells, header.source, header.time)

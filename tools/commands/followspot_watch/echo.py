@@ -11,6 +11,7 @@ from typing import Any
 
 from followspot import Room
 from followspot.cli.agent_options import network_of
+from followspot.frame_times import to_seconds
 from followspot.library.handle import RunHandle, connected_run
 from followspot.message_table import as_json, rows_of, table_of
 from followspot.messages import Cells, Message, stamped
@@ -85,7 +86,9 @@ def data(port: str, message: Message, room: Room) -> dict[str, Any]:
 def text(port: str, message: Message, room: Room) -> str:
     """A message as text: single values, then its table."""
     header = message.header
-    lines = [f"{port}  {type(message).__name__}  {header.source}#{header.seq}  {header.time / 1e9:.6f} s"]
+    lines = [
+        f"{port}  {type(message).__name__}  {header.source}#{header.seq}  {to_seconds(header.time):.6f} s"
+    ]
     lines += [f"  {name} {getattr(message, name)!r}" for name, _ in message.scalars]
     if isinstance(message, Picture):
         return "\n".join(lines)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from followspot.cli.agent_options import network_of
+from followspot.frame_times import to_seconds
 from followspot.library.handle import connected_run
 
 
@@ -28,5 +29,5 @@ def step(args: argparse.Namespace) -> int:
     """Let the run that is meant go on for some capture times."""
     with connected_run(args.run, network_of(args)) as run:
         reached = run.step(args.number, source=args.source)
-        print(f"{run.label} is paused at the capture time {reached / 1e9:.6f} s")
+        print(f"{run.label} is paused at the capture time {to_seconds(reached):.6f} s")
     return 0

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from followspot.cli.agent_options import network_of
 from followspot.errors import FollowspotError, InputError
+from followspot.frame_times import to_seconds
 from followspot.graph.names import enclosing
 from followspot.library.handle import LEVELS, LogRecord, RunHandle, connected_run, read_log
 
@@ -38,7 +39,7 @@ def logs(args: argparse.Namespace) -> int:
 
 def as_text(record: LogRecord) -> str:
     """A record as text: time, level, host and worker, stage, text; further lines are indented."""
-    when = time.strftime("%H:%M:%S", time.localtime(record.time / 1e9))
+    when = time.strftime("%H:%M:%S", time.localtime(to_seconds(record.time)))
     where = "/".join(part for part in (record.host, record.worker) if part)
     whose = " ".join(part for part in (where, record.stage) if part)
     head = f"{when}.{record.time // 1_000_000 % 1000:03d} {record.level:7} {whose}".rstrip()

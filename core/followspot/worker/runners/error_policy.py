@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Protocol
 
 from followspot.errors import FollowspotError
+from followspot.frame_times import to_seconds
 from followspot.graph.plan import ErrorPolicy
 from followspot.messages import Header
 from followspot.stage import Stage
@@ -26,7 +27,7 @@ class StageError(FollowspotError):
     """A stage raised; the text names the stage, the message it was given, and shows the traceback."""
 
     def __init__(self, stage: str, header: Header | None, error: BaseException) -> None:
-        when = f" at {header.source}#{header.seq}, {header.time / 1e9:.6f} s" if header else ""
+        when = f" at {header.source}#{header.seq}, {to_seconds(header.time):.6f} s" if header else ""
         detail = "" if isinstance(error, FollowspotError) else _traceback(error)
         super().__init__(f"stage {stage} failed{when}: {text_of(error)}{detail}")
 

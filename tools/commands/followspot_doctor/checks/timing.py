@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from followspot.errors import InputError
+from followspot.frame_times import to_ns
 from followspot.messages import UNSTAMPED, Array, Message
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.room import Camera, Room
@@ -113,7 +114,7 @@ class Watch:
 
 def _watched(camera: Camera, room: Room, watch: Watch) -> Array:
     """Capture times, (N,) int64 ns, with the camera's offset; times of arrival if it tells none."""
-    offset = round(camera.clock_offset * 1e9)
+    offset = to_ns(camera.clock_offset)
 
     def take(messages: Iterator[Message]) -> Sequence[int]:
         times: list[int] = []

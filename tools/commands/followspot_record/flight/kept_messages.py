@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from heapq import merge
 from typing import NamedTuple
 
+from followspot.frame_times import to_ns, to_seconds
+
 
 class KeptMessage(NamedTuple):
     """A packed message. number: of arrival, over all ports; time: capture time, ns; missing: messages of
@@ -29,7 +31,7 @@ class KeptMessages:
 
     def __init__(self, period: float, limit: int) -> None:
         self.bytes = self.messages = 0
-        self._period = round(period * 1e9)
+        self._period = to_ns(period)
         self._limit = limit
         self._number = 0
         self._ports: dict[str, deque[KeptMessage]] = {}
@@ -73,7 +75,7 @@ class KeptMessages:
     def held(self) -> float:
         """Seconds that are held of the port of which the fewest are; 0 before the first message."""
         spans = (abs(held[-1].time - held[0].time) for held in self._ports.values() if held)
-        return min(spans, default=0) / 1e9
+        return to_seconds(min(spans, default=0))
 
     def _drop(self, port: str) -> None:
         size = len(self._ports[port].popleft().packed)

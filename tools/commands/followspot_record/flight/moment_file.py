@@ -13,6 +13,7 @@ from typing import Literal
 from followspot import Context, Message
 from followspot.errors import FollowspotError
 from followspot.firing import is_firings
+from followspot.frame_times import to_seconds
 from followspot.graph.plan import Plan
 from followspot.library.handle import Moment
 from followspot.messages import InvalidMessage
@@ -76,7 +77,7 @@ class MomentFile:
             tuple(self._marks),
             tuple(self._notes),
             state,
-            (self._end - self._begin) / 1e9,
+            to_seconds(self._end - self._begin),
             self._messages,
             self._lost,
             size,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from followspot.frame_times import to_ns
 from followspot_record.flight.kept_messages import KeptMessage, KeptMessages
 
 _GRACE = 2.0
@@ -26,13 +27,13 @@ class MomentSpan:
 
         An earlier mark with more seconds after it keeps them.
         """
-        self._after = max(self._after, round(after * 1e9))
+        self._after = max(self._after, to_ns(after))
         self._deadline = max(self._deadline, now + after + _GRACE)
         for message in kept.after(dict(self._given)):
             self._given[message.port] = message.number
             yield message
         for port in kept.ports:
-            end = kept.newest(port) + round(after * 1e9)
+            end = kept.newest(port) + to_ns(after)
             self._ends[port] = max(end, self._ends.get(port, end))
 
     def takes(self, message: KeptMessage) -> bool:
