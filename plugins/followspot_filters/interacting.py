@@ -80,7 +80,10 @@ class InteractingModels:
         self._put(*parts)
 
     def _put(self, xs: Array, Ps: Array, probability: Array) -> None:
-        """Make the mixture of these; its constructor computes what mixing needs."""
+        """Set the state and covariance of each model, and the probabilities of the models.
+
+        The mixture is made again, because its constructor computes the mixing probabilities.
+        """
         for one, x, P in zip(self.mixture.filters, xs, Ps, strict=True):
             one.x, one.P = x.copy(), P.copy()
         self.mixture = IMMEstimator(self.mixture.filters, probability, SWITCHING)

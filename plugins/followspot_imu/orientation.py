@@ -149,7 +149,7 @@ class FindOrientation(Stage):
 
 
 def first_inclination(age: Array, time_constant: float) -> Array:
-    """Sigma of what is left of the first error of the inclination, (N,) rad. age, time_constant: s.
+    """Sigma of the remainder of the initial error of the inclination, (N,) rad. age, time_constant: s.
 
     The mean force over the first readings is upward but for the velocity gained meanwhile, v / t; the filter
     forgets it slowly.

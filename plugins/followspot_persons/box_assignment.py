@@ -110,7 +110,7 @@ class BoxAssignment:
         return -float(np.log(color_likelihood(responses * inside, seen.visibility)[0]))
 
     def on_others(self, boxes: Boxes, box: int, taken: list[int]) -> bool:
-        """Whether a box is on a body that has another one; taken: numbers of those."""
+        """Whether a box is on the body of another box. taken: numbers of the boxes that have a person."""
         return bool(
             on_body(boxes.box[[box]], boxes.box[taken], self.turn, certainties(boxes.score[[box]])).any()
         )

@@ -63,5 +63,5 @@ class Illumination:
 
 
 def in_usual_light(pixels: Array, light: float) -> Array:
-    """Pixels u1 as the light of the first picture would show them; light: of these, over that."""
+    """Pixels (uint8) as they would be in the light of the first picture. light: theirs, relative to it."""
     return pixels if light == 1.0 else np.asarray(cv2.convertScaleAbs(pixels, alpha=1 / light))

@@ -51,7 +51,10 @@ def turned(camera: Camera, pose: Array, box: Array) -> Array:
 
 
 def whole(camera: Camera, pose: Array, contact: Contact, stature: float) -> Array:
-    """Box (4,) px of the upper body of who stands there in the direction of a pose; stature: m."""
+    """Box (4,) px of the upper body of a person in the direction of a pose, at the distance of the contact.
+
+    pose: (6,); stature: m.
+    """
     return _box(camera, pose[:2] - camera.center[:2], contact.distance, stature)
 
 
@@ -61,7 +64,7 @@ def upper_body(camera: Camera, top: Array, distance: float, stature: float) -> A
 
 
 def _box(camera: Camera, to: Array, distance: float, stature: float) -> Array:
-    """Box (4,) px of the upper body of who stands in a direction (2,), m."""
+    """Box (4,) px of the upper body of a person in a horizontal direction. to: (2,); others: m."""
     place = camera.center[:2] + to * distance / np.hypot(*to)
     head, waist = project(camera, np.array([[*place, stature], [*place, WAIST * stature]]))
     half = RATIO / 2 * (waist[1] - head[1])

@@ -113,7 +113,7 @@ class BuiltWorker:
         return Rewiring(self.scheduler, wiring, self.name, self._ledger, self.options, links, rewired)
 
     def _rewired(self, links: EdgeLinks, new: Sequence[StageRunner]) -> None:
-        """Have the plan of these links from now on. new: stages that it adds here."""
+        """Note that the worker runs another plan now. links: made for it; new: stages that it adds here."""
         self.links.adopt(links)
         for runner in new:
             self._warnings.begin(runner.name)

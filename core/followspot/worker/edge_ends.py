@@ -95,8 +95,9 @@ class EdgeEnds:
         self._mark(runner.rank)
 
     def give_up(self, rows: Container[int]) -> None:
-        """Wait no longer for workers at the other ends of these edges: one that is away, now or
-        later, does not come back.
+        """Stop waiting for the workers at the other ends of these edges.
+
+        If such a worker is lost, now or later, its streams end, and outputs do not wait for its return.
 
         rows: ledger rows of the edges.
         """

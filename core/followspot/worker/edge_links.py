@@ -122,7 +122,7 @@ class EdgeLinks:
         return new
 
     def adopt(self, new: EdgeLinks) -> None:
-        """Have the plan of these links from now on, and their ends beside those that stay."""
+        """Take over the plan and the ends of the links made for it, and drop edges that the plan lacks."""
         stay = {number for number, _ in new.plan.numbered()}
         for edge in self._ring_readers.keys() - stay:
             self._refused[self.plan.edge(edge).name] += self._ring_readers.pop(edge)[0].rejected

@@ -35,7 +35,7 @@ class ReportTimes:
         self._arrival_said = self._drift_said = False
 
     def begin(self, rate: int, now: int) -> None:
-        """Begin a session: RTP time stamps begin anew. rate: of them a second; now: ns."""
+        """Begin a session, whose RTP time stamps have another origin. rate: ticks per second; now: ns."""
         self._clock = SenderClock(rate)
         self._began = now
 

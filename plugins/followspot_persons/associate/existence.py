@@ -54,7 +54,7 @@ class Tally:
 
 
 def independence(seconds: float) -> float:
-    """Share of the misses in a set of pictures that are independent of those in the set before, s earlier."""
+    """Share of misses that are independent of those in the set of pictures some seconds before."""
     return min(1.0, max(seconds, 0.0) / PERSISTENCE)
 
 

@@ -46,7 +46,7 @@ class Lengths(Rows):
         return cls(np.zeros(0, int), np.zeros((0, 2, 2)), np.zeros((0, 2, 2)))
 
     def of(self, number: Array) -> Lengths:
-        """Those of these persons; strangers have the lengths of people at large."""
+        """The lengths of numbered persons; unknown ones have those of people at large. number: (M,)."""
         mean = np.tile(USUAL, (len(number), 1, 1))
         variance = np.square(SPREAD * mean)
         row = {int(one): i for i, one in enumerate(self.number) if one > 0}

@@ -138,7 +138,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Plot:
-    """The figures that this browser plots from now on, instead of those before."""
+    """Replace the curves that this browser plots."""
 
     plot: Annotated[tuple[Curve, ...], pydantic.Field(max_length=MOST_CURVES)]
 

@@ -42,7 +42,7 @@ class Curves:
         return frozenset(self._by_port)
 
     def choose(self, browser: object, curves: Sequence[Curve], known: Collection[str]) -> None:
-        """Plot these for a browser instead of those before. known: ports. Raises FollowspotError."""
+        """Replace the curves that a browser plots. known: ports with figures. Raises FollowspotError."""
         for curve in curves:
             if curve.port not in known:
                 raise FollowspotError(f"there is no port {curve.port} whose figures this page plots")
@@ -53,7 +53,7 @@ class Curves:
         self._sort()
 
     def leave(self, browser: object) -> None:
-        """Forget what a browser that has left has plotted."""
+        """Forget the curves of a browser that has left."""
         if self._chosen.pop(browser, None):
             self._sort()
 

@@ -31,7 +31,7 @@ class RemotePreviews:
         return cls(await asyncio.to_thread(RemoteReceiver, network, {}, hear), run)
 
     def look(self, ports: Iterable[ShownPort]) -> None:
-        """Subscribe to those of these ports that are on other hosts, and to no others."""
+        """Subscribe to exactly the given ports that are on other hosts."""
         self._ports = [port for port in ports if port.host]
         self._subscribe()
 

@@ -41,7 +41,7 @@ def moved(plan: Plan, names: Sequence[str], place: str, others: Collection[str] 
 
 
 def anew(old: Plan, new: Plan) -> set[str]:
-    """The workers, of either plan, that must begin anew: their stages or the kinds of their edges differ."""
+    """Workers, of either plan, to be started again: their stages or the kinds of their edges differ."""
     plans = (old, new)
     pairs = ({plan.worker_of(stage.name) for plan in plans} for stage in old.stages)
     found = {worker for pair in pairs if len(pair) > 1 for worker in pair}

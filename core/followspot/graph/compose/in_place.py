@@ -27,8 +27,10 @@ from followspot.room import Room
 
 @dataclass(frozen=True)
 class InPlace:
-    """What a file has in the place of another. stages: with full names; outputs: of it and of those below it,
-    SUBGRAPH.NAME, each with what feeds a reader of it; left_out, optional: see `Loaded`.
+    """The content of a sub-graph after its file was exchanged for another.
+
+    stages: by full name; outputs: of the sub-graph and of those inside it, SUBGRAPH.NAME, each with the feeds
+    of its readers; left_out, optional: see `Loaded`.
     """
 
     stages: Mapping[str, Node]

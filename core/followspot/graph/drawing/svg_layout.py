@@ -46,7 +46,11 @@ class Layout:
 
 @dataclass(frozen=True)
 class _Way:
-    """How a line goes. turns: gap before a column, and by whom it is shared; lane: worker, whether above."""
+    """The course of a line through the gaps between columns and the lanes along workers.
+
+    turns: columns before which the line turns, each with a key that lines with one turn share; lane: a worker
+    and whether the lane is above it, with such a key; None if the line needs none.
+    """
 
     line: Line
     turns: tuple[tuple[int, Hashable], ...]

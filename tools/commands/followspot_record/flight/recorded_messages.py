@@ -58,7 +58,7 @@ class RecordedMessages:
         self._others: dict[tuple[str, int], Message] = {}
 
     def add(self, messages: Mapping[tuple[str, int], Message]) -> None:
-        """Have these messages, too, by port and capture time, ns, instead of those that were added before."""
+        """Replace the messages that are given beside the recorded ones. By port and capture time, ns."""
         self._others = dict(messages)
 
     def has(self, port: str, time: int) -> bool:
