@@ -68,7 +68,7 @@ def test_a_reader_that_keeps_up_gets_everything() -> None:
     assert bench.dropped == 0
 
 
-def test_settled_times_keep_their_place_and_the_end_comes_last() -> None:
+def test_watermarks_keep_their_place_and_the_end_comes_last() -> None:
     bench = Bench(depth=1)
     bench.send(0, 1, 2)
     bench.writer.send(Watermark(25))

@@ -194,7 +194,7 @@ def test_a_reader_keeps_old_frames_and_they_never_change(edge: Edge) -> None:
         assert found["damaged"] == 0
 
 
-def test_the_end_arrives_after_any_number_of_settled_times(edge: Edge) -> None:
+def test_the_end_arrives_after_any_number_of_watermarks(edge: Edge) -> None:
     writer = edge.writer({})
     send_all(writer, (Watermark(time) for time in range(20_000)))
     send_all(writer, [frame(20_000, (2, 2, 1)), Watermark(END)])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import select
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -13,20 +12,7 @@ from followspot.messages import Message, identical
 from followspot.transport.token import END, Token, Watermark
 
 
-@pytest.fixture
-def ring() -> Iterator[Ring]:
-    with Ring() as made:
-        yield made
-
-
-@pytest.fixture
-def shared() -> Iterator[Ring]:
-    """One writer, three readers."""
-    with Ring(3) as made:
-        yield made
-
-
-def test_messages_and_settled_times_arrive_in_order_bit_for_bit(ring: Ring) -> None:
+def test_messages_and_watermarks_arrive_in_order_bit_for_bit(ring: Ring) -> None:
     sent: list[Message | Watermark] = [
         frame(0),
         Watermark(1),
@@ -90,7 +76,7 @@ def test_the_writer_is_woken_by_credit_only_if_it_asked(ring: Ring) -> None:
     assert not writer.lost
 
 
-def test_settled_times_are_merged_while_the_socket_is_full_and_the_end_arrives(ring: Ring) -> None:
+def test_watermarks_are_merged_while_the_socket_is_full_and_the_end_arrives(ring: Ring) -> None:
     writer, reader = ring.writer, ring.readers[0]
     for time in range(5000):
         writer.send(Watermark(time))

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Iterator
 
-import pytest
 from tests.core.transport.rings import DEPTH, SHAPE, Ring, frame, messages
 
 from followspot.messages import identical
@@ -14,19 +12,6 @@ from followspot.transport.ring.notification import INLINE, NOTIFICATION, SLOT
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import END, Invalid, Watermark
-
-
-@pytest.fixture
-def ring() -> Iterator[Ring]:
-    with Ring() as made:
-        yield made
-
-
-@pytest.fixture
-def shared() -> Iterator[Ring]:
-    """One writer, three readers."""
-    with Ring(3) as made:
-        yield made
 
 
 def test_what_was_sent_before_the_writer_died_arrives_and_then_it_is_lost(ring: Ring) -> None:

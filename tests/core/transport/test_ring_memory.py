@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import mmap
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -23,19 +22,6 @@ class Stereo(Message):
 
     left: Array = column("H", "W", dtype="u1")
     right: Array = column("H", "W", dtype="u1")
-
-
-@pytest.fixture
-def ring() -> Iterator[Ring]:
-    with Ring() as made:
-        yield made
-
-
-@pytest.fixture
-def shared() -> Iterator[Ring]:
-    """One writer, three readers."""
-    with Ring(3) as made:
-        yield made
 
 
 def address(array: Array) -> int:

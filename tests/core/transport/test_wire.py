@@ -95,7 +95,7 @@ def test_any_message_arrives_bit_for_bit(message: Sample) -> None:
 
 
 @given(BOUNDS)
-def test_any_settled_time_arrives(time: int) -> None:
+def test_any_watermark_arrives(time: int) -> None:
     assert unpack(pack(Watermark(time)), Blobs) == Watermark(time)
 
 

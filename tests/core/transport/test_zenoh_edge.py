@@ -244,12 +244,12 @@ def test_lost_and_broken_messages_are_invalid_in_their_place(pair: Pair) -> None
     assert "Frame" in wrong.reason
 
 
-def test_settled_times_that_never_came_are_no_loss(pair: Pair) -> None:
+def test_watermarks_that_never_came_are_no_loss(pair: Pair) -> None:
     pair.intruder(KEY).put(pack(Watermark(7)), attachment=NUMBER.pack(0, 5, 0))
     assert arrived(pair.reader, 1) == [Watermark(7)]
 
 
-def test_a_full_window_holds_back_and_merges_settled_times_in_order(pair: Pair) -> None:
+def test_a_full_window_holds_back_and_merges_watermarks_in_order(pair: Pair) -> None:
     for number in range(WINDOW + 50):
         pair.writer.send(Watermark(number))
     assert pair.writer.credit() == 0
