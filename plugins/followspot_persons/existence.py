@@ -18,9 +18,9 @@ furniture more surely, but pictures in a row are hardly independent.
 RECENT = 0.3
 """Weight of the newest picture in a person's share of foreground."""
 
-RIGID, PATIENCE = 0.005, 1.0
-"""Share of foreground about a person that furniture does not exceed, and for how long it must not, s: who
-stands still sways by some millimetres and breathes, which changes the outline.
+RIGID, RIGID_TIME = 0.005, 1.0
+"""Share of foreground about a person that furniture does not exceed, and for how long it must not, s: a
+person who stands still sways by some millimetres and breathes, which changes the outline.
 """
 
 
@@ -41,7 +41,7 @@ class Stirring:
 
     def furniture(self, now: int) -> bool:
         """Whether nothing has stirred for so long that it is no person."""
-        return self.since > 0 and (now - self.since) * NANOSECOND >= PATIENCE and self.most < RIGID
+        return self.since > 0 and (now - self.since) * NANOSECOND >= RIGID_TIME and self.most < RIGID
 
 
 def stirred(scene: Scene, pose: Array, others: Array) -> bool:

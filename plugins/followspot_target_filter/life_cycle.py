@@ -90,12 +90,13 @@ def followed(status: Array) -> Array:
     return np.asarray((status == TRACKED) | (status == PREDICTED))
 
 
-def doubted(life: LifeCycle, patience: int) -> Array:
-    """Tracked targets that few candidates showed for `patience` frames or more, in frames in which they are
-    also sought elsewhere: (T,) bool. patience: 0 for never.
+def doubted(life: LifeCycle, doubt_frames: int) -> Array:
+    """Tracked targets to be sought elsewhere, too: few candidates have shown them for long. (T,) bool.
+
+    doubt_frames: successive frames with few candidates after which a target is doubted; 0: never.
     """
-    beyond = life.poor - patience
-    if not patience or beyond.max(initial=-1) < 0:
+    beyond = life.poor - doubt_frames
+    if not doubt_frames or beyond.max(initial=-1) < 0:
         return np.zeros(len(beyond), bool)
     first = (beyond % EVERY == 0) & (life.status == TRACKED)
     again = (beyond % EVERY == 1) & followed(life.status) & (life.streak > 0)

@@ -95,8 +95,8 @@ class TargetFilter(Stage, ABC):
         self.motion = self.motion_model(count)
         self.views = Views(self.room.cameras.values())
         colored = any(camera.kind == "color" for camera in self.views.cameras)
-        self.patience = p.doubt_frames if colored else 0
-        """Without colours nothing would tell a target from what else is there."""
+        self.doubt_frames = p.doubt_frames if colored else 0
+        """0, never, without colours: nothing would tell a target from what else is there."""
         self.life = LifeCycle.lost(count)
         self.last, self.before, self.measured = np.zeros((3, count, 3))
         self.time, self.period = -1, DEFAULT_PERIOD
@@ -134,7 +134,7 @@ class TargetFilter(Stage, ABC):
 
     def doubted(self) -> Array:
         """Targets that are also sought elsewhere in the next frame: (T,) bool."""
-        return self.expected(doubted(self.life, self.patience))
+        return self.expected(doubted(self.life, self.doubt_frames))
 
     def expected(self, targets: Array) -> Array:
         """Those targets that several cameras should show, and no mark tells from other things: (T,) bool."""
@@ -206,7 +206,7 @@ class TargetFilter(Stage, ABC):
     def stated(self, sigma: Array) -> Array:
         """The filter's sigma of all targets, (T, 3) m, wider for tracks that may have left their targets."""
         poor = self.life.poor
-        if not self.patience or not poor.any():
+        if not self.doubt_frames or not poor.any():
             return sigma
         seconds = self.expected(poor > 0) * poor * self.period
         return np.asarray(np.sqrt(sigma * sigma + departure_variance(seconds)[:, None]))

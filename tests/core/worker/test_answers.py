@@ -177,7 +177,7 @@ def test_a_stage_that_was_replaced_is_closed_after_its_last_answer() -> None:
 
 
 def test_a_stop_gives_up_answers_that_do_not_come(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(deferred_runner, "_PATIENCE", 0.0)
+    monkeypatch.setattr(deferred_runner, "_ANSWER_TIMEOUT", 0.0)
     bench = Asking()
     bench.put(10, 20)
     bench.stage.answers[1].set_result(Note(2))  # type: ignore[attr-defined]

@@ -308,7 +308,7 @@ def test_a_stage_that_answers_later_is_swapped_and_loses_nothing(tmp_path: Path)
 def test_a_stopped_run_ends_though_answers_never_come(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(deferred_runner, "_PATIENCE", 0.05)
+    monkeypatch.setattr(deferred_runner, "_ANSWER_TIMEOUT", 0.05)
     run = live(
         tmp_path,
         "  sensor: {uses: rates.device, with: {count: 1000000}}\n"

@@ -28,7 +28,7 @@ from followspot_watch.tap_subscriber import TapSubscriber
 
 _TAP = "followspot.subscription"
 """Sends whole frames, not previews."""
-_PATIENCE = 10.0
+_PICTURE_TIMEOUT = 10.0
 """Seconds for a picture to come."""
 _QUALITY = 90
 """Quality of the JPEG that is clicked on, of 100; the target is learnt from the frame itself."""
@@ -150,7 +150,7 @@ def room_file(run: RunHandle, plan: Plan) -> Path:
 def next_frame(run: RunHandle, plan: Plan, camera: Camera) -> Frame:
     """The next frame that a camera's source sends, (H, W, 3) u8. Raises FollowspotError if none comes."""
     port = frame_port(plan, camera.name)
-    deadline = time.monotonic() + _PATIENCE
+    deadline = time.monotonic() + _PICTURE_TIMEOUT
     with TapSubscriber(run, {port: Frame}, _TAP) as subscriber:
         for received in subscriber.messages(0.5):
             if received is not None and isinstance(received[1], Frame):

@@ -115,8 +115,8 @@ class HotSwap:
     def _take_over(self, order: ChangeOrder) -> None:
         """Let what was built take over: at once, or at rest if stages or edges come or go."""
         if self._rewiring is not None:
-            patience = _LIVE_REST_TIMEOUT if self._rewiring.wiring.live else _REST_TIMEOUT
-            deadline = time.monotonic() + patience
+            timeout = _LIVE_REST_TIMEOUT if self._rewiring.wiring.live else _REST_TIMEOUT
+            deadline = time.monotonic() + timeout
             act, rewiring = partial(self._rewire_at, order), self._rewiring
             self.scheduler.sources.hold.align(self.scheduler.sources.hold.newest + rewiring.window)
             self.scheduler.at_rest(Rest(act, deadline, rewiring.calm))

@@ -20,7 +20,7 @@ _REST_TIMEOUT = 20.0
 """Seconds in which a worker of a replay must come to rest."""
 _LIVE_REST_TIMEOUT = 1.0
 """Seconds after which a worker of a live run changes all the same."""
-_PATIENCE = 60.0
+_OPERATOR_TIMEOUT = 60.0
 """Seconds after which a worker goes on by itself: its operator has gone."""
 
 
@@ -78,7 +78,7 @@ class JointChange:
         """Go on without the operator if no other step follows."""
         if self._timer is not None:
             self._timer.cancel()
-        self._timer = threading.Timer(_PATIENCE, self._scheduler.between_firings, (self._forgotten,))
+        self._timer = threading.Timer(_OPERATOR_TIMEOUT, self._scheduler.between_firings, (self._forgotten,))
         self._timer.daemon = True
         self._timer.start()
 
@@ -87,8 +87,8 @@ class JointChange:
         if order.until >= 0:
             self._scheduler.sources.hold.align(order.until)
         rewiring.leave(order.leaving)
-        patience = _LIVE_REST_TIMEOUT if rewiring.wiring.live else _REST_TIMEOUT
-        deadline = time.monotonic() + patience
+        timeout = _LIVE_REST_TIMEOUT if rewiring.wiring.live else _REST_TIMEOUT
+        deadline = time.monotonic() + timeout
         self._scheduler.at_rest(Rest(partial(self._rested, order, rewiring), deadline, self._calm))
 
     def _calm(self) -> bool:

@@ -259,7 +259,7 @@ class Join:
 
     def _sampled_ready(self, time: int, overdue: bool) -> int | None:
         for sampled in self.sampled:
-            if not sampled.ready(time) and (sampled.patient or not overdue):
+            if not sampled.ready(time) and (sampled.outlasts_deadline or not overdue):
                 return None
         return time
 

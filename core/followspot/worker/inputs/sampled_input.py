@@ -26,7 +26,7 @@ class SampledInput(ABC):
 
     __slots__ = ("queues",)
 
-    patient = False
+    outlasts_deadline = False
     """Whether a live stage waits for it beyond its deadline: feedback comes for certain."""
     column = UNMATCHED
     """Ledger column of what no firing will get."""
@@ -67,7 +67,7 @@ class SampledInput(ABC):
 class NewestInput(SampledInput):
     """`Latest`, or a feedback edge with `delay`: gives the newest message up to a time, again and again."""
 
-    __slots__ = ("column", "delay", "held", "past", "patient", "queue", "timed")
+    __slots__ = ("column", "delay", "held", "outlasts_deadline", "past", "queue", "timed")
 
     def __init__(self, queue: InputQueue, *, delay: int, timed: bool, initial: Message | None) -> None:
         """delay: firings back, 0 for `Latest`; timed: sample by capture time, not by arrival."""
@@ -76,7 +76,7 @@ class NewestInput(SampledInput):
         self.delay = delay
         self.timed = timed
         self.held = initial
-        self.patient = delay > 0
+        self.outlasts_deadline = delay > 0
         self.column = UNMATCHED if delay else DROPPED
         self.past: deque[int] = deque([_BEFORE_ALL] * delay, maxlen=max(1, delay))
 

@@ -17,7 +17,7 @@ from followspot.worker.runners.answer_pool import AnswerPool
 from followspot.worker.runners.error_policy import RAISED, recover
 from followspot.worker.runners.stage_runner import StageRunner
 
-_PATIENCE = 5.0
+_ANSWER_TIMEOUT = 5.0
 """Seconds for which answers are awaited after a run was stopped."""
 
 
@@ -36,7 +36,7 @@ class DeferredRunner(StageRunner):
         self._answers: deque[tuple[Future[Any], Header, Stage]] = deque()
         self._replaced: list[Stage] = []
         """Former stages that still owe answers."""
-        self._patient_until: float | None = None
+        self._give_up_at: float | None = None
         self.answered: Callable[[], None] = lambda: None
         """Called in any thread when an answer has come."""
 
@@ -60,14 +60,14 @@ class DeferredRunner(StageRunner):
         if self.blocked or len(self._answers) >= self.concurrency:
             return None
         fire_at = super().due()
-        if self._answers and self._patient_until is not None:
-            self.overdue_at = self._patient_until
+        if self._answers and self._give_up_at is not None:
+            self.overdue_at = self._give_up_at
         return fire_at
 
     def hurry(self) -> None:
         """Give up answers that do not come soon: the run was stopped."""
-        self._patient_until = time.monotonic() + _PATIENCE
-        self.overdue_at = self._patient_until
+        self._give_up_at = time.monotonic() + _ANSWER_TIMEOUT
+        self.overdue_at = self._give_up_at
 
     def retire(self, stage: Stage) -> None:
         """Close a stage that was replaced as soon as its last answer has come."""
@@ -106,7 +106,7 @@ class DeferredRunner(StageRunner):
         self.blocked = False
         while self._answers:
             future, header, _ = self._answers[0]
-            if not future.done() and not self._out_of_patience():
+            if not future.done() and not self._timed_out():
                 return
             if not self.has_room():
                 self.blocked = True
@@ -119,12 +119,12 @@ class DeferredRunner(StageRunner):
         """The answer, None if it failed. Raises StageError if the policy is `fail`."""
         if not future.done():
             future.cancel()
-            self._skip(header, f"did not come within {_PATIENCE:g} s of the stop")
+            self._skip(header, f"did not come within {_ANSWER_TIMEOUT:g} s of the stop")
             return None
         try:
             return future.result()
         except CancelledError:
-            if self._patient_until is None:
+            if self._give_up_at is None:
                 recover(self, header, FollowspotError("the answer was cancelled"))
             else:
                 self._skip(header, "was cancelled at the stop")
@@ -136,8 +136,8 @@ class DeferredRunner(StageRunner):
         self.count.skipped += 1
         self.stage.context.warn(f"the answer to {header.source}#{header.seq} {why}")
 
-    def _out_of_patience(self) -> bool:
-        return self._patient_until is not None and time.monotonic() >= self._patient_until
+    def _timed_out(self) -> bool:
+        return self._give_up_at is not None and time.monotonic() >= self._give_up_at
 
     def _idle(self) -> None:
         """Without a firing, pass the watermark on or end, unless answers are under way."""
