@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 import yaml
 
-from followspot.cli.main import build_parser
+from followspot.cli.parser import build_parser
 from followspot.graph.compile import compile_graph
 from followspot_graphs.shipped import DEMO, graph_file
 

@@ -16,7 +16,7 @@ import pytest
 import yaml
 from tests.tools.calibrate.rooms import made_room
 
-from followspot.cli.main import build_parser
+from followspot.cli.parser import build_parser
 from followspot.graph.compile import compile_graph
 from followspot.plugins.registry import load_stage
 from followspot.testing import tiny_room

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from followspot.cli.main import build_parser
+from followspot.cli.parser import build_parser
 from followspot_compare.command import plan_scenes
 from followspot_compare.variants import read_variants
 

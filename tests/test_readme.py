@@ -55,7 +55,7 @@ def test_every_picture_is_there() -> None:
 
 def test_help_answers_without_heavy_imports() -> None:
     probe = (
-        "import sys; from followspot.cli.main import build_parser; build_parser().format_help();"
+        "import sys; from followspot.cli.parser import build_parser; build_parser().format_help();"
         "print([m for m in ('cv2', 'scipy', 'zenoh', 'numpy', 'pydantic') if m in sys.modules])"
     )
     out = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)

@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from followspot.cli.main import build_parser, main
+from followspot.cli.main import main
+from followspot.cli.parser import build_parser
 from followspot.errors import InputError
 from followspot.testing.tiny_room import tiny_room
 from followspot_accuracy import TargetScore, TrackTable, TruthTable

@@ -12,7 +12,8 @@ import pytest
 from tests.datasets import dataset, needs_data
 
 from followspot import InputError
-from followspot.cli.main import build_parser, main
+from followspot.cli.main import main
+from followspot.cli.parser import build_parser
 from followspot.geometry import project
 from followspot.room_file import load
 from followspot_room.calibration import read_calibration

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from followspot.cli.main import build_parser, main
+from followspot.cli.main import main
+from followspot.cli.parser import build_parser
 from followspot.tables import line, literal_console
 
 ROOT = Path(__file__).parents[3]

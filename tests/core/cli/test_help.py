@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from followspot.cli.main import CORE
+from followspot.cli.parser import CORE
 from followspot.plugins.hooks import Command
 from followspot.plugins.loaded_hooks import load_commands
 

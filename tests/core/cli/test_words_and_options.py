@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 
 from followspot.cli import main as command_line
+from followspot.cli import parser as command_parser
 from followspot.cli import swap
 
 
@@ -29,7 +30,7 @@ def test_options_of_swap_stand_anywhere(words: list[str], monkeypatch: pytest.Mo
         return 0
 
     monkeypatch.setattr(
-        command_line, "CORE", (replace(next(one for one in swap.COMMANDS if one.name == "swap"), run=note),)
+        command_parser, "CORE", (replace(next(one for one in swap.COMMANDS if one.name == "swap"), run=note),)
     )
     assert command_line.main(["swap", *words]) == 0
     assert asked[0].run == "glowballs"
@@ -64,7 +65,7 @@ RUN_COMMANDS = {
 
 
 def test_every_command_names_its_run_in_the_same_way() -> None:
-    known = command_line.build_parser()._subparsers
+    known = command_parser.build_parser()._subparsers
     assert known is not None
     (commands,) = known._group_actions
     assert isinstance(commands.choices, dict)

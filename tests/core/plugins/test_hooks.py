@@ -81,7 +81,7 @@ def test_a_module_that_fails_is_one_line_and_the_others_serve(site: Path, module
 
 
 def test_the_commands_of_followspot_itself_are_reserved() -> None:
-    from followspot.cli.main import CORE
+    from followspot.cli.parser import CORE
 
     assert {command.parent or command.name for command in CORE} <= set(RESERVED)
 

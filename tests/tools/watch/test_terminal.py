@@ -19,7 +19,7 @@ import pytest
 from rich.console import Group
 from tests.tools.watch.screens import on_terminal
 
-from followspot.cli.main import build_parser
+from followspot.cli.parser import build_parser
 from followspot.context import Context
 from followspot.control.dispatch import Dispatcher
 from followspot.control.host import WorkerStatus
