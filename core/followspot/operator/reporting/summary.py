@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import Any
 
+from followspot.control.clock_status import ClockStatus
 from followspot.control.path_latency import PathLatency
+from followspot.graph.plan import PlannedEdge
 from followspot.operator.reporting.report import RunReport
 from followspot.plugins.loaded_hooks import load_scorers
 from followspot.tables import table
@@ -32,14 +34,14 @@ def text(report: RunReport, accuracy: str) -> str:
     if lost := _lost_at_source(report):
         parts.append("frames lost at the source\n" + lost)
     if report.silences:
-        lines = [line for silence in report.silences for line in (f"  {silence}", f"      {silence.advice}")]
-        parts.append("gave nothing\n" + "\n".join(lines))
+        lines = [line for silence in report.silences for line in (f"{silence}", f"    {silence.advice}")]
+        parts.append("gave nothing\n" + _indented(lines))
     if report.plan.notes:
-        parts.append("notes\n" + "\n".join(f"  {note}" for note in report.plan.notes))
+        parts.append("notes\n" + _indented(report.plan.notes))
     if report.warnings:
-        parts.append("warnings\n" + "\n".join(f"  {line}" for line in report.warnings))
+        parts.append("warnings\n" + _indented(report.warnings))
     if report.unbalanced:
-        parts.append("the ledger does not add up (a bug)\n" + "\n".join(f"  {e}" for e in report.unbalanced))
+        parts.append("the ledger does not add up (a bug)\n" + _indented(report.unbalanced))
     if report.errors:
         parts.append("the run failed\n" + "\n".join(report.errors))
     return "\n\n".join(parts)
@@ -55,44 +57,50 @@ def data(report: RunReport, scores: Mapping[str, Any]) -> dict[str, Any]:
         "stopped": report.stopped,
         "ok": report.ok,
         **{scorer.name: scores.get(scorer.name, {}) for scorer in load_scorers()},
-        "paths": [
-            {
-                "from": path.origin,
-                "to": path.sink,
-                "p50_ms": round(path.p50_ms, 4),
-                "p95_ms": round(path.p95_ms, 4),
-                "p99_ms": round(path.p99_ms, 4),
-                "worst_ms": round(path.worst_ms, 4),
-                "worst_id": path.worst_id,
-                **({} if path.budget_ms is None else {"budget_ms": path.budget_ms, "late": path.late}),
-            }
-            for worker in report.workers
-            for path in worker.paths
-        ],
-        "edges": [
-            {
-                "from": f"{edge.from_stage}.{edge.from_port}",
-                "to": f"{edge.to_stage}.{edge.to_port}",
-                "kind": edge.kind,
-                **{name: getattr(count, name) for name in (*COUNTS, *SOURCE_LOSSES)},
-            }
-            for edge, count in report.edges
-        ],
-        "clocks": [
-            {
-                "host": host,
-                "reference": clock.reference,
-                "offset_ms": clock.offset_ms,
-                "round_trip_ms": clock.round_trip_ms,
-                "exchanges": clock.exchanges,
-            }
-            for host, clock in report.clocks.items()
-        ],
+        "paths": [_path_data(path) for worker in report.workers for path in worker.paths],
+        "edges": [_edge_data(edge, count) for edge, count in report.edges],
+        "clocks": [_clock_data(host, clock) for host, clock in report.clocks.items()],
         "workers": [worker.to_data() for worker in report.workers],
         "warnings": [*(f"{m.place}: {m.text}" for m in report.plan.warnings), *report.warnings],
         "silences": [{**asdict(silence), "text": str(silence)} for silence in report.silences],
         "notes": list(report.plan.notes),
         "errors": [*report.errors, *report.unbalanced],
+    }
+
+
+def _indented(lines: Iterable[object]) -> str:
+    return "\n".join(f"  {line}" for line in lines)
+
+
+def _path_data(path: PathLatency) -> dict[str, Any]:
+    return {
+        "from": path.origin,
+        "to": path.sink,
+        "p50_ms": round(path.p50_ms, 4),
+        "p95_ms": round(path.p95_ms, 4),
+        "p99_ms": round(path.p99_ms, 4),
+        "worst_ms": round(path.worst_ms, 4),
+        "worst_id": path.worst_id,
+        **({} if path.budget_ms is None else {"budget_ms": path.budget_ms, "late": path.late}),
+    }
+
+
+def _edge_data(edge: PlannedEdge, count: EdgeCount) -> dict[str, Any]:
+    return {
+        "from": f"{edge.from_stage}.{edge.from_port}",
+        "to": f"{edge.to_stage}.{edge.to_port}",
+        "kind": edge.kind,
+        **{name: getattr(count, name) for name in (*COUNTS, *SOURCE_LOSSES)},
+    }
+
+
+def _clock_data(host: str, clock: ClockStatus) -> dict[str, Any]:
+    return {
+        "host": host,
+        "reference": clock.reference,
+        "offset_ms": clock.offset_ms,
+        "round_trip_ms": clock.round_trip_ms,
+        "exchanges": clock.exchanges,
     }
 
 
