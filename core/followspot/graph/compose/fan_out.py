@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from followspot.document import Node
 from followspot.errors import Mistake
 from followspot.form import Form
 from followspot.graph.compose.narrowing import Limit, narrowed, read_cameras
@@ -51,39 +52,50 @@ class FanOut:
 def fan_out(stage: str, entry: Form, around: UseContext, mistakes: list[Mistake]) -> FanOut:
     """The uses that the entry of a sub-graph stands for: one, or one for each member that it names.
 
-    Where the room is not known, one use stands for all.
+    If the room is not known, one use stands for all.
     """
     optional = entry.switch("optional")
     cameras, each = entry.get("cameras"), entry.get("each")
     chosen = None if cameras is None else read_cameras(cameras, mistakes)
     limits = around.limits if chosen is None else (*around.limits, chosen)
-    room = around.room
-    if room is None:
+    if around.room is None:
         return FanOut((Use(stage, limits, optional),), complete=each is None)
-    served: Sequence[Member | None] = (None,)
+    members: Sequence[Member | None] = (None,)
     if each is not None:
         selector = read_selector(narrowed(each, limits), mistakes)
-        served = selector.select(room) if selector.readable else ()
-        if selector.readable and not served:
+        members = selector.select(around.room) if selector.readable else ()
+        if selector.readable and not members:
             if optional:
                 return FanOut((), {stage: _absent(stage, selector, around)})
             mistakes.append(_lacking(below(around.prefix, stage), selector, "fans out over", around))
-    uses, empty = [], {}
-    for member in served:
-        name = stage if member is None else f"{stage}/{member.name}"
-        own = around.limits if member is None else (*around.limits, member)
-        seen = None if cameras is None or chosen is None else read_selector(narrowed(cameras, own), [])
-        if seen is not None and not seen.select(room):
-            empty[name] = seen
-        else:
-            uses.append(Use(name, limits if member is None else (*limits, member), optional))
-    if empty and not optional:
-        name, seen = next(iter(empty.items()))
+    uses = {name: Use(name, own, optional) for name, own in _limits(stage, members, limits)}
+    if cameras is None or chosen is None:
+        return FanOut(tuple(uses.values()))
+    unserved = _without_cameras(_limits(stage, members, around.limits), cameras, around.room)
+    if unserved and not optional:
+        name, seen = next(iter(unserved.items()))
         mistakes.append(_lacking(below(around.prefix, name), seen, "serves", around))
         return FanOut(())
-    if empty and not uses and cameras is not None:
-        empty = {stage: read_selector(narrowed(cameras, around.limits), [])}
-    return FanOut(tuple(uses), {name: _absent(name, found, around) for name, found in empty.items()})
+    served = tuple(use for name, use in uses.items() if name not in unserved)
+    if unserved and not served:
+        unserved = {stage: read_selector(narrowed(cameras, around.limits), [])}
+    return FanOut(served, {name: _absent(name, seen, around) for name, seen in unserved.items()})
+
+
+def _limits(
+    stage: str, members: Sequence[Member | None], limits: tuple[Limit, ...]
+) -> Iterator[tuple[str, tuple[Limit, ...]]]:
+    """The name of each use and what it serves: its member, if it is of one, within the given limits."""
+    for member in members:
+        yield (stage, limits) if member is None else (f"{stage}/{member.name}", (*limits, member))
+
+
+def _without_cameras(
+    uses: Iterable[tuple[str, tuple[Limit, ...]]], cameras: Node, room: Room
+) -> dict[str, Selector]:
+    """The uses for which the room has none of the wanted cameras, each with what it wants."""
+    wanted = {name: read_selector(narrowed(cameras, limits), []) for name, limits in uses}
+    return {name: selector for name, selector in wanted.items() if not selector.select(room)}
 
 
 def _absent(name: str, wanted: Selector, around: UseContext) -> Mistake:
