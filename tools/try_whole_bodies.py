@@ -2,7 +2,7 @@
 
     python tools/try_whole_bodies.py data/persons-dev/hog data/person-crops-inria --trials 1 2
 
-The trials are those of `followspot train hog`, by number. Each learns a detector of upper bodies and trees of
+The trials are those of `followspot train hog`, by number. Each learns a detector of upper bodies and one of
 whole bodies, and prints which share of held-out people is found at 1 and at 0.1 false positives in 1,000
 windows of held-out backgrounds, by upper bodies alone and with whole ones. A trial takes 6 to 8 minutes.
 """
@@ -26,8 +26,8 @@ import numpy as np
 from followspot import Array
 from followspot_persons.hog.model import HogModel, judge
 from followspot_persons.hog.stage import Hog
-from followspot_persons.hog.trees import Trees
 from followspot_persons.hog.whole import raised
+from followspot_persons.hog.whole_model import WholeModel
 from followspot_persons.hog.window import cut
 from followspot_train import figures, recipe
 from followspot_train.linear import places, searched
@@ -60,15 +60,15 @@ def main() -> None:
 
 def tried(number: int, material: Material, split: Split, rng: np.random.Generator) -> list[dict[str, Any]]:
     """The figures of a trial for each share."""
-    model, trees = learnt(material, split, rng)
+    model, whole = learnt(material, split, rng)
     strangers = [material.pictures.persons[number] for number in split.held]
     trial = recipe.attempt(material, replace(split, held_places=frozenset()), model)
     held = [b for b in material.pictures.backgrounds if b.place in split.held_places]
-    scores = [scored(model, trees, background) for background in held]
+    scores = [scored(model, whole, background) for background in held]
     rows = []
     for column, (name, share) in enumerate(SHARES.items()):
         score = [
-            raised(trees, share, person.pixels, person.box[None], np.array([said]))[0]
+            raised(whole, share, person.pixels, person.box[None], np.array([said]))[0]
             for person, said in zip(strangers, trial.judgement.score, strict=True)
         ]
         of_share = replace(
@@ -82,20 +82,20 @@ def tried(number: int, material: Material, split: Split, rng: np.random.Generato
     return rows
 
 
-def learnt(material: Material, split: Split, rng: np.random.Generator) -> tuple[HogModel, Trees]:
-    """Detector and trees from what is not held out."""
+def learnt(material: Material, split: Split, rng: np.random.Generator) -> tuple[HogModel, WholeModel]:
+    """Detectors of upper and of whole bodies, from what is not held out."""
     model = recipe.learn(material, split, rng, quiet)
     persons = [material.pictures.persons[number] for number in split.learnt]
     backgrounds = [b for b in material.pictures.backgrounds if b.place not in split.held_places]
     return model, learn(persons, backgrounds, model.linear, rng, quiet)
 
 
-def scored(model: HogModel, trees: Trees, background: Background) -> list[Array]:
+def scored(model: HogModel, whole: WholeModel, background: Background) -> list[Array]:
     """Scores of the windows that are proposed in a background, for each share."""
     box = places(background.pixels, model.linear)
     parts = np.array_split(box, len(box) // AT_ONCE + 1)
     score = np.concatenate([judge(model, [cut(background.pixels, b) for b in part]).score for part in parts])
-    return [raised(trees, share, background.pixels, box, score) for share in SHARES.values()]
+    return [raised(whole, share, background.pixels, box, score) for share in SHARES.values()]
 
 
 def folders(backgrounds: list[Background], scores: list[Array]) -> dict[str, Searched]:

@@ -3,7 +3,9 @@
 import numpy as np
 
 from followspot_persons.hog.model import SHIPPED, load
+from followspot_persons.hog.network import Network
 from followspot_persons.hog.trees import Trees
+from followspot_persons.hog.whole_model import INPUTS, WholeModel
 from followspot_train.linear import searched
 from followspot_train.pictures import Background
 from try_whole_bodies import folders, scored, text
@@ -12,10 +14,12 @@ PIXELS = np.random.default_rng(0).integers(0, 256, (220, 260, 3), np.uint8)
 
 
 def test_windows_are_scored_alone_and_with_whole_bodies_that_only_raise():
-    sure = Trees(np.zeros((1, 3), np.intp), np.zeros((1, 3)), np.full((1, 4), 9.0))
-    alone, both = scored(load(SHIPPED), sure, Background(PIXELS, "street0"))
+    trees = Trees(np.zeros((1, 3), np.intp), np.zeros((1, 3)), np.full((1, 4), 9.0))
+    network = Network(np.zeros((INPUTS, 1)), np.zeros(1), np.zeros((1, 1)), np.full(1, 9.0))
+    alone, both = scored(load(SHIPPED), WholeModel(network, trees), Background(PIXELS, "street0"))
     assert len(alone) == len(both)
     assert (both >= alone).all()
+    assert (both > alone).any()
 
 
 def test_windows_are_counted_by_folder():

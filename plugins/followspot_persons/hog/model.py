@@ -14,7 +14,10 @@ from followspot.array_files import read_arrays
 from followspot.errors import InputError, Mistake
 from followspot_persons.hog.cells import LOOKS, looks
 from followspot_persons.hog.channels import CHANNELS, channels
-from followspot_persons.hog.trees import Trees, check, log_odds
+from followspot_persons.hog.network import Network, outputs
+from followspot_persons.hog.network import check as check_network
+from followspot_persons.hog.trees import Trees, log_odds
+from followspot_persons.hog.trees import check as check_trees
 from followspot_persons.hog.window import FEATURES
 
 SHIPPED = Path(__file__).with_name("hog_weights.npz")
@@ -61,6 +64,10 @@ class HogModel:
     """(2,) factor and offset that make log-odds of what network and trees say (Platt 1999)."""
 
     @property
+    def network(self) -> Network:
+        return Network(self.hidden, self.hidden_bias, self.output, self.output_bias)
+
+    @property
     def trees(self) -> Trees:
         return Trees(self.tree_feature, self.tree_threshold, self.tree_leaf)
 
@@ -91,8 +98,7 @@ def judge_described(model: HogModel, looks: Array, channels: Callable[[Array], A
     The score is the calibrated mean of what network and trees say, weighted by `TREES`; where the network
     says that a person is unlikely, or without trees, it is the network's.
     """
-    hidden = np.maximum(looks @ model.hidden + model.hidden_bias, 0)
-    out = (hidden @ model.output + model.output_bias).astype(float)
+    out = outputs(model.network, looks).astype(float)
     torso, head = out[:, 1 : 1 + DIRECTIONS], out[:, 1 + DIRECTIONS :]
     score = out[:, 0].copy()
     if len(model.tree_leaf):
@@ -150,17 +156,8 @@ def save(model: HogModel, path: Path) -> None:
 
 def _check(model: HogModel) -> None:
     """Raises ValueError if a shape is wrong or a number is not finite."""
-    units = model.hidden_bias.size
-    shapes = {
-        "linear": (FEATURES + 1,),
-        "hidden": (LOOKS, units),
-        "hidden_bias": (units,),
-        "output": (units, OUTPUTS),
-        "output_bias": (OUTPUTS,),
-        "trust": (2, 2),
-        "calibration": (2,),
-    }
-    for name, shape in shapes.items():
+    check_network(model.network, LOOKS, OUTPUTS)
+    for name, shape in {"linear": (FEATURES + 1,), "trust": (2, 2), "calibration": (2,)}.items():
         array = getattr(model, name)
         if array.shape != shape:
             raise ValueError(f"{name} has shape {array.shape}, not {shape}")
@@ -168,4 +165,4 @@ def _check(model: HogModel) -> None:
             raise ValueError(f"{name} holds numbers that are not finite")
     if model.calibration[0] <= 0:
         raise ValueError("calibration has a factor that is not above 0")
-    check(model.trees, LOOKS + CHANNELS)
+    check_trees(model.trees, LOOKS + CHANNELS)

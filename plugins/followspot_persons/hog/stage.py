@@ -23,8 +23,9 @@ from followspot_persons.hog.model import (
     load,
 )
 from followspot_persons.hog.search import Level, groups, levels, outermost, plausible, proposals
-from followspot_persons.hog.whole import SHIPPED_WHOLE, parts, raised
-from followspot_persons.hog.whole import load as load_whole
+from followspot_persons.hog.whole import parts, raised
+from followspot_persons.hog.whole_model import SHIPPED_WHOLE
+from followspot_persons.hog.whole_model import load as load_whole
 from followspot_persons.hog.window import HEIGHT, WIDTH, cut, detector
 from followspot_persons.panorama import turn_of
 
@@ -111,7 +112,8 @@ class Hog(Stage):
             "makes them",
         )
         weights_whole: InputPath = Field(
-            SHIPPED_WHOLE, description="trees that judge whole bodies, as `followspot train whole` makes them"
+            SHIPPED_WHOLE,
+            description="weights that judge whole bodies, as `followspot train whole` makes them",
         )
         whole_share: float = Field(
             0.5,

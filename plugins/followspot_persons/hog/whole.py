@@ -1,44 +1,33 @@
 """Whole bodies: legs below an upper body speak for it, where the picture has them.
 
-Boosted trees over the channels of the whole person look at windows that are in doubt. They never speak
-against anybody, for legs may be hidden.
+A network and boosted trees look at the whole person in windows that are in doubt. They never speak against
+anybody, for legs may be hidden.
 """
 
 from __future__ import annotations
 
-from functools import cache
-from pathlib import Path
-
 import numpy as np
 
 from followspot import Array
-from followspot.array_files import read_arrays
-from followspot.errors import InputError, Mistake
-from followspot_persons.hog.channels import CELL, MAPS, channels
 from followspot_persons.hog.search import nesting
-from followspot_persons.hog.trees import Trees, check, log_odds
-from followspot_persons.hog.window import Layout, cut
+from followspot_persons.hog.whole_model import LAYOUT, WholeModel, judged
+from followspot_persons.hog.window import cut
 
-SHIPPED_WHOLE = Path(__file__).with_name("hog_weights_whole.npz")
-LAYOUT = Layout(64, 128, 14.0, 44.0)
-"""Window of a whole person, standing upright."""
 FEET = 120.0
-"""Row of it that must be in the picture."""
-INPUTS = MAPS * (LAYOUT.width // CELL) * (LAYOUT.height // CELL)
-"""Number of features of a window."""
-DOUBT = -2.5
+"""Row of the layout that must be in the picture."""
+DOUBT = -3.5
 """Score of an upper body below which the whole one is not looked at."""
 
 
-def raised(trees: Trees, share: float, pixels: Array, box: Array, score: Array) -> Array:
+def raised(model: WholeModel, share: float, pixels: Array, box: Array, score: Array) -> Array:
     """Scores of upper bodies, raised where the whole body is surer: to the mean of both log-odds.
 
     share: of the whole body in this mean; pixels: (H, W, 3) u8; box: (N, 4) px; score: (N,). Returns (N,).
     """
-    rows = np.flatnonzero((score > DOUBT) & within(box, pixels.shape))
-    said = log_odds(trees, channels(windows(pixels, box[rows])))
-    out = score.copy()
-    out[rows] += share * np.maximum(said - score[rows], 0)
+    rows, out = np.flatnonzero((score > DOUBT) & within(box, pixels.shape)), score.copy()
+    if len(rows):
+        said = judged(model, windows(pixels, box[rows]))
+        out[rows] += share * np.maximum(said - score[rows], 0)
     return out
 
 
@@ -74,24 +63,3 @@ def parts(box: Array, doubtful: Array, most: float, turn: float) -> Array:
 def windows(pixels: Array, box: Array) -> list[Array]:
     """The whole bodies of boxes (N, 4) px, each of the size of the layout."""
     return [cut(pixels, one, layout=LAYOUT) for one in box]
-
-
-@cache
-def load(path: Path = SHIPPED_WHOLE) -> Trees:
-    """Read a file of trees. Raises InputError if it is invalid."""
-    try:
-        stored = read_arrays(path)
-        feature = stored["tree_feature"].astype(np.intp)
-        bounds, leaves = (stored[name].astype(np.float32) for name in ("tree_threshold", "tree_leaf"))
-        trees = Trees(feature, bounds, leaves)
-        check(trees, INPUTS)
-    except (OSError, ValueError, KeyError) as error:
-        remedy = "make one with `followspot train whole`, or leave the parameter out"
-        raise InputError([Mistake(None, f"{path} holds no trees of whole bodies: {error}", remedy)]) from None
-    return trees
-
-
-def save(trees: Trees, path: Path) -> None:
-    """Write a file of trees."""
-    named = {"tree_feature": trees.feature.astype(np.uint16), "tree_threshold": trees.threshold}
-    np.savez_compressed(path, allow_pickle=False, **named, tree_leaf=trees.leaf)

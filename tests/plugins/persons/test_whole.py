@@ -13,28 +13,49 @@ from followspot.context import Context
 from followspot.tracking import Frame
 from followspot_persons.hog import whole
 from followspot_persons.hog.model import DIRECTIONS, Judgement
+from followspot_persons.hog.network import Network
 from followspot_persons.hog.stage import Hog
 from followspot_persons.hog.trees import Trees
-from followspot_persons.hog.whole import (
-    DOUBT,
+from followspot_persons.hog.whole import DOUBT, parts, raised, within
+from followspot_persons.hog.whole_model import (
     INPUTS,
     LAYOUT,
     SHIPPED_WHOLE,
+    TREES,
+    WholeModel,
+    judged,
     load,
-    parts,
-    raised,
     save,
-    within,
 )
 
 PIXELS = np.random.default_rng(0).integers(0, 256, (300, 400, 3), np.uint8)
 BOX = np.array([100.0, 20, 140, 80])
 
 
-def saying(odds):
-    """Trees that say the same of all."""
+def saying(odds, by_network=None):
+    """A network and trees that say the same of all, and both the same if one is not given."""
     one = np.zeros((1, 3), np.float32)
-    return Trees(np.zeros((1, 3), np.intp), one, np.full((1, 4), odds, np.float32))
+    trees = Trees(np.zeros((1, 3), np.intp), one, np.full((1, 4), odds, np.float32))
+    said = np.float32(odds if by_network is None else by_network)
+    nothing = np.zeros((INPUTS, 1), np.float32), np.zeros(1, np.float32), np.zeros((1, 1), np.float32)
+    return WholeModel(Network(*nothing, said[None]), trees)
+
+
+def test_a_whole_body_is_as_sure_as_the_weighted_mean_of_trees_and_network():
+    windows = whole.windows(PIXELS, np.tile(BOX, (3, 1)))
+    assert judged(saying(4.0, -1.0), windows) == pytest.approx([TREES * 4 - (1 - TREES)] * 3)
+
+
+def test_the_network_judges_what_the_window_shows():
+    """Its only unit adds up all channels, which a flat picture has less of."""
+    model = saying(0.0, 0.0)
+    sum_of = replace(
+        model.network, hidden=np.ones((INPUTS, 1), np.float32), output=np.ones((1, 1), np.float32)
+    )
+    rough, flat = PIXELS, np.full_like(PIXELS, 128)
+    box = BOX[None]
+    said = [judged(replace(model, network=sum_of), whole.windows(pixels, box))[0] for pixels in (rough, flat)]
+    assert said[0] > said[1] + 1
 
 
 def test_a_surer_whole_body_raises_a_score_to_the_mean_and_an_unsure_one_changes_nothing():
@@ -79,23 +100,36 @@ def test_a_window_has_head_and_waist_in_their_rows():
     assert int(window[58, 30, 0]) == pytest.approx(128, abs=1.5)
 
 
-def test_trees_come_back_as_they_were_written(tmp_path):
-    trees = load(SHIPPED_WHOLE)
-    save(trees, tmp_path / "again.npz")
+def test_weights_come_back_as_they_were_written(tmp_path):
+    model = load(SHIPPED_WHOLE)
+    save(model, tmp_path / "again.npz")
     again = load(tmp_path / "again.npz")
     for name in ("feature", "threshold", "leaf"):
-        assert np.array_equal(getattr(trees, name), getattr(again, name))
-    assert SHIPPED_WHOLE.stat().st_size < 100_000
+        assert np.array_equal(getattr(model.trees, name), getattr(again.trees, name))
+    for name in ("hidden", "hidden_bias", "output", "output_bias"):
+        assert np.array_equal(getattr(model.network, name), getattr(again.network, name))
+    assert SHIPPED_WHOLE.stat().st_size < 1_000_000
 
 
-def test_files_that_hold_no_trees_are_refused(tmp_path):
-    trees = load(SHIPPED_WHOLE)
-    save(replace(trees, feature=np.full_like(trees.feature, INPUTS)), tmp_path / "beyond.npz")
-    save(replace(trees, leaf=np.full_like(trees.leaf, np.nan)), tmp_path / "nan.npz")
+def test_files_that_do_not_tell_whole_bodies_are_refused(tmp_path):
+    model = load(SHIPPED_WHOLE)
+    trees, network = model.trees, model.network
+
+    def written(name, **changed):
+        save(replace(model, **changed), tmp_path / f"{name}.npz")
+
+    written("beyond", trees=replace(trees, feature=np.full_like(trees.feature, INPUTS)))
+    written("nan", trees=replace(trees, leaf=np.full_like(trees.leaf, np.nan)))
+    written("endless", network=replace(network, output=np.full_like(network.output, np.inf)))
+    written("narrow", network=replace(network, hidden=network.hidden[1:]))
+    written("two", network=replace(network, output_bias=np.zeros(2, np.float32)))
     np.savez(tmp_path / "other.npz", linear=np.zeros(3))
     for name, cause in (
         ("beyond", "beyond 0 to"),
-        ("nan", "not finite"),
+        ("nan", "tree_leaf holds numbers that are not finite"),
+        ("endless", "output holds numbers that are not finite"),
+        ("narrow", "hidden has shape"),
+        ("two", "output_bias has shape"),
         ("other", "tree_feature"),
         ("no", "No such"),
     ):
@@ -166,7 +200,7 @@ def person():
 
 
 @needs_data("persons-dev")
-def test_a_person_seen_to_the_feet_is_surer_by_the_trees_and_no_box_is_lost(tmp_path):
+def test_a_person_seen_to_the_feet_is_surer_by_the_legs_and_no_box_is_lost(tmp_path):
     pixels, sure = person(), tmp_path / "sure.npz"
     save(saying(9.0), sure)
     alone, both, told = (

@@ -23,6 +23,7 @@ from followspot_persons.hog.model import (
     load,
     trusted,
 )
+from followspot_persons.hog.network import outputs
 from followspot_persons.hog.trees import log_odds
 from followspot_persons.hog.window import ABOVE
 from followspot_train import boosting, figures, linear, network, recipe, svm, windows
@@ -59,7 +60,7 @@ def test_the_network_learns_along_the_derivative_of_its_cross_entropy():
     out = RNG.normal(size=(3, OUTPUTS))
     torso = network.directions(np.array([0.3, np.nan, -2.0]))
     truth = (np.array([1.0, 0.0, 1.0]), torso, torso[::-1])
-    wrong = network.errors(out, *truth)
+    wrong = network.errors(out, truth[0], truth[1:])
     for row, column in [(0, 0), (1, 0), (0, 5), (1, 5), (2, 30)]:
         step = np.zeros_like(out)
         step[row, column] = 1e-6
@@ -69,13 +70,26 @@ def test_the_network_learns_along_the_derivative_of_its_cross_entropy():
 
 def test_nothing_is_learnt_from_an_unknown_heading():
     unknown = network.directions(np.array([np.nan]))
-    wrong = network.errors(RNG.normal(size=(1, OUTPUTS)), np.array([1.0]), unknown, unknown)
+    wrong = network.errors(RNG.normal(size=(1, OUTPUTS)), np.array([1.0]), [unknown, unknown])
     assert not wrong[:, 1:].any()
     assert wrong[0, 0] != 0
 
 
 def quiet(_):
     pass
+
+
+def test_a_network_learns_what_no_line_can_part_without_directions(monkeypatch):
+    """Persons are where two features have the same sign; inputs of half precision will do."""
+    rng = np.random.default_rng(4)
+    inputs = rng.normal(size=(3000, 4)).astype(np.float16)
+    person = (inputs[:, 1] * inputs[:, 3] > 0).astype(np.float32)
+    monkeypatch.setattr(network, "DROPPED_INPUT", 0.0)
+    monkeypatch.setattr(network, "EPOCHS", 60)
+    learnt = network.train(network.Examples(inputs[:2000], person[:2000]), rng, quiet)
+    said = outputs(learnt, inputs[2000:].astype(np.float32))
+    assert said.shape == (1000, 1)
+    assert ((said[:, 0] > 0) == person[2000:]).mean() > 0.9
 
 
 def test_trees_learn_what_no_line_can_part(monkeypatch):

@@ -8,14 +8,15 @@ import pytest
 
 from followspot import InputError
 from followspot.cli.main import main
-from followspot_persons.hog.channels import channels
+from followspot_persons.hog import whole_model
 from followspot_persons.hog.model import SHIPPED
 from followspot_persons.hog.model import load as load_hog
 from followspot_persons.hog.model import save as save_hog
-from followspot_persons.hog.trees import Trees, log_odds
-from followspot_persons.hog.whole import LAYOUT, load, within
+from followspot_persons.hog.trees import Trees
+from followspot_persons.hog.whole import within
+from followspot_persons.hog.whole_model import INPUTS, LAYOUT, WholeModel, judged, load
 from followspot_persons.hog.window import BODY, FEATURES, cut
-from followspot_train import boosting, linear, whole
+from followspot_train import boosting, linear, network, whole
 from followspot_train.pictures import PEDESTRIAN, Background, Person
 
 EVERYWHERE = np.append(np.zeros(FEATURES, np.float32), np.float32(1))
@@ -43,29 +44,32 @@ def quick(monkeypatch):
     monkeypatch.setattr(whole, "EACH", 300)
 
 
-def said(trees, persons):
-    return log_odds(trees, channels([cut(p.pixels, p.box, layout=LAYOUT) for p in persons]))
+def said(model, persons):
+    return judged(model, [cut(p.pixels, p.box, layout=LAYOUT) for p in persons])
 
 
-def test_strangers_with_legs_are_told_from_those_without_and_odds_are_those_of_even_chances(quick):
+def test_strangers_with_legs_are_told_from_those_without_by_the_network_and_by_the_trees(quick, monkeypatch):
+    """The trees' log-odds are those of even chances, so that 0 parts them; the network saw few windows."""
     rng = np.random.default_rng(0)
     without = [Background(np.tile(standing(rng, False), (2, 3, 1)), "street0") for _ in range(3)]
-    trees = whole.learn(people(rng, True, 12), without, EVERYWHERE, rng, lambda _: None)
-    true, false = said(trees, people(rng, True, 10)), said(trees, people(rng, False, 10))
-    assert true.min() > false.max()
-    assert true.min() > 0 > false.max()
+    model = whole.learn(people(rng, True, 12), without, EVERYWHERE, rng, lambda _: None)
+    with_legs, legless = people(rng, True, 10), people(rng, False, 10)
+    monkeypatch.setattr(whole_model, "TREES", 1.0)
+    assert said(model, with_legs).min() > 0 > said(model, legless).max()
+    monkeypatch.setattr(whole_model, "TREES", 0.0)
+    assert said(model, with_legs).min() > said(model, legless).max()
 
 
 def test_odds_do_not_depend_on_how_many_backgrounds_are_learnt_from(quick, monkeypatch):
-    """No tree can tell anything of pictures that are alike, so that chances are even."""
+    """Nothing can be told of pictures that are alike, so that chances are even."""
     grey = np.full((160, 96, 3), 100, np.uint8)
     monkeypatch.setattr(whole, "relit", lambda window, _: window)
     for count in (1, 5):
         rng = np.random.default_rng(0)
         persons = [Person(grey, PEDESTRIAN, -1, "street0") for _ in range(4)]
         places = [Background(np.tile(grey, (2, 3, 1)), "street0") for _ in range(count)]
-        trees = whole.learn(persons, places, EVERYWHERE, rng, lambda _: None)
-        assert said(trees, persons) == pytest.approx(0, abs=0.05)
+        model = whole.learn(persons, places, EVERYWHERE, rng, lambda _: None)
+        assert said(model, persons) == pytest.approx(0, abs=0.05)
 
 
 def test_crops_without_room_for_legs_are_left_out():
@@ -85,7 +89,7 @@ def test_places_are_boxes_in_the_picture_for_each_window():
     assert within(box, pixels.shape).any()
 
 
-def test_the_command_writes_trees_and_refuses_pictures_without_legs(quick, tmp_path, capsys):
+def test_the_command_writes_weights_and_refuses_pictures_without_legs(quick, tmp_path, capsys):
     rng, folder = np.random.default_rng(0), tmp_path / "streets"
     for part in ("pos", "neg"):
         (folder / part).mkdir(parents=True)
@@ -97,7 +101,10 @@ def test_the_command_writes_trees_and_refuses_pictures_without_legs(quick, tmp_p
     words = ["train", "whole", str(folder), "--weights", str(hog), "-o"]
     assert main([*words, str(out)]) == 0
     assert str(out) in capsys.readouterr().out
-    assert len(load(out).leaf) == 60
+    written = load(out)
+    assert isinstance(written, WholeModel)
+    assert len(written.trees.leaf) == 60
+    assert written.network.hidden.shape == (INPUTS, network.UNITS)
     assert main([*words, str(tmp_path / "whole.txt")]) == 2
     assert "name a file .npz" in capsys.readouterr().err
     with pytest.raises(InputError, match="whole people"):

@@ -66,7 +66,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def run_whole(args: argparse.Namespace) -> int:
-    """Train the trees by which persons.hog knows whole people.
+    """Train the weights by which persons.hog knows whole people.
 
     Folders are as for `train hog`; pictures of people count if they have room for legs. Takes a few minutes.
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from followspot import Array
-from followspot_persons.hog.model import DIRECTIONS, OUTPUTS, HogModel
+from followspot_persons.hog.model import DIRECTIONS
+from followspot_persons.hog.network import Network
 
 UNITS = 64
 EPOCHS = 10
@@ -24,14 +25,13 @@ ANGLES = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
 
 @dataclass(frozen=True, eq=False)
 class Examples:
-    """Inputs (N, LOOKS) f4 and the targets of the network."""
+    """Inputs (N, D) f4 or f2 and the targets of the network."""
 
-    looks: Array
+    inputs: Array
     person: Array
     """(N,) 1 or 0."""
-    torso: Array
-    """(N, DIRECTIONS) shares, all 0 if unknown."""
-    head: Array
+    parts: tuple[Array, ...] = ()
+    """Of each part of the body whose direction is learnt: (N, DIRECTIONS) shares, all 0 if unknown."""
 
 
 def directions(angle: Array) -> Array:
@@ -41,56 +41,50 @@ def directions(angle: Array) -> Array:
     return np.nan_to_num(share).astype(np.float32)
 
 
-def train(
-    model: HogModel, examples: Examples, rng: np.random.Generator, tell: Callable[[str], None]
-) -> HogModel:
-    """The model with a network that was trained on the examples."""
-    mean, spread = examples.looks.mean(axis=0), examples.looks.std(axis=0) + 1e-3
-    inputs = examples.looks.shape[1]
+def train(examples: Examples, rng: np.random.Generator, tell: Callable[[str], None]) -> Network:
+    """A network that was trained on the examples: whether somebody is there, and directions of the parts."""
+    count, inputs = examples.inputs.shape
+    mean = examples.inputs.mean(axis=0, dtype=np.float32)
+    spread = examples.inputs.std(axis=0, dtype=np.float32) + np.float32(1e-3)
+    outputs = 1 + DIRECTIONS * len(examples.parts)
     weights = [
         rng.normal(0, 1 / np.sqrt(inputs), (inputs, UNITS)).astype(np.float32),
         np.zeros(UNITS, np.float32),
-        rng.normal(0, 0.5 / np.sqrt(UNITS), (UNITS, OUTPUTS)).astype(np.float32),
-        np.zeros(OUTPUTS, np.float32),
+        rng.normal(0, 0.5 / np.sqrt(UNITS), (UNITS, outputs)).astype(np.float32),
+        np.zeros(outputs, np.float32),
     ]
-    adam = Adam(weights, EPOCHS * (len(examples.looks) // BATCH))
+    weights[3][0] = np.log(examples.person.sum() / (1 - examples.person).sum())
+    adam = Adam(weights, EPOCHS * (count // BATCH))
     for epoch in range(EPOCHS):
         tell(f"training the network, {epoch + 1} of {EPOCHS}")
-        order = rng.permutation(len(examples.looks))
-        for start in range(0, len(order) - BATCH + 1, BATCH):
+        order = rng.permutation(count)
+        for start in range(0, count - BATCH + 1, BATCH):
             rows = order[start : start + BATCH]
-            x = (examples.looks[rows] - mean) / spread
-            truth = (examples.person[rows], examples.torso[rows], examples.head[rows])
-            adam.step(gradients(weights, x, truth, rng))
+            x = (examples.inputs[rows] - mean) / spread
+            adam.step(gradients(weights, x, examples.person[rows], [p[rows] for p in examples.parts], rng))
     first = weights[0] / spread[:, None]
-    return replace(
-        model,
-        hidden=first,
-        hidden_bias=weights[1] - mean @ first,
-        output=weights[2],
-        output_bias=weights[3],
-    )
+    return Network(first, weights[1] - mean @ first, weights[2], weights[3])
 
 
 def gradients(
-    weights: list[Array], x: Array, truth: tuple[Array, Array, Array], rng: np.random.Generator
+    weights: list[Array], x: Array, person: Array, parts: Sequence[Array], rng: np.random.Generator
 ) -> list[Array]:
-    """Gradient of the mean cross entropy of person, torso and head, with dropout of inputs and units."""
+    """Gradient of the mean cross entropy of person and directions, with dropout of inputs and units."""
     x = x * _kept(x.shape, DROPPED_INPUT, rng)
     hidden = x @ weights[0] + weights[1]
     mask = (hidden > 0) * _kept(hidden.shape, DROPPED_UNITS, rng)
     active = hidden * mask
-    wrong = errors(active @ weights[2] + weights[3], *truth) / np.float32(len(x))
+    wrong = errors(active @ weights[2] + weights[3], person, parts) / np.float32(len(x))
     back = (wrong @ weights[2].T) * mask
     return [x.T @ back, back.sum(axis=0), active.T @ wrong, wrong.sum(axis=0)]
 
 
-def errors(out: Array, person: Array, torso: Array, head: Array) -> Array:
-    """Derivative of the cross entropies by the outputs: what was said less what is true, (N, OUTPUTS)."""
+def errors(out: Array, person: Array, parts: Sequence[Array]) -> Array:
+    """Derivative of the cross entropies by the outputs: what was said less what is true, (N, outputs)."""
     wrong = np.empty_like(out)
-    wrong[:, 0] = 1 / (1 + np.exp(-out[:, 0])) - person
-    for first, true in ((1, torso), (1 + DIRECTIONS, head)):
-        part = slice(first, first + DIRECTIONS)
+    wrong[:, 0] = np.exp(-np.logaddexp(0, -out[:, 0])) - person
+    for number, true in enumerate(parts):
+        part = slice(1 + DIRECTIONS * number, 1 + DIRECTIONS * (number + 1))
         share = np.exp(out[:, part] - out[:, part].max(axis=1, keepdims=True))
         share /= share.sum(axis=1, keepdims=True)
         wrong[:, part] = share * true.sum(axis=1, keepdims=True) - true

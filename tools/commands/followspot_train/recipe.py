@@ -115,11 +115,11 @@ def learn(material: Material, split: Split, rng: np.random.Generator, tell: Tell
         windows += list(passed[rng.permutation(len(passed))[:DECEIVING]])
     examples = _examples(positive, np.concatenate([near.looks, looks(windows)]))
     seen = np.concatenate([positive.channels, near.channels, channels(windows).astype(np.float16)])
-    trees = boosting.train(np.hstack([examples.looks.astype(np.float16), seen]), examples.person, rng, tell)
-    none = np.zeros(0, np.float32)
+    trees = boosting.train(np.hstack([examples.inputs.astype(np.float16), seen]), examples.person, rng, tell)
     grown = trees.feature, trees.threshold, trees.leaf
-    model = HogModel(linear.finished(weights), none, none, none, none, UNKNOWN, *grown, RAW)
-    return network.train(model, examples, rng, tell)
+    learnt = network.train(examples, rng, tell)
+    layers = learnt.hidden, learnt.hidden_bias, learnt.output, learnt.output_bias
+    return HogModel(linear.finished(weights), *layers, UNKNOWN, *grown, RAW)
 
 
 def _examples(positive: Windows, negative: Array) -> network.Examples:
@@ -127,8 +127,7 @@ def _examples(positive: Windows, negative: Array) -> network.Examples:
     return network.Examples(
         np.concatenate([positive.looks, negative]),
         np.repeat(np.array([1, 0], np.float32), [len(positive.looks), len(negative)]),
-        np.concatenate([network.directions(positive.torso), unknown]),
-        np.concatenate([network.directions(positive.head), unknown]),
+        tuple(np.concatenate([network.directions(a), unknown]) for a in (positive.torso, positive.head)),
     )
 
 

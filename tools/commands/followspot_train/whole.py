@@ -1,4 +1,4 @@
-"""`followspot train whole`: trees that know whole people by what stands below their upper bodies."""
+"""`followspot train whole`: weights that know whole people by what stands below their upper bodies."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from followspot import Array
 from followspot.errors import InputError
 from followspot_persons.hog.channels import channels
 from followspot_persons.hog.model import SHIPPED, load
-from followspot_persons.hog.trees import Trees
-from followspot_persons.hog.whole import LAYOUT, save, windows, within
+from followspot_persons.hog.whole import windows, within
+from followspot_persons.hog.whole_model import LAYOUT, WholeModel, save
 from followspot_persons.hog.window import cut
-from followspot_train import boosting
+from followspot_train import boosting, network
 from followspot_train.command import teller
 from followspot_train.linear import learning, places
 from followspot_train.pictures import Background, Person, read_folder
@@ -52,8 +52,8 @@ def learn(
     linear: Array,
     rng: np.random.Generator,
     tell: Tell,
-) -> Trees:
-    """Trees whose sum is the log-odds of a whole person, if as many windows show one as do not.
+) -> WholeModel:
+    """Network and trees that give the log-odds of a whole person, if as many windows show one as do not.
 
     linear: weights of the proposing detector in use; what passes its bar of learning in backgrounds is
     learnt from.
@@ -68,11 +68,13 @@ def learn(
     if not len(true) or not others:
         raise InputError.of("whole people, or places without people, are missing", "give pictures of both")
     false = _described(missed + others)
-    person = np.repeat([1.0, 0.0], [len(true), len(false)])
-    trees = boosting.train(np.concatenate([true, false]), person, rng, tell)
+    seen, person = np.concatenate([true, false]), np.repeat([1.0, 0.0], [len(true), len(false)])
+    trees = boosting.train(seen, person, rng, tell)
+    layers = network.train(network.Examples(seen, person.astype(np.float32)), rng, tell)
+    rarer = np.float32(np.log(len(false) / len(true)))
     leaf = trees.leaf.copy()
-    leaf[0] += np.log(len(false) / len(true))
-    return replace(trees, leaf=leaf)
+    leaf[0] += rarer
+    return WholeModel(replace(layers, output_bias=layers.output_bias + rarer), replace(trees, leaf=leaf))
 
 
 def whole(persons: Sequence[Person]) -> list[Person]:
