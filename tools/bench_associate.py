@@ -57,7 +57,7 @@ def main() -> None:
     for kind, one in figures.items():
         print(
             f"{kind}: {one['sets_per_s']:.0f} sets/s of {given.people} people, "
-            f"MOTA {one['mota']:.3f}, IDF1 {one['idf1']:.3f}, {one['mismatches']} mismatches, "
+            f"MOTA {one['mota']:.3f}, IDF1 {one['idf1']:.3f}, {one['switches']} switches, "
             f"mean distance {100 * one['mean_m']:.1f} cm"
             + (f", {100 * one['correct_parts']:.1f} % correct parts" if kind == "points" else "")
         )
@@ -135,7 +135,7 @@ def measured(room: Room, sets: list[Set], truth: Any, kind: str, delay: float) -
         "sets_per_s": len(sets) / seconds,
         "mota": score.mota,
         "idf1": score.idf1,
-        "mismatches": score.mismatches,
+        "switches": score.switches,
         "mean_m": score.mean_m,
     }
 

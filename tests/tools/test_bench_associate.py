@@ -19,6 +19,6 @@ def test_rate_and_accuracy_of_joints_and_boxes_are_told(
     assert set(figures) == {"points", "boxes"}
     for one in figures.values():
         assert one["sets_per_s"] > 0
-        assert one["mismatches"] == 0
+        assert one["switches"] == 0
         assert one["mota"] > 0.5
     assert figures["points"]["correct_parts"] > 0.5

@@ -96,7 +96,7 @@ def _tracking(one: Tracking) -> str:
     return (
         f"MOTA {_number(one.mota, '.3f', '')}, IDF1 {_number(one.idf1, '.3f', '')}, "
         f"mean distance {_number(100 * one.mean_m, '.1f', ' cm')}: "
-        f"of {one.truths} places {one.missed} missed, {one.false} false, {one.mismatches} mismatches"
+        f"of {one.truths} places {one.missed} missed, {one.false} false, {one.switches} switches"
     )
 
 

@@ -33,11 +33,10 @@ class Tracking:
     missed: int
     false: int
     """Poses that belong to no person, in the area or near a person that had to be found."""
-    mismatches: int
-    """Changes of a person's number from one place that was found to the next: the mme of CLEAR MOT.
-    `visits.identity_switches` counts more."""
+    switches: int
+    """Changes of a person's number from one place that was found to the next."""
     mota: float
-    """1 - (missed + false + mismatches) / truths."""
+    """1 - (missed + false + switches) / truths."""
     idf1: float
     """Share of right places if each person has one number, the best, in all frames."""
     mean_m: float
@@ -65,14 +64,14 @@ def tracking(
     rows = found.pose[right]
     truths, false = int(found.needed.sum()), int(found.counts.sum()) - len(rows)
     number = np.append(poses.person, UNMATCHED)[found.pose]
-    missed, mismatched = truths - len(rows), _mismatches(number)
+    missed, switches = truths - len(rows), _mota_switches(number)
     distance = np.linalg.norm(poses.pose[rows, :2] - truth.pose[right][:, :2], axis=1)
     return Tracking(
         truths=truths,
         missed=missed,
         false=false,
-        mismatches=mismatched,
-        mota=1 - (missed + false + mismatched) / truths if truths else np.nan,
+        switches=switches,
+        mota=1 - (missed + false + switches) / truths if truths else np.nan,
         idf1=_idf1(poses, truth, frame, found, gate),
         mean_m=float(distance.mean()) if len(rows) else np.nan,
     )
@@ -114,7 +113,7 @@ def within(place: Array, area: Area | None) -> Array:
     return np.asarray(((place >= low) & (place <= high)).all(axis=-1))
 
 
-def _mismatches(number: Array) -> int:
+def _mota_switches(number: Array) -> int:
     """Changes of the numbers of all persons, as MOTA counts them. number: (F, P), -1 for none."""
     own = [column[column != UNMATCHED] for column in number.T]
     return sum(int((each[1:] != each[:-1]).sum()) for each in own)

@@ -88,8 +88,8 @@ def ghosts(poses: PoseTable, matches: Matches, own: int, number: int, start: int
 def identity_switches(identity: Array) -> Array:
     """(P,) number of times that a person got a new number, or the number of another person.
 
-    Unlike the mismatches of MOTA (`Tracking`), a number counts that was another person's before, even if it
-    is the person's first one or the same as before.
+    Unlike the switches of MOTA (`tracking`), a number counts that was another person's before, even if it is
+    the person's first one or the same as before.
 
     identity: (F, P) numbers, -1 for none.
     """

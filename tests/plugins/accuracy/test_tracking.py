@@ -28,15 +28,15 @@ def poses(*rows: tuple[int, int, float, float]) -> PoseTable:
     return PoseTable(table[:, 0] / 10, table[:, 1].astype(int), pose)
 
 
-def test_a_missed_place_a_false_pose_and_a_mismatch_count_once_each() -> None:
+def test_a_missed_place_a_false_pose_and_a_switch_count_once_each() -> None:
     true = truth([0, 0, 0, 0, 0], [0, 0, 0, 0, None])
     found = poses(
-        *((f, 7 if f < 3 else 8, 0.1, 0) for f in range(5)),  # person 1; a mismatch in frame 3
+        *((f, 7 if f < 3 else 8, 0.1, 0) for f in range(5)),  # person 1; a switch in frame 3
         *((f, 9, 0, 2) for f in (0, 1, 3)),  # person 2; missed in frame 2
         (4, 9, 0, 2),  # and gone in frame 4: false
     )
     one = tracking(found, true)
-    assert (one.truths, one.missed, one.false, one.mismatches) == (9, 1, 1, 1)
+    assert (one.truths, one.missed, one.false, one.switches) == (9, 1, 1, 1)
     assert one.mota == pytest.approx(1 - 3 / 9)
     assert one.mean_m == pytest.approx(5 * 0.1 / 8)
     # Best numbers: 7 for person 1 (3 places), 9 for person 2 (3): 6 of 9 places and of 9 poses.
@@ -54,7 +54,7 @@ def test_the_truth_scores_one_and_nothing_scores_zero() -> None:
 def test_a_person_keeps_its_number_although_another_is_nearer() -> None:
     true = truth([0, 0])
     one = tracking(poses((0, 1, 0.0, 0), (1, 1, 0.4, 0), (1, 2, 0.1, 0)), true)
-    assert (one.mismatches, one.false) == (0, 1)
+    assert (one.switches, one.false) == (0, 1)
 
 
 def test_a_person_whose_number_went_to_somebody_else_is_found_under_another() -> None:
@@ -66,7 +66,7 @@ def test_a_person_whose_number_went_to_somebody_else_is_found_under_another() ->
     true.pose[0, 1] = true.pose[1, 0] = np.nan
     found = poses((0, 1, 0.0, 0), (1, 1, 0.4, 0), (2, 1, 0.35, 0), (2, 2, 0.05, 0))
     one = tracking(found, true)
-    assert (one.truths, one.missed, one.false, one.mismatches) == (4, 0, 0, 1)
+    assert (one.truths, one.missed, one.false, one.switches) == (4, 0, 0, 1)
 
 
 def test_persons_beyond_the_gate_are_missed() -> None:

@@ -24,7 +24,7 @@ def test_joints_of_four_cameras_become_people_with_places_headings_and_one_numbe
     out = followed(room, sets, "points")
     score = score_persons(table(sets, out), truth)
     one, whole = score.tracking, score.overall
-    assert (one.mismatches, one.false) == (0, 0)
+    assert (one.switches, one.false) == (0, 0)
     assert one.mota > 0.97
     assert one.mean_m < 0.03
     assert abs(whole.height_cm.mean) < 5
@@ -37,7 +37,7 @@ def test_cameras_that_are_half_a_frame_out_of_step_keep_the_identities() -> None
     room, sets, truth = crowded(people=4, frames=24, fps=4, seed=5, late=(0.0, 0.12, 0.06, 0.12))
     for kind, mean in (("points", 0.08), ("boxes", 0.12)):
         one = score_persons(table(sets, followed(room, sets, kind, delay_sigma=0.06)), truth).tracking
-        assert one.mismatches == 0, kind
+        assert one.switches == 0, kind
         assert one.mota > 0.9, kind
         assert one.mean_m < mean, kind
 
@@ -58,7 +58,7 @@ def test_known_delays_of_cameras_are_no_error() -> None:
 def test_boxes_of_four_cameras_become_people_on_the_floor() -> None:
     room, sets, truth = crowded(people=3, frames=40, fps=10, seed=4)
     score = score_persons(table(sets, followed(room, sets, "boxes")), truth)
-    assert score.tracking.mismatches == 0
+    assert score.tracking.switches == 0
     assert score.tracking.mota > 0.95
     assert score.tracking.mean_m < 0.08
     assert abs(score.overall.height_cm.mean) < 5

@@ -68,7 +68,7 @@ def truth(frames: int) -> PoseTruthTable:
 def test_three_people_are_followed_without_a_switch(frames: int, mota: float, idf1: float) -> None:
     given = sets(frames)
     one = score_persons(table(given, followed(room(), given, "boxes")), truth(frames), AREA).tracking
-    assert one.mismatches == 0
+    assert one.switches == 0
     assert one.mean_m < 0.10
     assert one.idf1 > idf1
     assert one.mota > mota
