@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -59,6 +60,8 @@ class Associate(Stage):
 
     params: Params
     advice = "are two cameras calibrated in one frame of reference, and do both see the same people?"
+    reach: Mapping[str, Reach] = MappingProxyType({})
+    """How far the joints of each camera have reached."""
 
     @classmethod
     def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
@@ -67,7 +70,6 @@ class Associate(Stage):
 
     def setup(self) -> None:
         """Prepare the cameras. Raises FollowspotError if both kinds of detections are connected."""
-        self.reach = dict.fromkeys(self.room.cameras, Reach())
         if {Points2D, Boxes} <= set(self.context.receives):
             raise FollowspotError(f"{self.context.name} takes points or boxes; use a stage for each")
         given, cameras = self.params, self.room.cameras
@@ -98,7 +100,7 @@ class Associate(Stage):
         """The people after a set of joints."""
         points = [one for one in points if one.camera in self.number]
         for one in points:
-            self.reach[one.camera] = self.reach[one.camera].beyond(one.pixel)
+            self.reach = {**self.reach, one.camera: self.reach.get(one.camera, Reach()).beyond(one.pixel)}
         self.name_joints(points)
         joints = self.joint_model.joints
         sets = [
