@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import csv
 import json
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 
 import pytest
 from mcap.reader import make_reader
@@ -73,8 +75,13 @@ def replay(show: Path, out: Path, *options: str) -> int:
     return main(["replay", str(show), "--out", str(out), "--quiet", "--json", *options])
 
 
-def altered(show: Path, path: Path, **changes: object) -> Path:
-    """The recording with another embedded plan, made by the writer of the mcap package."""
+def altered(
+    show: Path, path: Path, ends: Mapping[str, int] = MappingProxyType({}), **changes: object
+) -> Path:
+    """The recording with another embedded plan, made by the writer of the mcap package.
+
+    ends: how many messages of these topics it has; all of the others.
+    """
     with show.open("rb") as old, path.open("wb") as new:
         reader = make_reader(old)
         writer = Writer(new)
@@ -87,6 +94,8 @@ def altered(show: Path, path: Path, **changes: object) -> Path:
         channels: dict[int, int] = {}
         for schema, channel, message in reader.iter_messages(log_time_order=False):
             assert schema is not None
+            if message.sequence >= ends.get(channel.topic, FRAMES):
+                continue
             if schema.id not in schemas:
                 schemas[schema.id] = writer.register_schema(schema.name, schema.encoding, schema.data)
             if channel.id not in channels:
@@ -194,6 +203,27 @@ def test_verify_names_the_first_difference(
     rows = {row["port"]: row["difference"] for row in json.loads(capsys.readouterr().out)["ports"]}
     assert rows["track.tracks"].startswith("message ")
     assert "column " in rows["track.tracks"]
+
+
+def test_verify_says_where_a_recording_ends_before_its_sources(
+    show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As that of a run whose worker died: the file is whole, and the sources were ahead."""
+    ends = {"/followspot/infrared/cam1/out": 3, "/followspot/track/tracks": 4}
+    early = altered(show, tmp_path / "early.mcap", ends)
+    assert main(["verify", str(early)]) == 0
+    told = capsys.readouterr().out
+    assert "early.mcap ends early: infrared/cam1.out has nothing from 0.05 s on" in told
+    assert "different" not in told
+    assert f"14 ports, {14 * 3} messages: the same" in told
+
+
+def test_a_message_more_at_the_end_is_a_difference(
+    show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shorter = altered(show, tmp_path / "shorter.mcap", {"/followspot/track/tracks": FRAMES - 1})
+    assert main(["verify", str(shorter)]) == 1
+    assert f"message {FRAMES - 1} is new" in capsys.readouterr().out
 
 
 def test_verify_says_up_to_where_a_damaged_recording_is_good(

@@ -16,13 +16,15 @@ from followspot_recording.records import Channel, Recorded
 @dataclass(frozen=True)
 class Compared:
     """The result for a port. messages: how many are equal; difference: the first one, "" for none;
-    unrepeated: why none of its messages can be repeated, "" if some were.
+    unrepeated: why none of its messages can be repeated, "" if some were; lacks: the capture time, ns, of the
+    first message that is sent again and that the recording lacks after its last one, None if there is none.
     """
 
     port: str
     messages: int
     difference: str = ""
     unrepeated: str = ""
+    lacks: int | None = None
 
 
 class RunningComparison:
@@ -72,9 +74,11 @@ def compare(
     """Byte for byte, up to the first difference. whole: whether both must be equally long."""
     same = 0
     for before, after in zip_longest(old, new):
-        if before is None or after is None:
-            what = f"message {(before or after).seq} {'is new' if before is None else 'is missing'}"
-            return Compared(port, same, what if whole else "")
+        if before is None:
+            what = f"message {after.seq} is new"
+            return Compared(port, same, what if whole else "", lacks=after.time)
+        if after is None:
+            return Compared(port, same, f"message {before.seq} is missing" if whole else "")
         if before.data != after.data:
             return Compared(port, same, f"message {before.seq}: {_difference(channel, before, after)}")
         same += 1

@@ -9,10 +9,12 @@ import tempfile
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import asdict
+from operator import itemgetter
 from pathlib import Path
 
 from followspot.cli.progress import ProgressBar
 from followspot.errors import FollowspotError, InputError
+from followspot.frame_times import to_seconds
 from followspot.graph.output_ports import output_ports
 from followspot.graph.plan import Plan
 from followspot.library.execute import RunOptions, run_plan
@@ -36,18 +38,22 @@ def verify_command(args: argparse.Namespace) -> int:
         plan = recorded_plan(old, args.plugin_files)
         if old.firings or old.metadata.get(MOMENT) == "true":
             rows, notes = repeated(old, plan, Path(folder))
+            early = ""
         else:
-            rows = _run_again(old, plan, Path(folder), quiet=args.quiet)
+            rows, early = _run_again(old, plan, Path(folder), quiet=args.quiet)
             live = old.metadata.get("live") == "true" and any(row.difference for row in rows)
             notes = [_LIVE] * live
-        notes = [old.problem] * bool(old.problem) + notes
+        notes = [note for note in (old.problem, early) if note] + notes
     same = not any(row.difference for row in rows) and any(row.messages for row in rows)
     print(_json(same, rows, notes) if args.json else text(same, rows, notes))
     return 0 if same else 1
 
 
-def _run_again(old: Recording, plan: Plan, folder: Path, *, quiet: bool) -> list[Compared]:
-    """Run the graph on the recorded sources, and compare every other port. Raises FollowspotError."""
+def _run_again(old: Recording, plan: Plan, folder: Path, *, quiet: bool) -> tuple[list[Compared], str]:
+    """Run the graph on the recorded sources, and compare every other port. Raises FollowspotError.
+
+    Returns the results, and where the recording ends before its sources, "" if it does not.
+    """
     sources = source_ports(plan)
     missing = [port for port in sources if port not in old.ports]
     if missing:
@@ -56,7 +62,7 @@ def _run_again(old: Recording, plan: Plan, folder: Path, *, quiet: bool) -> list
     check_sampled_cycles(plan, "the graph and record it again: what timing decided cannot be verified")
     names = [port for port in output_ports(plan) if port in old.ports and port not in sources]
     if not names:
-        return []
+        return [], ""
     again = folder / "again.mcap"
     target = Target(again, {"picture_format": "none"}, {}, {})
     _run(alone(with_recording(plan, names, target)), folder, quiet=quiet)
@@ -74,18 +80,37 @@ def _run(plan: Plan, out: Path, *, quiet: bool) -> None:
         raise FollowspotError("\n".join(report.errors) or "messages are unaccounted for")
 
 
-def _compare(old: Recording, new: Recording, names: Sequence[str], sources: Sequence[str]) -> list[Compared]:
-    """Compare every port; if the recording ends early, up to the last time that all its sources reach."""
-    stops: dict[str, int] = {}
+def _compare(
+    old: Recording, new: Recording, names: Sequence[str], sources: Sequence[str]
+) -> tuple[list[Compared], str]:
+    """Compare every port; if the recording ends early, up to the last time that all of it reaches.
+
+    Returns the results, and where a whole file ends before its sources, "" if it does not.
+    """
     if old.problem:
-        stops = dict.fromkeys(names, min(_end(old, port) for port in sources))
+        return _compare_up_to(min(_end(old, port) for port in sources), old, new, names), ""
+    rows = [
+        compare(port, old.ports[port], old.messages(port), new.messages(port), whole=True) for port in names
+    ]
+    end = max(_end(old, port) for port in sources)
+    # one more message at the very end is no early end: a stage that sends more than then does that, too
+    short = {row.port: row.lacks for row in rows if row.lacks is not None and row.lacks < end}
+    if not short:
+        return rows, ""
+    port, lacks = min(short.items(), key=itemgetter(1))
+    note = (
+        f"{old.path} ends early: {port} has nothing from {to_seconds(lacks):g} s on, and the sources go on "
+        f"to {to_seconds(end):g} s: a worker of the run died there, or the stage sends more now. "
+        "Compared up to there"
+    )
+    return _compare_up_to(lacks - 1, old, new, names), note
+
+
+def _compare_up_to(stop: int, old: Recording, new: Recording, names: Sequence[str]) -> list[Compared]:
+    """Compare what both have of every port up to and with this capture time, ns."""
     return [
         compare(
-            port,
-            old.ports[port],
-            old.messages(port, stop=stops.get(port)),
-            new.messages(port, stop=stops.get(port)),
-            whole=not old.problem,
+            port, old.ports[port], old.messages(port, stop=stop), new.messages(port, stop=stop), whole=False
         )
         for port in names
     ]
@@ -114,4 +139,5 @@ def _said(row: Compared) -> str:
 
 
 def _json(same: bool, rows: Sequence[Compared], notes: Sequence[str]) -> str:
-    return json.dumps({"same": same, "ports": [asdict(row) for row in rows], "notes": list(notes)})
+    ports = [{name: value for name, value in asdict(row).items() if name != "lacks"} for row in rows]
+    return json.dumps({"same": same, "ports": ports, "notes": list(notes)})
