@@ -12,12 +12,12 @@ SAME = 1e-4
 """Difference of times that comes of rounding, s; frames are farther apart."""
 
 
-def frames_of(times: Array) -> tuple[Array, Array]:
+def frames_of(times: Array, same: float = SAME) -> tuple[Array, Array]:
     """Times of frames, (F,) s, ascending, and the frame of each of these times (N,): equal ones but for their
-    rounding are of one frame.
+    rounding, of at most `same` s, are of one frame.
     """
     ascending, place = np.unique(times, return_inverse=True)
-    begins = np.diff(ascending, prepend=-np.inf) > SAME
+    begins = np.diff(ascending, prepend=-np.inf) > same
     return ascending[begins], (np.cumsum(begins) - 1)[place]
 
 

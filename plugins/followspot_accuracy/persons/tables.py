@@ -18,7 +18,7 @@ from followspot.frame_times import to_seconds
 from followspot.geometry import direction, wrap
 from followspot.messages import Array
 from followspot.people import PoseTruth
-from followspot_accuracy.frame_rows import one_in_a_frame
+from followspot_accuracy.frame_rows import one_at_a_time, one_in_a_frame
 from followspot_accuracy.statistics import frames_of
 
 POSE_COLUMNS = ("time", "person", "x", "y", "z_head_top", "torso_heading", "head_pan", "head_tilt")
@@ -27,6 +27,8 @@ PLACES = ("time", "person", "x", "y")
 TRUTH_COLUMNS = (*POSE_COLUMNS, "torso_heading_room", "r", "visible_upper")
 CAMERA = "camera"
 """Optional column of poses: empty for fused ones, whose heading is in the room."""
+NAMED = ("person", CAMERA)
+"""What a pose of a file is of, beside its time."""
 MOST_CELLS = 5_000_000
 """Frames times persons."""
 ORIGIN = np.zeros(2)
@@ -69,7 +71,7 @@ def read_poses_csv(path: Path, viewpoint: Viewpoint) -> PoseTable:
     """
     columns = (*POSE_COLUMNS, CAMERA) if CAMERA in header_of(path) else POSE_COLUMNS
     time, person, pose = [], [], []
-    for row in read_rows(path, columns):
+    for row in one_at_a_time(read_rows(path, columns), *(name for name in NAMED if name in columns)):
         values = np.array(row.numbers(*POSE_COLUMNS[2:]))
         camera = row.cell(CAMERA) if CAMERA in row.columns else None
         if camera != "":

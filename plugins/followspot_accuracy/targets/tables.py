@@ -13,7 +13,7 @@ from followspot.frame_times import to_seconds
 from followspot.inertial import PosedTruth
 from followspot.messages import Array
 from followspot.tracking import STATES, Truth
-from followspot_accuracy.frame_rows import one_in_a_frame
+from followspot_accuracy.frame_rows import one_at_a_time, one_in_a_frame
 from followspot_accuracy.statistics import frames_of
 
 TRACK_COLUMNS = ("time", "object", "state", "x", "y", "z")
@@ -62,6 +62,7 @@ class TruthTable:
 
 def read_tracks_csv(path: Path) -> TrackTable:
     """Tracks as `sinks.csv` writes them; more columns are ignored. Raises InputError with line numbers."""
+    found = one_at_a_time(read_rows(path, TRACK_COLUMNS, (*QUATERNION, *SIGMAS)), "object")
     rows = [
         (
             row.number("time"),
@@ -71,7 +72,7 @@ def read_tracks_csv(path: Path) -> TrackTable:
             _optional(row, QUATERNION),
             _optional(row, SIGMAS),
         )
-        for row in read_rows(path, TRACK_COLUMNS, (*QUATERNION, *SIGMAS))
+        for row in found
     ]
     objects = tuple(dict.fromkeys(row[1] for row in rows))
     return TrackTable(

@@ -324,6 +324,19 @@ def test_a_second_row_of_a_person_in_a_frame_of_one_file_is_refused(tmp_path: Pa
         read_pose_truth_csv(path)
 
 
+def test_poses_with_two_rows_of_a_person_at_one_time_are_refused(tmp_path: Path) -> None:
+    """The rows of different cameras are different views of one person."""
+    path = tmp_path / "poses.csv"
+    head = "time,person,x,y,z_head_top,torso_heading,head_pan,head_tilt,camera"
+    rows = ["0,1,1,0,1.7,1,0,0,a", "0,1,1,0,1.7,1,0,0,b", "0,1,1,0,1.7,1,0,0,"]
+    path.write_text("\n".join([head, *rows]))
+    assert len(read_poses_csv(path, lambda name: np.zeros(2)).time) == 3
+    path.write_text("\n".join([head, *rows, rows[1]]))
+    told = r'poses\.csv:5:1: person "1" has a row of this frame already, in line 3'
+    with pytest.raises(InputError, match=told):
+        read_poses_csv(path, lambda name: np.zeros(2))
+
+
 @pytest.mark.parametrize("first", [0, 1, 2])
 def test_of_several_views_of_a_person_the_most_visible_pose_counts(tmp_path: Path, first: int) -> None:
     files = [tmp_path / name for name in ("far.csv", "near.csv", "place.csv")]

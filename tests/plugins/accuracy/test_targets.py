@@ -326,6 +326,18 @@ def test_a_second_row_of_an_object_in_a_frame_is_refused_with_both_lines(tmp_pat
         read_truth_csv(path)
 
 
+def test_tracks_with_two_rows_of_an_object_at_one_time_are_refused_with_both_lines(tmp_path: Path) -> None:
+    """As of two runs in one file, of which the order of the rows would decide which counts."""
+    path = tmp_path / "tracks.csv"
+    rows = ["0.0,red,tracked,0,0,1", "0.00001,red,tracked,0,0,1", "0.0,blue,tracked,0,0,1"]
+    path.write_text("\n".join(["time,object,state,x,y,z", *rows]))
+    assert len(read_tracks_csv(path).time) == 3, "times may be as near as they like"
+    path.write_text("\n".join(["time,object,state,x,y,z", *rows, "0,red,lost,0,0,2"]))
+    told = r'(?s)tracks\.csv:5:1: object "red" has a row of this frame already, in line 2.*rows of one run'
+    with pytest.raises(InputError, match=told):
+        read_tracks_csv(path)
+
+
 def test_truth_with_a_time_for_each_object_is_refused(tmp_path: Path) -> None:
     tracks_file, truth_file = written(tmp_path, 0.02)
     with pytest.raises(InputError, match=r"(?s)blue at no time .*give all objects of a frame one time"):
