@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections import deque
 from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -19,6 +20,8 @@ _NAMES = 4
 """Stages that are named at most."""
 _LINE_EVERY = 5.0
 """Seconds between two lines if standard error is no terminal, and over which a bar takes the rate."""
+_LEAST = 1.0
+"""Shortest time that gives a rate, s."""
 
 
 class ProgressBar:
@@ -29,8 +32,9 @@ class ProgressBar:
 
     def __init__(self) -> None:
         self.terminal = is_screen(sys.stderr)
-        self._line = time.monotonic(), 0
-        """When the last line was printed, s, and how many frames were done then."""
+        self._line = self._shown = time.monotonic()
+        """When the last line was printed, and when a state came last, s."""
+        self._rate = _Rate(_LINE_EVERY if self.terminal else _LEAST)
         self._told = False, False
         """Whether the last line told of a fault, and of a stop."""
 
@@ -42,14 +46,17 @@ class ProgressBar:
             fault = f"! {progress.faults[0]}{more}"
         stop = f"stopped; still to be finished: {_some(progress.unfinished)}" if progress.unfinished else ""
         notes = "  ".join(note for note in (stop, fault) if note)
+        now = time.monotonic()
+        # after a pause of this process, the first state may be as old as the pause
+        fresh, self._shown = now - self._shown <= _LINE_EVERY, now
         if self.terminal:
-            self._draw(progress.fired, expected or None, notes)
+            rate = self._rate.at(now, progress.fired, fresh=fresh)
+            self._draw(progress.fired, expected or None, rate, notes)
             return
-        now, (since, before) = time.monotonic(), self._line
         told = bool(fault), bool(stop)
-        if now >= since + _LINE_EVERY or told != self._told:
-            self._line, self._told = (now, progress.fired), told
-            rate = max(0, progress.fired - before) / max(1e-6, now - since)
+        if now >= self._line + _LINE_EVERY or told != self._told:
+            self._line, self._told = now, told
+            rate = self._rate.at(now, progress.fired, fresh=fresh)
             self.say(f"{_frames(progress.fired, expected, rate)}  {notes}".rstrip())
 
     def say(self, line: str) -> None:
@@ -84,17 +91,34 @@ class ProgressBar:
             console=self._console,
             auto_refresh=False,
             redirect_stdout=False,
-            speed_estimate_period=_LINE_EVERY,
         )
         bar.add_task("", frames="", notes="")
         return bar
 
-    def _draw(self, fired: int, expected: int | None, notes: str) -> None:
+    def _draw(self, fired: int, expected: int | None, rate: float, notes: str) -> None:
         (task,) = self._bar.tasks
         self._bar.update(task.id, completed=fired, total=expected)
-        frames = _frames(fired, expected, task.speed or 0.0)
-        self._bar.update(task.id, frames=frames, notes=notes, refresh=True)
+        self._bar.update(task.id, frames=_frames(fired, expected, rate), notes=notes, refresh=True)
         self._bar.start()  # does nothing if it has begun
+
+
+class _Rate:
+    """Frames a second, over the shortest known time of at least so many seconds."""
+
+    def __init__(self, over: float) -> None:
+        self._over = over
+        self._counts = deque([(time.monotonic(), 0)])
+
+    def at(self, now: float, fired: int, *, fresh: bool) -> float:
+        """The rate until now, 0 if nothing is known long enough. fresh: whether `fired` is the present count;
+        later rates do not count from one that is not.
+        """
+        while len(self._counts) > 1 and self._counts[1][0] <= now - self._over:
+            self._counts.popleft()
+        since, before = self._counts[0]
+        if fresh:
+            self._counts.append((now, fired))
+        return max(0, fired - before) / (now - since) if now - since >= _LEAST else 0.0
 
 
 def _some(names: Sequence[str]) -> str:

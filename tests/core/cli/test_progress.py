@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from contextlib import closing
 from io import StringIO
@@ -92,3 +93,25 @@ def test_a_pipe_gets_a_line_now_and_then_and_when_faults_come_and_go(
         "50/100 frames  0/s",
         "50/100 frames  0/s",
     ]
+
+
+@pytest.mark.parametrize("pipe", [True, False])
+def test_the_rate_after_a_pause_of_the_operator_is_that_of_the_run(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], pipe: bool
+) -> None:
+    """10 frames a second all the time; the first state after the pause is as old as the pause."""
+    seen = None if pipe else terminal(monkeypatch)
+    now = 100.0
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now)
+    with closing(ProgressBar()) as bar:
+        for now in (105.0, 110.0):
+            bar.show(Progress(round(10 * (now - 100.0)), 0, ()), 90000)
+        now = 710.0
+        bar.show(Progress(100, 0, ()), 90000)
+        for now in (710.001, 710.002, 711.0, 715.5, 716.0, 720.0):
+            faults = ("host a is absent",) if now == 710.002 else ()
+            bar.show(Progress(round(10 * (now - 100.0)), 0, faults), 90000)
+    shown = capsys.readouterr().err if seen is None else seen.getvalue()
+    rates = {int(rate) for rate in re.findall(r"frames +(\d+)/s", shown)}
+    assert rates == {10, 0}
+    assert "6200/90000 frames  10/s" in shown or pipe
