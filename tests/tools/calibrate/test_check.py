@@ -150,6 +150,21 @@ def test_a_camera_that_shares_too_little_is_told_and_not_judged(
     assert found["points"]["cameras"][4]["judged_px"] is None
 
 
+@pytest.mark.parametrize(("flipped", "missing"), [([1], 0.0), ([0, 1], 0.5)])
+def test_flipped_points_are_told_in_numbers(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], flipped: list[int], missing: float
+) -> None:
+    """Of cameras that cannot be judged, as the others agree about too few points, no number is told."""
+    _, pixel = seen_by(CAMERAS)
+    pixel[..., flipped] = np.subtract(CAMERAS[0].size, 1)[flipped] - pixel[..., flipped]
+    pixel[np.random.default_rng(1).random(pixel.shape[:2]) < missing] = np.nan
+    room, points = room_file(tmp_path, CAMERAS), points_file(tmp_path, pixel)
+    assert main(["calibrate", "check", "--room", room, "--points", points]) == 1
+    told = capsys.readouterr().out
+    assert "beyond the limit: cam0: its sightings " in told
+    assert "nan" not in told
+
+
 def test_epipolar_errors_point_to_the_pairs_of_the_camera_that_moved() -> None:
     _, pixel = seen_by([turned(c, 1.5) if n == 2 else c for n, c in enumerate(CAMERAS)])
     found = agreement(CAMERAS, pixel, np.arange(200), usual_limits(CAMERAS, None), typical_error)

@@ -116,12 +116,10 @@ def at_fault(agreement: Agreement, noun: str, moved: Mapping[str, float]) -> lis
     for n in agreement.suspects:
         name = agreement.cameras[n].name
         cause = f"it moved at {moved[name]:.1f} s" if name in moved else "it moved or is badly calibrated"
-        told.append(
-            f"{name}: its {noun} are {agreement.score[n]:.1f} px from where the other cameras expect them "
-            f"(limit {agreement.limit[n]:.2f} px); {cause}: calibrate wand again for {name}"
-        )
+        told.append(f"{name}: its {noun} {_distance(agreement, n)}; {cause}: calibrate wand again for {name}")
     if agreement.at_odds:
-        rest = [n for n in range(len(agreement.cameras)) if n not in agreement.suspects]
+        judged = np.flatnonzero(np.isfinite(agreement.score)).tolist()
+        rest = [n for n in judged if n not in agreement.suspects]
         values = ", ".join(f"{agreement.cameras[n].name} {agreement.score[n]:.1f} px" for n in rest)
         told.append(
             f"the cameras do not agree with each other ({values}); calibrate wand again for all of them"
@@ -131,6 +129,19 @@ def at_fault(agreement: Agreement, noun: str, moved: Mapping[str, float]) -> lis
             "no camera shares enough points with two others to be checked; show points to more cameras"
         )
     return told
+
+
+def _distance(agreement: Agreement, number: int) -> str:
+    """How far the sightings of a suspect are from where they should be.
+
+    Too few may be left to tell, if the cameras that are trusted agree about few points.
+    """
+    if not np.isfinite(agreement.score[number]):
+        return "fit no points that the other cameras agree about"
+    return (
+        f"are {agreement.score[number]:.1f} px from where the other cameras expect them "
+        f"(limit {agreement.limit[number]:.2f} px)"
+    )
 
 
 def doubts(agreement: Agreement) -> list[str]:
