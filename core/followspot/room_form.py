@@ -32,9 +32,9 @@ _MAX_PIXELS = MAX_BYTES // 3
 """A color picture must fit into a message."""
 _FAR = 1e6
 """Largest length of anything in a room, m."""
-_MOST_FOCAL = 1e6
+MOST_FOCAL = 1e6
 """Largest focal length and distance of the principal point, px."""
-_MOST_DISTORTION = 1e4
+MOST_DISTORTION = 1e4
 _MOST_AREA = 1e9
 """Largest area of a target in a picture, px."""
 _MAX_CLOCK_OFFSET = 1.0
@@ -120,7 +120,7 @@ def _camera(name: str, node: Node, folder: str | None, mistakes: list[Mistake]) 
         form.wrong(form.entries["model"], text, "model: pinhole, rational, or fisheye")
     size = _size(form)
     matrix = _matrix(form)
-    distortion = form.array("distortion", _COEFFICIENTS[model], most=_MOST_DISTORTION)
+    distortion = form.array("distortion", _COEFFICIENTS[model], most=MOST_DISTORTION)
     rotation = _rotation(form)
     translation = form.array("translation", [(3,)], required=True, most=_FAR)
     source = form.get("source")
@@ -168,7 +168,7 @@ def _size(form: Form) -> tuple[int, int] | None:
 
 def _matrix(form: Form) -> Array | None:
     """The camera matrix, (3, 3) px; None if it is wrong or missing."""
-    matrix = form.array("matrix", [(3, 3)], required=True, most=_MOST_FOCAL)
+    matrix = form.array("matrix", [(3, 3)], required=True, most=MOST_FOCAL)
     if matrix is None:
         return None
     if not (matrix[0, 0] > 0 and matrix[1, 1] > 0 and matrix[1, 0] == 0 and (matrix[2] == [0, 0, 1]).all()):

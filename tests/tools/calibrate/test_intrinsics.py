@@ -31,7 +31,7 @@ from followspot_calibrate.boards.pictures import live_pictures
 from followspot_calibrate.intrinsics.calibration import calibrate_lens
 from followspot_calibrate.intrinsics.collecting import collect
 from followspot_calibrate.intrinsics.coverage import Coverage, coverage
-from followspot_calibrate.intrinsics.fitting import fit
+from followspot_calibrate.intrinsics.fitting import NoFit, fit
 from followspot_calibrate.intrinsics.selection import diverse, sharp
 
 CHARUCO = "charuco:7x5:0.04:DICT_4X4_50"
@@ -347,6 +347,26 @@ def test_command_names_the_camera_without_a_board(boards: Path, capsys: pytest.C
     error = capsys.readouterr().err
     assert "cam1: 0 usable views of the board, at least 3 are needed (1 pictures searched)" in error
     assert list(load(boards / "room.yaml").cameras) == ["cam0"]
+
+
+def test_views_of_another_board_give_no_lens_that_a_room_file_would_refuse() -> None:
+    other = parse_board("charuco:5x7:0.04:DICT_4X4_50")
+    told = (
+        r"no lens explains the views: the best has a focal length of \S+ px, distortion coefficients up to \d"
+    )
+    with pytest.raises(NoFit, match=told):
+        calibrate_lens("cam0", seen(lens(), tilt=0.1), other, SIZE, "pinhole")
+
+
+def test_command_asks_for_the_board_if_the_search_for_a_lens_runs_away(
+    boards: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("followspot_calibrate.intrinsics.calibration.MOST_DISTORTION", 1e-9)
+    assert intrinsics(boards, "--videos", str(boards / "boards")) == 1
+    error = capsys.readouterr().err
+    assert "cam0: no lens explains the views" in error
+    assert "is --board charuco:7x5:0.04:DICT_4X4_50 right?" in error
+    assert not (boards / "room.yaml").exists()
 
 
 def test_command_takes_the_chosen_cameras_only(boards: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from followspot.room_form import MOST_DISTORTION, MOST_FOCAL
 from followspot_calibrate.boards.board import Board
 from followspot_calibrate.boards.detection import View
 from followspot_calibrate.intrinsics.coverage import Coverage, coverage
-from followspot_calibrate.intrinsics.fitting import LEAST_VIEWS, Fit, Lens, fit
+from followspot_calibrate.intrinsics.fitting import LEAST_VIEWS, Fit, Lens, NoFit, fit
 from followspot_calibrate.intrinsics.selection import diverse, sharp
 
 ROUNDS = 5
@@ -57,6 +58,7 @@ def calibrate_lens(
     """The lens from sharp and diverse views that agree with each other. Raises NoFit."""
     usable = sharp(views)
     found, rejected = agreeing(diverse(usable, board, size), board, size, model)
+    check_bounded(found)
     covered = coverage(usable, size)
     tilt = tilt_of(found)
     return LensCalibration(
@@ -86,6 +88,16 @@ def agreeing(
         found = fit([view for view, keep in zip(found.views, good, strict=True) if keep], board, size, model)
     kept = {view.frame for view in found.views}
     return found, tuple(view.frame for view in views if view.frame not in kept)
+
+
+def check_bounded(found: Fit) -> None:
+    """Raises NoFit if the search ran away to numbers that a room file does not take."""
+    largest = float(np.abs(found.distortion).max())
+    if not (largest <= MOST_DISTORTION and np.abs(found.matrix).max() <= MOST_FOCAL):
+        raise NoFit(
+            f"no lens explains the views: the best has a focal length of {found.matrix[0, 0]:.3g} px, "
+            f"distortion coefficients up to {largest:.2g} and an error of {found.rms:.0f} px"
+        )
 
 
 def tilt_of(found: Fit) -> float:
