@@ -11,11 +11,12 @@ import ipaddress
 import os
 import re
 import shutil
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from followspot.errors import FollowspotError
+from followspot.errors import FollowspotError, writing
 from followspot.files import DOCUMENT, read_bytes
 from followspot.transport.host_registry import (
     NAME,
@@ -125,8 +126,9 @@ class Authority:
         member = RegisteredHost(name, role, until)
         key = ec.generate_private_key(ec.SECP256R1())
         certificate = self._issue(member, key, _alternative_names([name, *addresses]))
+        with _whole(self.folder / name) if name not in self._members else writing(self.folder / name):
+            self._write_host(name, key, certificate)
         self._members[name] = member
-        self._write_host(name, key, certificate)
         self._write_registries()
         return self.folder / name
 
@@ -187,14 +189,26 @@ def create_authority(folder: Path, now: datetime | None = None) -> Authority:
         .add_extension(signing, critical=True)
         .sign(key, SHA256())
     )
-    try:
+    with writing(home):
         home.mkdir(mode=0o700, parents=True)
+    with _whole(home):
         _write(home / "key.pem", _key_text(key), 0o600)
         _write(home / "ca.pem", certificate.public_bytes(Encoding.PEM), 0o644)
         _write(folder / REGISTRY, registry_text("", {}).encode(), 0o644)
-    except OSError as error:
-        raise FollowspotError(f"the authority cannot be written: {error}") from None
     return Authority(folder, now)
+
+
+@contextmanager
+def _whole(home: Path) -> Iterator[None]:
+    """Remove a new folder that could not be filled: half of it would be in the way of the next try.
+
+    Raises FollowspotError.
+    """
+    try:
+        yield
+    except OSError as error:
+        shutil.rmtree(home, ignore_errors=True)
+        raise FollowspotError(f"{home} cannot be written: {error.strerror}") from None
 
 
 def _builder(

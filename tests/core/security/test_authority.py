@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from cryptography import x509
 from cryptography.hazmat.primitives.asymmetric import ec
+from tests.full_disk import full_disk
 
 from followspot.cli.main import main
 from followspot.errors import FollowspotError
@@ -218,3 +219,13 @@ def test_no_file_is_readable_by_others_before_its_mode_is_set(authority: Authori
         os.umask(old)
     assert mode(folder / "key.pem") == 0o600
     assert mode(folder) == 0o700
+
+
+def test_a_full_disk_leaves_no_half_authority_and_no_half_host(tmp_path: Path) -> None:
+    with full_disk(10), pytest.raises(FollowspotError, match="authority cannot be written: File too large"):
+        create_authority(tmp_path / "certs")
+    authority = create_authority(tmp_path / "certs")
+    with full_disk(10), pytest.raises(FollowspotError, match="desk cannot be written: File too large"):
+        authority.add("desk", "operator")
+    Authority(tmp_path / "certs").add("desk", "operator")
+    assert [member.name for member in Authority(tmp_path / "certs").members] == ["desk"]
