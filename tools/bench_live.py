@@ -48,7 +48,7 @@ from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.room import StageUse
 from followspot.room_file import load, save
-from followspot_sim.video import open_video
+from followspot_sim.video import new_video
 from scripting import followspot, shown, table_options
 
 ROOT = Path(__file__).parent.parent
@@ -118,10 +118,9 @@ def filmed(args: argparse.Namespace, rate: float, folder: Path) -> Path:
     cameras = {}
     for name, frames in shots(plan, args.frames).items():
         file = folder / f"{name}-{rate:g}.mkv"
-        video = open_video(file, rate, room.cameras[name].size)
-        for frame in frames:
-            video.write(np.broadcast_to(frame.pixels, (*frame.pixels.shape[:2], 3)))
-        video.release()
+        with new_video(file, rate, room.cameras[name].size, len(frames)) as video:
+            for frame in frames:
+                video.write(np.broadcast_to(frame.pixels, (*frame.pixels.shape[:2], 3)))
         source = StageUse("live_trace.paced", {"path": str(file), "fps": rate})
         cameras[name] = replace(room.cameras[name], source=source)
     written = folder / f"room-{rate:g}.yaml"

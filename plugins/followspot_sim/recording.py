@@ -11,12 +11,12 @@ import cv2
 import numpy as np
 
 from followspot import Array, Camera, InputError, Room
-from followspot.errors import Mistake
+from followspot.errors import Mistake, writing
 from followspot.geometry import project
 from followspot.notes import note
 from followspot_sim.parameters import CameraParams, SimParams
 from followspot_sim.picture import Picture
-from followspot_sim.video import finite, open_video
+from followspot_sim.video import finite, new_video
 from followspot_sim.visibility import judge, visible_fraction
 from followspot_sim.world import Scene, setting, world_of
 
@@ -70,10 +70,12 @@ def write_videos(room: Room, params: SimParams, folder: Path) -> None:
     pictures = [Picture(params, room, c, clock_offset_of(c)) for c in room.cameras.values()]
     buffers = [np.empty(picture.shape, np.uint8) for picture in pictures]
     with contextlib.ExitStack() as open_videos:
-        videos = []
-        for camera in room.cameras.values():
-            videos.append(open_video(folder / f"{camera.name}.mkv", params.fps, camera.size))
-            open_videos.callback(videos[-1].release)
+        videos = [
+            open_videos.enter_context(
+                new_video(folder / f"{camera.name}.mkv", params.fps, camera.size, params.frames)
+            )
+            for camera in room.cameras.values()
+        ]
         for frame in range(params.frames):
             for picture, pixels, video in zip(pictures, buffers, videos, strict=True):
                 picture.render(frame, pixels)
@@ -84,12 +86,12 @@ def write_truth(room: Room, params: SimParams, path: Path) -> None:
     """One row per frame and target, with columns of their own for each camera.
 
     For camera i these are the projected centre `ci_u, ci_v` (px, with distortion) and the visible
-    share `ci_vis`.
+    share `ci_vis`. Raises FollowspotError.
     """
     world = world_of(setting(params, room))
     radii = np.array([t.radius for t in room.targets.values()])
     cameras = list(room.cameras.values())
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with writing(path), path.open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
         rows.writerow([*COLUMNS, *(f"c{i}_{q}" for i in range(len(cameras)) for q in ("u", "v", "vis"))])
         for frame in range(params.frames):

@@ -9,9 +9,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.full_disk import full_disk
 
 from followspot.cli.main import main
-from followspot.errors import InputError
+from followspot.errors import FollowspotError, InputError
 from followspot_sweep.axes import MAX_POINTS, Axis, points, read_axes
 from followspot_sweep.figures import figures_of
 from followspot_sweep.idle import idle
@@ -227,3 +228,8 @@ def test_every_wrong_value_is_named_before_anything_runs(
     assert 'did you mean "balls.mean"' in told
     assert "'high'" in told
     assert not (tmp_path / "out").exists()
+
+
+def test_a_table_that_a_full_disk_cuts_short_is_named(tmp_path: Path) -> None:
+    with full_disk(10), pytest.raises(FollowspotError, match=r"sweep\.csv cannot be written: File too large"):
+        write(rows(RESULTS), tmp_path)

@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 
 from followspot.cli.graph_options import add_graph_options, checked_of, plan_of
+from followspot.errors import writing
 from followspot.plugins.hooks import Command
 
 
@@ -49,7 +50,8 @@ def _run(args: argparse.Namespace) -> int:
         return 0
     plan = plan_of(args)
     if args.svg:
-        Path(args.svg).write_text(svg(plan, fold=not args.unfold), encoding="utf-8")
+        with writing(Path(args.svg)):
+            Path(args.svg).write_text(svg(plan, fold=not args.unfold), encoding="utf-8")
     elif args.json:
         print(json.dumps(plan_to_data(plan)))
     elif args.flat or args.origin:

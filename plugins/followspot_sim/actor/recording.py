@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Camera, InputError, Room
-from followspot.errors import Mistake
+from followspot.errors import Mistake, writing
 from followspot.notes import note
 from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.actor.picture import ActorPicture
 from followspot_sim.actor.scene import Play, stage_of
 from followspot_sim.actor.visibility import Onlooker
-from followspot_sim.video import finite, open_video
+from followspot_sim.video import finite, new_video
 
 STAGE = "sim.person_camera"
 COLUMNS = (
@@ -48,11 +48,11 @@ def record_people(room: Room, params: ActorParams, folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for camera in room.cameras.values():
         with contextlib.ExitStack() as files:
-            video = open_video(folder / f"{camera.name}.mkv", params.fps, camera.size)
-            files.callback(video.release)
-            table = files.enter_context(
-                (folder / f"{camera.name}_gt.csv").open("w", newline="", encoding="utf-8")
-            )
+            path = folder / f"{camera.name}.mkv"
+            video = files.enter_context(new_video(path, params.fps, camera.size, params.frames))
+            truth = folder / f"{camera.name}_gt.csv"
+            files.enter_context(writing(truth))
+            table = files.enter_context(truth.open("w", newline="", encoding="utf-8"))
             rows = csv.writer(table)
             rows.writerow(COLUMNS)
             picture, onlooker = ActorPicture(params, camera), Onlooker(params, camera)

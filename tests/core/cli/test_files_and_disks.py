@@ -69,6 +69,28 @@ def test_a_table_that_a_full_disk_cuts_short_is_named(tmp_path: Path) -> None:
         assert f"{tmp_path}/{form}/track.tracks.{form} cannot be written: " in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("words", "file"),
+    [(("graph", GRAPH, "--svg"), "plan.svg"), (("schema", "room", "-o"), "room.json")],
+)
+def test_a_file_that_a_full_disk_cuts_short_is_named(
+    tmp_path: Path, words: tuple[object, ...], file: str
+) -> None:
+    done = full(10, *words, tmp_path / file)
+    assert done.returncode == 1
+    assert done.stderr == f"followspot: {tmp_path / file} cannot be written: File too large\n"
+
+
+@pytest.mark.parametrize("more", [(), ("--templates",)])
+def test_a_simulated_video_that_a_full_disk_cuts_short_is_named(
+    tmp_path: Path, more: tuple[str, ...]
+) -> None:
+    words = ("simulate", "--room", GRAPH.parent / "rooms/simulated.yaml", "--frames", 4, *more)
+    done = full(10_000, *words, "--out", tmp_path)
+    assert done.returncode == 1
+    assert ".mkv is cut short\n    free space on the disk" in done.stderr
+
+
 def test_a_full_disk_behind_the_output_is_told() -> None:
     with Path("/dev/full").open("w") as full:
         done = subprocess.run([*COMMAND, "plugins"], stdout=full, stderr=subprocess.PIPE, text=True)

@@ -14,7 +14,7 @@ from followspot.cli.graph_options import output_folder
 from followspot.cli.progress import ProgressBar
 from followspot.cli.trial_options import check_rooms, planned
 from followspot.cli.trial_outputs import same_outputs
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError, Mistake, writing
 from followspot.graph.plan import Plan
 from followspot.library.execute import RunOptions, room_truth
 from followspot_accuracy import PoseTruthTable, TruthTable
@@ -40,7 +40,9 @@ def compare(args: argparse.Namespace) -> int:
     trials = [trial for scene in scenes for trial in run_scene(scene, variants, out, args)]
     comparison = Comparison(tuple(trials), unchanged(variants, scenes, out))
     print(json.dumps(data(comparison)) if args.json else text(comparison))
-    (out / "compare.json").write_text(json.dumps(data(comparison)), encoding="utf-8")
+    file = out / "compare.json"
+    with writing(file):
+        file.write_text(json.dumps(data(comparison)), encoding="utf-8")
     pictures = draw(comparison, out)
     if not args.json:
         print("\n" + (f"{pictures}\n" if pictures else "") + f"outputs: {out}")

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from followspot.cli.graph_options import add_plugin_option
+from followspot.errors import writing
 from followspot.plugins.hooks import Command, hookimpl
 
 KINDS = ("graph", "room", "placement")
@@ -47,5 +48,6 @@ def _run(args: argparse.Namespace) -> int:
     if args.output is None:
         print(text, end="")
     else:
-        args.output.write_text(text, encoding="utf-8")
+        with writing(args.output):
+            args.output.write_text(text, encoding="utf-8")
     return 0

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from followspot.errors import writing
 from followspot_sweep.axes import Axis
 
 if TYPE_CHECKING:
@@ -38,7 +39,8 @@ def draw(found: Sequence[dict[str, Any]], axes: Sequence[Axis], figure: str, fol
         panels[0].set_ylim(*_span([row[figure] for row in known]))
         panels[0].ticklabel_format(axis="y", useOffset=False)
         panels[0].legend(frameon=False, fontsize=8)
-        sheet.savefig(folder / PLOT, metadata={"Date": None})
+        with writing(folder / PLOT):
+            sheet.savefig(folder / PLOT, metadata={"Date": None})
     return f"plot: {folder / PLOT}"
 
 

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from followspot.errors import writing
 from followspot.tables import table
 from followspot_sweep.axes import Axis
 from followspot_sweep.trial import Result
@@ -51,8 +52,8 @@ def text(found: Sequence[dict[str, Any]], axes: Sequence[Axis], figure: str) -> 
 
 
 def write(found: Sequence[dict[str, Any]], folder: Path) -> str:
-    """Write the files; return a line that names them and what is missing."""
-    with (folder / CSV).open("w", newline="", encoding="utf-8") as file:
+    """Write the files; return a line that names them and what is missing. Raises FollowspotError."""
+    with writing(folder / CSV), (folder / CSV).open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, list(found[0]))
         writer.writeheader()
         writer.writerows(found)
@@ -62,7 +63,8 @@ def write(found: Sequence[dict[str, Any]], folder: Path) -> str:
     from pyarrow.parquet import write_table
 
     columns = {key: _alike([row[key] for row in found]) for key in found[0]}
-    write_table(pa.table(columns), folder / PARQUET)
+    with writing(folder / PARQUET):
+        write_table(pa.table(columns), folder / PARQUET)
     return f"tables: {folder / CSV}, {folder / PARQUET}"
 
 

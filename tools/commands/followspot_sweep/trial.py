@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from followspot.errors import writing
 from followspot.files import read_bytes
 from followspot.own_process import module_command
 from followspot_sweep.axes import Point
@@ -87,8 +88,9 @@ def run(task: Task, started: Callable[[subprocess.Popen[str]], None]) -> Result:
         return Result(task, {}, "; ".join(reasons) or err.strip() or "it was stopped")
     whole = json.dumps({"command": task.command, "state": task.state, "summary": summary})
     waiting = task.folder / f".{SUMMARY}"
-    waiting.write_text(whole, encoding="utf-8")
-    waiting.replace(task.folder / SUMMARY)
+    with writing(task.folder / SUMMARY):
+        waiting.write_text(whole, encoding="utf-8")
+        waiting.replace(task.folder / SUMMARY)
     return Result(task, figures_of(summary))
 
 
