@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from pathlib import Path
 
 from followspot.cli.graph_options import add_graph_options, checked_of, plan_of
@@ -57,6 +58,9 @@ def _run(args: argparse.Namespace) -> int:
     elif args.flat or args.origin:
         composed = composed_graph(args.graph, room=args.room, cameras=args.cameras, overrides=args.overrides)
         print(origin_text(composed) if args.origin else flat_text(composed, plan, args.room), end="")
+        if args.flat and args.cameras:
+            chosen = ",".join(args.cameras)
+            print(f"note: a graph file chooses no cameras: run it with --cameras {chosen}", file=sys.stderr)
     else:
         shown = mermaid if args.mermaid else text
         print(shown(plan, fold=not args.unfold))

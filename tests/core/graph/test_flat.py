@@ -68,3 +68,9 @@ def test_the_origin_of_every_stage_and_value_is_told(
 )
 def test_text_that_looks_like_something_else_stays_text(text: str) -> None:
     assert plain(parse(dump({"a": [text], text or "b": 1.5e-7}), "x")) == {"a": [text], text or "b": 1.5e-7}
+
+
+def test_cameras_that_a_flat_file_cannot_choose_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+    graph = str(Path(__file__).parents[3] / "graphs/glowballs.yaml")
+    assert main(["graph", graph, "--flat", "--cameras", "cam0,cam1"]) == 0
+    assert "note: a graph file chooses no cameras: run it with --cameras cam0,cam1" in capsys.readouterr().err
