@@ -6,6 +6,7 @@ import csv
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,10 +14,13 @@ from tests.full_disk import full_disk
 
 from followspot.cli.main import main
 from followspot.errors import FollowspotError, InputError
+from followspot.graph.compile import compile_graph
+from followspot.room import StageUse
 from followspot_sweep.axes import MAX_POINTS, Axis, points, read_axes
 from followspot_sweep.figures import figures_of
 from followspot_sweep.idle import idle
 from followspot_sweep.plot import PLOT, draw
+from followspot_sweep.state import state_of
 from followspot_sweep.table import best, rows, text, write
 from followspot_sweep.trial import SUMMARY, Result, Task, folder_name, kept, run
 
@@ -194,6 +198,35 @@ def test_a_sweep_runs_every_point_once_and_goes_on_where_it_was(
     assert "2 of 2 are done already" in captured.err
     assert json.loads(captured.out) == told
     assert {path: path.stat().st_mtime_ns for path in made} == made
+
+
+def test_results_of_another_plugin_file_or_video_are_not_kept(tmp_path: Path) -> None:
+    """The plan holds the names of both, and the result depends on what is in them."""
+    (tmp_path / "lower.py").write_text(
+        "from followspot import Stage\n"
+        "from followspot.tracking import Tracks\n"
+        "class Low(Stage):\n"
+        "    def process(self, tracks: Tracks) -> Tracks:\n"
+        "        return tracks\n"
+    )
+    changes = "stages: {low: {uses: lower.low, in: {tracks: track}}}"
+    (tmp_path / "graph.yaml").write_text(f"extends: {GRAPH}\n{changes}\n")
+    (tmp_path / "clips").mkdir()
+    (tmp_path / "clips/cam0.mkv").write_bytes(b"a video")
+
+    def state() -> str:
+        plan = compile_graph(tmp_path / "graph.yaml", plugin_files=[str(tmp_path / "lower.py")])
+        source = StageUse("video.file", {"path": "clips/cam0.mkv"}, str(tmp_path))
+        camera = replace(plan.room.cameras["cam0"], source=source)
+        return state_of([replace(plan, room=replace(plan.room, cameras={"cam0": camera}))])
+
+    states = [state(), state()]
+    for changed in ("lower.py", "clips/cam0.mkv"):
+        with (tmp_path / changed).open("ab") as file:
+            file.write(b"# more")
+        states.append(state())
+    assert states[0] == states[1]
+    assert len(set(states)) == 3
 
 
 SWEEP = """

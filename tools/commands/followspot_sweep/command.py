@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import hashlib
 import json
 import sys
 import time
@@ -11,7 +10,6 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import suppress
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from subprocess import Popen
 from threading import Lock
@@ -19,10 +17,10 @@ from threading import Lock
 from followspot.cli.graph_options import output_folder
 from followspot.cli.trial_options import check_rooms, planned
 from followspot.errors import InputError
-from followspot.graph.plan_data import plan_to_data
 from followspot_sweep.axes import Axis, Point, points, read_axes
 from followspot_sweep.idle import idle
 from followspot_sweep.plot import draw
+from followspot_sweep.state import state_of
 from followspot_sweep.table import best, rows, text, write
 from followspot_sweep.trial import Result, Task, folder_name, kept, run
 
@@ -119,9 +117,8 @@ def _scenes(args: argparse.Namespace, axes: Sequence[Axis]) -> list[Scene]:
         found = (planned(args.graph, room, _overrides(point), args, mistakes) for point in _trials(axes))
         plans = [plan for plan in found if plan is not None]
         if plans:
-            state = json.dumps([version("followspot"), plan_to_data(plans[0])])
             name = Path(room).stem if room else plans[0].room.name
-            scenes.append(Scene(name, room, hashlib.sha256(state.encode()).hexdigest()))
+            scenes.append(Scene(name, room, state_of(plans)))
     if mistakes:
         raise InputError(list(dict.fromkeys(mistakes)))
     return scenes

@@ -25,8 +25,8 @@ SUMMARY = "summary.json"
 class Task:
     """A run to make.
 
-    command: the arguments of `followspot` without those of the output; state: hash of graph, room and
-    followspot version, so that a sweep does not reuse results of another state.
+    command: the arguments of `followspot` without those of the output; state: as `state_of`
+    gives it, so that a sweep does not reuse results of another state.
     """
 
     room: str
