@@ -203,6 +203,33 @@ def test_a_port_that_is_taken_is_named_with_a_remedy(ill: Told) -> None:
     assert {ill.bad(subject) for subject in taken} == {"is taken"}
 
 
+def test_stages_of_a_file_are_known_to_graph_and_room(tmp_path: Path) -> None:
+    (tmp_path / "bars.py").write_text(
+        "import numpy as np\n"
+        "from followspot import Source, Stage, at\n"
+        "from followspot.tracking import Frame\n"
+        "class Film(Stage):\n"
+        "    def process(self) -> Source[Frame]:\n"
+        "        yield at(0, Frame('left', np.zeros((240, 320, 3), np.uint8)))\n"
+        "class Look(Stage):\n"
+        "    def process(self, frame: Frame) -> None: ...\n"
+    )
+    (tmp_path / "graph.yaml").write_text(
+        "stages:\n"
+        "  camera: {uses: room.source, each: cameras}\n"
+        "  look: {uses: bars.look, each: cameras, in: {frame: camera}}\n"
+    )
+    words = (
+        "--room",
+        room_with(tmp_path, {"left": {"uses": "bars.film"}}),
+        "--graph",
+        tmp_path / "graph.yaml",
+    )
+    told = doctor(tmp_path, *words, "--plugin", tmp_path / "bars.py")
+    assert told.findings["graph"]["state"] == "ok", told.findings
+    assert told.findings["left"]["state"] == "ok", told.findings
+
+
 def test_a_mistake_in_the_graph_is_named_with_its_place(ill: Told) -> None:
     places = [subject for subject in ill.findings if "graph.yaml:1:" in subject]
     assert any("sinks.csvv" in ill.bad(place) for place in places)

@@ -96,7 +96,7 @@ def test_a_taken_name_is_refused_and_renewed_on_request(authority: Authority) ->
 
 
 @pytest.mark.parametrize(
-    "name", ["", "a/b", "../x", ".", "a b", "*", "**", "a$b", "x" * 65, "authority", "-a"]
+    "name", ["", "a/b", "../x", ".", "a b", "*", "**", "a$b", "x" * 65, "authority", "hosts.json", "-a"]
 )
 def test_an_invalid_name_is_refused(authority: Authority, name: str) -> None:
     before = sorted(authority.folder.iterdir())

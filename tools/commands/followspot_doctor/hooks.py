@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from followspot.cli.agent_options import add_network_options, network_of
+from followspot.cli.graph_options import add_plugin_option
 from followspot.errors import InputError
 from followspot.plugins.hooks import Command, hookimpl
 
@@ -26,6 +27,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--cameras", action="store_true", help=watch)
     parser.add_argument("--graph", metavar="GRAPH", help="also find every mistake in this graph")
+    add_plugin_option(parser, "load the stages of a Python file that graph or room use; repeatable")
     parser.add_argument(
         "--out", type=Path, default=Path("runs"), help="folder of the outputs of runs (default: runs)"
     )
@@ -49,11 +51,13 @@ def _run(args: argparse.Namespace) -> int:
       followspot doctor --graph graphs/glowballs.yaml --room room.yaml --json
       followspot doctor --connect tls/pc-left:7450 --certificates certs
     """
+    from followspot.plugins.registry import use_plugin_files
     from followspot_doctor.examination import Subject, examine
     from followspot_doctor.report import as_json, as_text
 
     if args.cameras and args.room is None:
         raise InputError.of("--cameras needs the room whose cameras it watches", "add --room ROOM.yaml")
+    use_plugin_files(args.plugin_files)
     network = network_of(args, connect=())
     subject = Subject(args.room, args.graph, args.cameras, args.out, network)
     findings = examine(subject)
