@@ -23,6 +23,7 @@ from tests.integration.hosts import near_agent
 from followspot.cli.main import main
 from followspot.control.host import HostLost
 from followspot.host.clocks.host import read_clock
+from followspot.security.authority import create_authority
 from followspot_doctor.checks.hosts import _clock, certificates
 from followspot_doctor.checks.network import PORTS
 
@@ -277,12 +278,11 @@ def test_a_host_that_is_busy_for_a_moment_tells_its_clock_all_the_same() -> None
     [(-1, "problem", "expired"), (3, "warning", "of pc-left"), (99, "ok", "of pc-left")],
 )
 def test_a_certificate_that_ends_soon(tmp_path: Path, days: int, state: str, said: str) -> None:
-    for name in ("ca.pem", "cert.pem", "key.pem"):
-        (tmp_path / name).touch(mode=0o600)
+    folder = create_authority(tmp_path / "certs").add("pc-left", "camera")
     expires = (datetime.now(UTC) + timedelta(days=days)).isoformat()
     hosts = {"pc-left": {"role": "camera", "expires": expires}}
-    (tmp_path / "hosts.json").write_text(json.dumps({"format": 1, "own": "pc-left", "hosts": hosts}))
-    (found,) = certificates(tmp_path)
+    (folder / "hosts.json").write_text(json.dumps({"format": 1, "own": "pc-left", "hosts": hosts}))
+    (found,) = certificates(folder)
     assert found.state == state
     assert said in found.text
 

@@ -8,6 +8,7 @@ import sys
 import threading
 
 from followspot.cli.agent_options import add_network_options, network_of
+from followspot.errors import FollowspotError
 from followspot.plugins.hooks import Command
 
 
@@ -19,13 +20,19 @@ def _run(args: argparse.Namespace) -> int:
     """Route between agents and operators that cannot reach each other; zenohd can do the same.
 
     Examples:
-      followspot router --listen tls/0.0.0.0:7447 --certificates certs
-      followspot agent --name pc-left --router tls/router.example:7447 --certificates certs
+      followspot router --listen tls/0.0.0.0:7447 --certificates certs/hub
+      followspot agent --name pc-left --router tls/router.example:7447 --certificates certs/pc-left
     """
     from followspot.security.rejected_peers import RejectedPeers
     from followspot.transport.zenoh.session import close_session, connected, locators
 
     network = network_of(args, ("tcp/127.0.0.1:7447",), ())
+    if network.certificates and network.own.role != "router":
+        own = network.own
+        raise FollowspotError(
+            f"the certificate of {own.name} has the role {own.role}: others take nothing from such a router\n"
+            "    make one where the authority is: followspot certs host NAME --role router"
+        )
     over = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: over.set())

@@ -16,7 +16,7 @@ from followspot.cli.main import main
 from followspot.errors import FollowspotError
 from followspot.files import DOCUMENT
 from followspot.security.authority import Authority, create_authority
-from followspot.transport.host_registry import read_certificates, read_host_registry
+from followspot.transport.host_registry import HostRole, read_certificates, read_host_registry
 
 
 def mode(path: Path) -> int:
@@ -229,3 +229,20 @@ def test_a_full_disk_leaves_no_half_authority_and_no_half_host(tmp_path: Path) -
         authority.add("desk", "operator")
     Authority(tmp_path / "certs").add("desk", "operator")
     assert [member.name for member in Authority(tmp_path / "certs").members] == ["desk"]
+
+
+def test_a_key_of_another_certificate_is_named(authority: Authority) -> None:
+    folder, other = authority.add("pc-left", "camera"), authority.add("pc-right", "camera")
+    (folder / "key.pem").write_bytes((other / "key.pem").read_bytes())
+    with pytest.raises(FollowspotError, match=r"pc-left/key\.pem is not the key of .*pc-left/cert\.pem"):
+        read_certificates(folder)
+
+
+@pytest.mark.parametrize("role", ["camera", "worker", "operator"])
+def test_a_router_needs_a_certificate_of_that_role(
+    authority: Authority, role: HostRole, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With another one it would listen, and all that it passes on would be refused."""
+    folder = authority.add("hub", role)
+    assert main(["router", "--listen", "tls/127.0.0.1:0", "--certificates", str(folder)]) == 1
+    assert f"the certificate of hub has the role {role}" in capsys.readouterr().err
