@@ -152,14 +152,14 @@ def warning_lines(warnings: Sequence[Mistake]) -> Iterator[str]:
 
 
 @contextmanager
-def writing(path: Path | None = None) -> Iterator[None]:
+def writing(path: Path) -> Iterator[None]:
     """Raise FollowspotError for an OSError of the block; path: named in place of the OSError's
-    file, which may be a temporary one.
+    file, which may be a temporary one, or none where the disk is full.
     """
     try:
         yield
     except OSError as error:
-        raise FollowspotError(f"{path or error.filename} cannot be written: {error.strerror}") from None
+        raise FollowspotError(f"{path} cannot be written: {error.strerror}") from None
 
 
 def did_you_mean(word: str, known: Collection[str], noun: str) -> Guess:

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 import pytest
 from tests.datasets import dataset, needs_data
+from tests.full_disk import full_disk
 from tests.tools.calibrate.rooms import made_room
 
 from followspot import Camera, Room, Target
@@ -163,6 +164,23 @@ def test_flipped_points_are_told_in_numbers(
     told = capsys.readouterr().out
     assert "beyond the limit: cam0: its sightings " in told
     assert "nan" not in told
+
+
+def test_a_page_that_a_full_disk_cuts_short_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, pixel = seen_by(CAMERAS)
+    words = [
+        "calibrate",
+        "check",
+        "--room",
+        room_file(tmp_path, CAMERAS),
+        "--points",
+        points_file(tmp_path, pixel),
+    ]
+    with full_disk(1000):
+        assert main(words) == 1
+    assert f"{tmp_path / 'room.check.html'} cannot be written: File too large" in capsys.readouterr().err
 
 
 def test_epipolar_errors_point_to_the_pairs_of_the_camera_that_moved() -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Camera, Room
-from followspot.errors import InputError, writing
+from followspot.errors import InputError
 from followspot.messages import Array
 from followspot.room_file import load
 from followspot_calibrate.check.against import compare
@@ -37,8 +37,7 @@ def check_calibration(args: argparse.Namespace) -> int:
     room = load(args.room)
     found = findings(args, room)
     report = args.report or args.room.with_suffix(".check.html")
-    with writing():
-        write_report(report, page_of(room, found))
+    write_report(report, page_of(room, found))
     print_result(args, as_json(found), as_text(found), report)
     return 1 if found.failures else 0
 

@@ -52,8 +52,7 @@ def calibrate_clocks(args: argparse.Namespace) -> int:
     if not args.dry_run:
         write(args.room, room, found)
     report = args.report or args.room.with_suffix(".clocks.html")
-    with writing():
-        write_report(report, page_of(room, found))
+    write_report(report, page_of(room, found))
     print_result(args, as_json(room, found), text(room, found), report)
     return 0
 

@@ -37,9 +37,9 @@ def calibrate_planes(args: argparse.Namespace) -> int:
         cameras_after = {name: motion.camera(camera) for name, camera in room.cameras.items()}
         planes_after = {name: moved_plane(plane, motion) for name, plane in planes.items()}
     report = args.report or args.room.with_suffix(".planes.html")
-    with writing():
+    with writing(args.room):
         update(args.room, cameras=None if motion is None else cameras_after, planes=planes_after)
-        write_report(report, page_of(room.name, cameras_after, planes_after, marks, fits, motion, warnings))
+    write_report(report, page_of(room.name, cameras_after, planes_after, marks, fits, motion, warnings))
     data, text = as_json(fits, planes_after, args.floor, warnings), summary(fits, planes_after, args.floor)
     print_result(args, data, text, report, warnings, args.room)
     return 0

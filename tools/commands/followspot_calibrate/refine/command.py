@@ -45,10 +45,10 @@ def refine_room(args: argparse.Namespace) -> int:
     clear_progress()
     report = args.report or args.room.with_suffix(".refine.html")
     written = held is None or held.better
-    with writing():
-        if written and not args.dry_run:
+    if written and not args.dry_run:
+        with writing(args.room):
             update(args.room, cameras={c.name: c for c in found.after.cameras}, planes=found.planes)
-        write_report(report, page_of(room, found))
+    write_report(report, page_of(room, found))
     result = {"left_out_px": comparison_as_json(held), "written": written and not args.dry_run}
     text = as_text(found) if held is None else f"{as_text(found)}\n{left_out(held)}"
     print_result(args, json.dumps(as_json(found) | result), text, report, warnings_of(held))

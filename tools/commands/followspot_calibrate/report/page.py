@@ -8,6 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Literal
 
+from followspot.errors import writing
 from followspot_calibrate.report.elements import Element, element, html
 
 Verdict = Literal["good", "look", "bad"]
@@ -39,8 +40,9 @@ class Page:
 
 
 def write_report(path: Path, page: Page) -> None:
-    """Write the page as one HTML file without any outside resource. Raises OSError."""
-    path.write_text("<!DOCTYPE html>\n" + html(document(page)) + "\n", encoding="utf-8")
+    """Write the page as one HTML file without any outside resource. Raises FollowspotError."""
+    with writing(path):
+        path.write_text("<!DOCTYPE html>\n" + html(document(page)) + "\n", encoding="utf-8")
 
 
 def document(page: Page) -> Element:
