@@ -362,6 +362,7 @@ def test_messages_of_a_stranger_are_recorded_replayed_and_verified(
         (["replay", "SHOW", "--cameras", "cam0"], "--cameras serves another graph"),
         (["replay", "SHOW", "--from", "2", "--to", "1"], "0 <= from < to"),
         (["replay", "SHOW", "--from", "1e300"], "0 <= from < to"),
+        (["replay", "SHOW", "--from", "2"], "it lasts 0.0833333 s"),
         (["replay", "SHOW", "--from", "1e-300"], "0 <= from < to"),
         (["replay", "SHOW", "--to", "1e300"], "0 <= from < to"),
         (["replay", "SHOW", "--to", "1e-300"], "0 <= from < to"),

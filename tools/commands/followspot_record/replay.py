@@ -11,6 +11,7 @@ from functools import partial
 from followspot.cli.run import execute
 from followspot.document import Node
 from followspot.errors import InputError, Mistake, did_you_mean
+from followspot.frame_times import to_seconds
 from followspot.graph.compile import compile_graph
 from followspot.graph.declaration import ROOM_SOURCE
 from followspot.graph.load import Loaded
@@ -36,6 +37,7 @@ def replay_command(args: argparse.Namespace) -> int:
     with Recording(args.recording) as recording:
         if recording.problem:
             print(f"followspot: {recording.problem}", file=sys.stderr)
+        _check_begin(args.start, recording)
         offered = offered_ports(recording)
         more = chosen_ports(args.ports, recording.ports, "--ports", offered) if args.ports else ()
         plan = _other_graph(args, recording) if args.graph else recorded_plan(recording, args.plugin_files)
@@ -48,6 +50,13 @@ def replay_command(args: argparse.Namespace) -> int:
     for options in load_plan_options():
         plan = options.change(plan, args)
     return execute(plan, args)
+
+
+def _check_begin(start: float, recording: Recording) -> None:
+    """Raises InputError if nothing was recorded so many seconds after the beginning."""
+    lasts = to_seconds(recording.end - recording.begin)
+    if recording.ports and start > lasts:
+        raise InputError.of(f"--from {start:g} is after the end of {recording.path}", f"it lasts {lasts:g} s")
 
 
 def source_ports(plan: Plan) -> tuple[str, ...]:
