@@ -20,7 +20,7 @@ from followspot.testing.tiny_room import tiny_room
 from followspot_accuracy import TargetScore, TrackTable, TruthTable
 from followspot_accuracy.targets.figures import Recoveries
 from followspot_compare.columns import COLUMNS
-from followspot_compare.command import Scene, plan_scenes, unchanged
+from followspot_compare.command import Scene, comparable, plan_scenes, unchanged
 from followspot_compare.plot import MISSING, draw
 from followspot_compare.recorded import detection_errors, pair_counts, read_fused
 from followspot_compare.report import Comparison, data, text
@@ -149,7 +149,7 @@ def test_rooms_of_one_name_are_refused(capsys: pytest.CaptureFixture[str]) -> No
     assert 'several rooms are named "simulated"' in capsys.readouterr().err
 
 
-def test_failing_variant_is_named_and_the_exit_code_is_1(
+def test_failing_variant_is_named_after_the_figures_of_the_others_and_the_exit_code_is_1(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     plugin = tmp_path / "broken.py"
@@ -163,11 +163,21 @@ def test_failing_variant_is_named_and_the_exit_code_is_1(
     graph = tmp_path / "graph.yaml"
     text = Path(ROOT / "graphs/glowballs.yaml").read_text().replace("rooms/simulated.yaml", SIMULATED)
     graph.write_text(re.sub(r"(fuse: .*candidates: associate.candidates), forecast: .*", r"\1}}", text))
-    command = ["compare", str(graph), "--plugin", str(plugin), "--set", "fuse.uses=broken.fusion"]
-    assert main([*command, "--frames", "2", "-o", str(tmp_path / "out"), "--quiet"]) == 1
-    said = capsys.readouterr().err
-    assert 'variant "graph" failed in room simulated' in said
-    assert "no such mode" in said
+    command = ["compare", str(graph), "--plugin", str(plugin), "--variant", "broken:fuse.uses=broken.fusion"]
+    assert main([*command, "--frames", "2", "-o", str(tmp_path / "out"), "--quiet", "--json"]) == 1
+    said = capsys.readouterr()
+    assert 'variant "broken" failed in room simulated' in said.err
+    assert "no such mode" in said.err
+    known = json.loads(said.out)
+    assert known["variants"] == ["graph"]
+    assert json.loads((tmp_path / "out/compare.json").read_text()) == known
+
+
+def test_what_is_compared_after_a_failure_are_the_rooms_that_all_variants_ran_in() -> None:
+    hall = [trial("a", "hall"), trial("b", "hall")]
+    assert comparable([*hall, trial("a", "stage")], 2) == tuple(hall)
+    assert comparable([hall[0]], 2) == (hall[0],)
+    assert comparable([], 2) == ()
 
 
 def test_several_targets_share_a_mean_a_sum_or_the_worst() -> None:

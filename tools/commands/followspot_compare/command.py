@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +15,7 @@ from followspot.cli.graph_options import output_folder
 from followspot.cli.progress import ProgressBar
 from followspot.cli.trial_options import check_rooms, planned
 from followspot.cli.trial_outputs import same_outputs
-from followspot.errors import InputError, Mistake, writing
+from followspot.errors import FollowspotError, InputError, Mistake, writing
 from followspot.graph.plan import Plan
 from followspot.library.execute import RunOptions, room_truth
 from followspot_accuracy import PoseTruthTable, TruthTable
@@ -33,12 +34,34 @@ class Scene:
 
 
 def compare(args: argparse.Namespace) -> int:
-    """Run every variant in every room; print tables or JSON, draw plots. Returns the exit code."""
+    """Run every variant in every room; print tables or JSON, draw plots. Returns the exit code.
+
+    Raises FollowspotError if a run fails, after what was compared until then is written.
+    """
     variants = read_variants(args.graphs, args.variants)
     scenes = plan_scenes(variants, args)
     out = output_folder(args.out, "compare")
-    trials = [trial for scene in scenes for trial in run_scene(scene, variants, out, args)]
-    comparison = Comparison(tuple(trials), unchanged(variants, scenes, out))
+    trials: list[Trial] = []
+    try:
+        for scene in scenes:
+            trials.extend(run_scene(scene, variants, out, args))
+    except FollowspotError:
+        if known := comparable(trials, len(variants)):
+            tell(Comparison(known), out, args)
+        raise
+    tell(Comparison(tuple(trials), unchanged(variants, scenes, out)), out, args)
+    return 0
+
+
+def comparable(trials: Sequence[Trial], variants: int) -> tuple[Trial, ...]:
+    """Those of the rooms in which all variants ran; without such a room, those of the only one begun."""
+    ran = Counter(trial.room for trial in trials)
+    complete = [trial for trial in trials if ran[trial.room] == variants]
+    return tuple(complete or trials)
+
+
+def tell(comparison: Comparison, out: Path, args: argparse.Namespace) -> None:
+    """Print tables or JSON, write the JSON, draw plots."""
     print(json.dumps(data(comparison)) if args.json else text(comparison))
     file = out / "compare.json"
     with writing(file):
@@ -46,7 +69,6 @@ def compare(args: argparse.Namespace) -> int:
     pictures = draw(comparison, out)
     if not args.json:
         print("\n" + (f"{pictures}\n" if pictures else "") + f"outputs: {out}")
-    return 0
 
 
 def unchanged(variants: Sequence[Variant], scenes: Sequence[Scene], out: Path) -> tuple[str, ...]:
@@ -84,10 +106,11 @@ def _check_room(plans: Sequence[Plan], room: str | None, mistakes: list[Mistake]
             mistakes.append(Mistake(None, text, "give one for all with --room FILE"))
 
 
-def run_scene(scene: Scene, variants: Sequence[Variant], out: Path, args: argparse.Namespace) -> list[Trial]:
+def run_scene(
+    scene: Scene, variants: Sequence[Variant], out: Path, args: argparse.Namespace
+) -> Iterator[Trial]:
     """Every variant in one room, one after the other so that they do not slow each other down."""
     truth: TruthTable | PoseTruthTable | None = None
-    trials = []
     for variant, plan in zip(variants, scene.plans, strict=True):
         truth = truth or room_truth(plan, args.frames)
         assert truth is not None  # checked with the plans
@@ -98,5 +121,5 @@ def run_scene(scene: Scene, variants: Sequence[Variant], out: Path, args: argpar
         with closing(ProgressBar()) as bar:
             options = RunOptions(folder, args.frames)
             show = None if args.quiet else bar.show
-            trials.append(run_trial(variant.name, scene.name, plan, truth, options, show))
-    return trials
+            trial = run_trial(variant.name, scene.name, plan, truth, options, show)
+        yield trial
