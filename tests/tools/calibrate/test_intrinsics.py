@@ -358,6 +358,14 @@ def test_views_of_another_board_give_no_lens_that_a_room_file_would_refuse() -> 
         calibrate_lens("cam0", seen(lens(), tilt=0.1), other, SIZE, "pinhole")
 
 
+def test_a_lens_that_explains_nothing_is_none_though_its_numbers_are_small() -> None:
+    """The corners of each view belong to other corners of the board: the best lens errs by 40 px or more."""
+    rng = np.random.default_rng(0)
+    mixed = [replace(view, label=rng.permutation(view.label)) for view in seen(lens())]
+    with pytest.raises(NoFit, match=r"no lens explains the views: .* an error of [4-9]\d px"):
+        calibrate_lens("cam0", mixed, BOARD, SIZE, "pinhole")
+
+
 def test_command_asks_for_the_board_if_the_search_for_a_lens_runs_away(
     boards: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

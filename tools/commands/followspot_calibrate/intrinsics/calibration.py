@@ -29,6 +29,8 @@ UNSURE = 0.01
 """Sigma of the focal length over the focal length."""
 ROUGH = 1.0
 """RMS error from which the board, its description or the lens model is in doubt, px."""
+WRONG = 0.02
+"""RMS error over the width of the picture, from which what was found is no lens at all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +60,7 @@ def calibrate_lens(
     """The lens from sharp and diverse views that agree with each other. Raises NoFit."""
     usable = sharp(views)
     found, rejected = agreeing(diverse(usable, board, size), board, size, model)
-    check_bounded(found)
+    check_plausible(found, size)
     covered = coverage(usable, size)
     tilt = tilt_of(found)
     return LensCalibration(
@@ -90,10 +92,11 @@ def agreeing(
     return found, tuple(view.frame for view in views if view.frame not in kept)
 
 
-def check_bounded(found: Fit) -> None:
-    """Raises NoFit if the search ran away to numbers that a room file does not take."""
+def check_plausible(found: Fit, size: tuple[int, int]) -> None:
+    """Raises NoFit if the search ran away to numbers that a room file does not take, or the error is huge."""
     largest = float(np.abs(found.distortion).max())
-    if not (largest <= MOST_DISTORTION and np.abs(found.matrix).max() <= MOST_FOCAL):
+    bounded = largest <= MOST_DISTORTION and np.abs(found.matrix).max() <= MOST_FOCAL
+    if not bounded or found.rms > WRONG * size[0]:
         raise NoFit(
             f"no lens explains the views: the best has a focal length of {found.matrix[0, 0]:.3g} px, "
             f"distortion coefficients up to {largest:.2g} and an error of {found.rms:.0f} px"
