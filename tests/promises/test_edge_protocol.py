@@ -163,8 +163,8 @@ class RingEdge(RingEnds):
         assert self.writer is not None
         for _ in range(count):
             while not self.writer.credit():
-                self.sleep()
-                assert self.all_read(hoards), "all was taken, and there is no credit"
+                self.sleep()  # which finds the dead, and may give their credit back
+                assert self.all_read(hoards) or self.writer.credit(), "all was taken, and there is no credit"
                 self.credit_wakes_a_writer_that_sleeps()
             self.credit_is_what_the_readers_have_given()
             self.send(size, lent, keeps)
