@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
 
@@ -25,7 +25,6 @@ INPUTS = MAPS * (LAYOUT.width // CELL) * (LAYOUT.height // CELL)
 """Number of features of a window."""
 TREES = 0.7
 """Share of the trees in what both say: the network alone takes more furniture of rooms for people."""
-NETWORK_NAMES = ("hidden", "hidden_bias", "output", "output_bias")
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +50,7 @@ def load(path: Path = SHIPPED_WHOLE) -> WholeModel:
         stored = read_arrays(path)
         feature = stored["tree_feature"].astype(np.intp)
         bounds, leaves = (stored[name].astype(np.float32) for name in ("tree_threshold", "tree_leaf"))
-        layers = [stored[name].astype(np.float32) for name in NETWORK_NAMES]
+        layers = [stored[field.name].astype(np.float32) for field in fields(Network)]
         model = WholeModel(Network(*layers), Trees(feature, bounds, leaves))
         network.check(model.network, INPUTS, 1)
         trees.check(model.trees, INPUTS)
@@ -65,5 +64,5 @@ def save(model: WholeModel, path: Path) -> None:
     """Write a file of weights; half precision is enough for those of the network."""
     grown = model.trees
     named = {"tree_feature": grown.feature.astype(np.uint16), "tree_threshold": grown.threshold}
-    layers = {name: array.astype(np.float16) for name, array in asdict(model.network).items()}
+    layers = {name: array.astype(np.float16) for name, array in vars(model.network).items()}
     np.savez_compressed(path, allow_pickle=False, **named, tree_leaf=grown.leaf, **layers)

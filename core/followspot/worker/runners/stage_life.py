@@ -72,7 +72,7 @@ class StageLife:
         """Type of all results but None, if the stage has one output; None for dataclasses of messages."""
 
     def _checked(self, result: Any, header: Header) -> Any:
-        """The result, or None if it is not what the stage declares. Raises StageError as :meth:`run`."""
+        """The result; None if it is not what the stage declares. Raises StageError if the run is to fail."""
         try:
             check_returned(self.declared, result)
         except WrongOutput as error:
