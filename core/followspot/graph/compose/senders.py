@@ -36,31 +36,48 @@ def senders(unit: Unit, feed: Node, mistakes: list[Mistake], way: _Way = ()) -> 
     stage, port = named
     step = (unit.name, stage, port)
     if step in way:
-        ring = " -> ".join(_text(*step) for step in (*way[way.index(step) :], step))
-        text = f"this input is fed from itself: {ring}"
-        mistakes.append(Mistake(origin(feed).place, text, "feed it from a stage"))
+        mistakes.append(_fed_from_itself(feed, (*way[way.index(step) :], step)))
         return []
     way = (*way, step)
     if stage in unit.replaced:
-        wired = unit.replaced[stage]
-        outer = [one for item in items(wired.feeds) for one in senders(wired.unit, item, mistakes, way)]
-        found = [joined(_with_port(seen_with(one, feed), port), feed) for one in outer]
-        return [_only(one, unit.stages[stage], unit.limits) for one in found]
+        return _of_replaced(unit, stage, port, feed, mistakes, way)
     absent = next((name for name in enclosing(stage) if name in unit.left_out), None)
     if absent is not None:
-        if stage in unit.apart:
+        if stage in unit.apart:  # for the mistakes alone: what is left out feeds nothing
             _of_output(unit.apart[stage], port, feed, mistakes, way)
         return [renamed(feed, _join(below(unit.name, absent), port))]
     if stage in unit.units:
         return [one for inner in unit.units[stage] for one in _of_output(inner, port, feed, mistakes, way)]
     full = below(unit.name, stage)
-    for inner in (inner for units in unit.units.values() for inner in units):
-        if inner.name == full and stage not in unit.stages:  # one member of a sub-graph that fans out
-            return _of_output(inner, port, feed, mistakes, way)
-        if stage not in unit.stages and full.startswith(f"{inner.name}/"):
-            text = _join(full.removeprefix(f"{inner.name}/"), port)
-            return senders(inner, renamed(feed, text), mistakes, way)
-    return [renamed(feed, _join(full, port))]
+    around = None if stage in unit.stages else _around(unit, full)
+    if around is None:
+        return [renamed(feed, _join(full, port))]
+    if around.name == full:  # one member of a sub-graph that fans out
+        return _of_output(around, port, feed, mistakes, way)
+    text = _join(full.removeprefix(f"{around.name}/"), port)
+    return senders(around, renamed(feed, text), mistakes, way)
+
+
+def _fed_from_itself(feed: Node, ring: _Way) -> Mistake:
+    """The mistake of a feed that leads back to itself. ring: the senders on the way, in a circle."""
+    steps = " -> ".join(_join(below(unit, stage), port) for unit, stage, port in ring)
+    return Mistake(origin(feed).place, f"this input is fed from itself: {steps}", "feed it from a stage")
+
+
+def _of_replaced(
+    unit: Unit, stage: str, port: str | None, feed: Node, mistakes: list[Mistake], way: _Way
+) -> list[Node]:
+    """The senders that the use of a sub-graph connects in place of one of its stages."""
+    wired = unit.replaced[stage]
+    outer = [one for item in items(wired.feeds) for one in senders(wired.unit, item, mistakes, way)]
+    found = [joined(_with_port(seen_with(one, feed), port), feed) for one in outer]
+    return [_only(one, unit.stages[stage], unit.limits) for one in found]
+
+
+def _around(unit: Unit, full: str) -> Unit | None:
+    """The sub-graph of the unit that has this full name, or a stage of this full name inside."""
+    units = (inner for units in unit.units.values() for inner in units)
+    return next((inner for inner in units if f"{full}/".startswith(f"{inner.name}/")), None)
 
 
 def _of_output(unit: Unit, port: str | None, feed: Node, mistakes: list[Mistake], way: _Way) -> list[Node]:
@@ -106,7 +123,3 @@ def _with_port(feed: Node, port: str | None) -> Node:
 
 def _join(stage: str, port: str | None) -> str:
     return stage if port is None else f"{stage}.{port}"
-
-
-def _text(unit: str, stage: str, port: str | None) -> str:
-    return _join(below(unit, stage), port)
