@@ -8,11 +8,11 @@ stage, that before one of a sub-graph, that before one of a plugin.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from followspot.document import Node, child
-from followspot.errors import Mistake, did_you_mean
+from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.expand import Expanded
 from followspot.graph.instances import Instance
 from followspot.graph.names import enclosing
@@ -53,22 +53,10 @@ def tuned(expanded: Expanded, mistakes: list[Mistake]) -> Expanded:
     used: set[str] = set()
     instances = {}
     for name, instance in expanded.instances.items():
-        params = dict(instance.params)
-        own = {name for name, node in params.items() if replace(node.place, outer=None) in written}
         subjects = _subjects(instance.uses, instance.declared.name, instance.name, instance.member)
-        for parameter, matches in _matches(subjects, tunes).items():
-            used.update(match.tune.key for match in matches)
-            best, *others = sorted(matches, key=lambda match: -match.rank)
-            tune = best.tune
-            if others and others[0].rank == best.rank:
-                other = others[0].tune
-                wrong.setdefault((tune.key, other.key), _twice(instance.name, tune, other))
-            elif (mistake := _unknown(instance, tune)) is not None:
-                wrong.setdefault((tune.key,), mistake)
-            elif best.rank or parameter not in own:
-                params[parameter] = below_set(tune.node, params.get(parameter))
-                own.add(parameter)
-        instances[name] = replace(instance, params=params, tuned=frozenset(own))
+        matches = _matches(subjects, tunes)
+        used.update(match.tune.key for found in matches.values() for match in found)
+        instances[name] = _tuned_instance(instance, matches, written, wrong)
     mistakes += wrong.values()
     idle = [
         tune
@@ -79,6 +67,34 @@ def tuned(expanded: Expanded, mistakes: list[Mistake]) -> Expanded:
     # Of a room or graph with mistakes, the names of some instances are not known.
     notes = [_unmatched(tune, expanded) for tune in idle] if expanded.complete else []
     return replace(expanded, instances=instances, notes=(*expanded.notes, *notes))
+
+
+def _tuned_instance(
+    instance: Instance,
+    matches: Mapping[str, Sequence[_Match]],
+    written: Collection[Place],
+    wrong: dict[tuple[str, ...], Mistake],
+) -> Instance:
+    """The instance with the most specific tune of each parameter.
+
+    matches: by parameter; written: places of all tunes in the room; wrong: receives the mistake of each tune
+    that cannot be applied, once for all instances.
+    """
+    params = dict(instance.params)
+    # Tunes of sub-graphs have come through the interface already; one of a plugin, rank 0, is less specific.
+    own = {name for name, node in params.items() if replace(node.place, outer=None) in written}
+    for parameter, found in matches.items():
+        best, *others = sorted(found, key=lambda match: -match.rank)
+        tune = best.tune
+        if others and others[0].rank == best.rank:
+            other = others[0].tune
+            wrong.setdefault((tune.key, other.key), _twice(instance.name, tune, other))
+        elif (mistake := _unknown(instance, tune)) is not None:
+            wrong.setdefault((tune.key,), mistake)
+        elif best.rank or parameter not in own:
+            params[parameter] = below_set(tune.node, params.get(parameter))
+            own.add(parameter)
+    return replace(instance, params=params, tuned=frozenset(own))
 
 
 def tunes_of(room: Node | None, stage: PlannedStage, mistakes: list[Mistake]) -> dict[str, Node]:
