@@ -5,14 +5,9 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from subprocess import Popen
-from threading import Lock
 
 from followspot.cli.graph_options import output_folder
 from followspot.cli.trial_options import check_rooms, planned
@@ -20,9 +15,10 @@ from followspot.errors import InputError
 from followspot_sweep.axes import Axis, Point, points, read_axes
 from followspot_sweep.idle import idle
 from followspot_sweep.plot import draw
+from followspot_sweep.run_all import run_all
 from followspot_sweep.state import state_of
 from followspot_sweep.table import best, rows, text, write
-from followspot_sweep.trial import Result, Task, folder_name, kept, run
+from followspot_sweep.trial import Task, folder_name
 
 
 @dataclass(frozen=True)
@@ -61,52 +57,6 @@ def sweep(args: argparse.Namespace) -> int:
     for result in failed:
         print(f"followspot: {result.task.folder.name}: {result.error}", file=sys.stderr)
     return 1 if failed else 0
-
-
-def run_all(tasks: Sequence[Task], jobs: int, *, quiet: bool) -> list[Result]:
-    """The results in the order of the tasks; tasks with a kept result are not run again.
-
-    Raises KeyboardInterrupt on Ctrl-C, after it has ended every run.
-    """
-    running: set[Popen[str]] = set()
-    lock = Lock()
-    begun = time.monotonic()
-
-    def started(process: Popen[str]) -> None:
-        with lock:
-            running.add(process)
-
-    results = {task: result for task in tasks if (result := kept(task)) is not None}
-    waiting = [task for task in tasks if task not in results]
-    if results and not quiet:
-        print(f"{len(results)} of {len(tasks)} are done already", file=sys.stderr, flush=True)
-    pool = ThreadPoolExecutor(jobs)
-    futures = [pool.submit(run, task, started) for task in waiting]
-    try:
-        for future in as_completed(futures):
-            result = future.result()
-            results[result.task] = result
-            if not quiet:
-                words = ", ".join(f"{name}={value}" for name, value in result.task.point)
-                state = "failed" if result.error else "done"
-                left = _time_left(len(tasks) - len(results), len(waiting), time.monotonic() - begun)
-                line = f"{len(results)}/{len(tasks)}  {result.task.room}: {words}  {state}{left}"
-                print(line, file=sys.stderr, flush=True)
-    except KeyboardInterrupt:
-        print(f"{len(results)} of {len(tasks)} are done; the same command goes on", file=sys.stderr)
-        raise
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-        with lock:
-            for process in running:
-                with suppress(OSError):
-                    process.terminate()
-    return [results[task] for task in tasks]
-
-
-def _time_left(left: int, tasks: int, seconds: float) -> str:
-    """The estimated time for the remaining tasks as text; seconds: since the first began."""
-    return f", about {seconds * left / (tasks - left):.0f} s left" if 0 < left < tasks else ""
 
 
 def _scenes(args: argparse.Namespace, axes: Sequence[Axis]) -> list[Scene]:
