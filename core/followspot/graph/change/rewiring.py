@@ -162,24 +162,29 @@ def _check(plan: Plan, new: Plan, place: Place) -> None:
     """Raise InputError if the new stages cannot begin while the graph runs."""
     before = {stage.name: stage for stage in plan.stages}
     fed = {edge.to_stage for edge in new.edges}
-    written = {path: s.name for s in plan.stages for path in _paths(s)}
-    mistakes = []
+    writers = {path: stage.name for stage in plan.stages for path in _paths(stage)}
+    mistakes: list[Mistake] = []
     for stage in new.stages:
         was = before.get(stage.name)
         if stage.name not in fed and not stage.live and (was is None or was.uses != stage.uses):
             text = f'source "{stage.name}" would begin its stream anew'
             mistakes.append(Mistake(place, text, "only live sources can come while a graph runs"))
-        stays = was is not None and (was.uses, was.params) == (stage.uses, stage.params)
-        for path in () if stays else _paths(stage):
-            if path in written:
-                text = f'stage "{stage.name}" would write {path}, which "{written[path]}" is writing'
-                mistakes.append(Mistake(place, text, "name another file"))
+        if was is None or (was.uses, was.params) != (stage.uses, stage.params):
+            mistakes += _shared_files(stage, writers, place)
     if not mistakes and new.live != plan.live:
         mistakes.append(Mistake(place, "a live graph stays live, and a replay a replay"))
     if not mistakes and not new.live:
         mistakes += [replace(mistake, place=place) for mistake in plan_sampled_cycles(new)]
     if mistakes:
         raise InputError(mistakes)
+
+
+def _shared_files(stage: PlannedStage, writers: Mapping[str, str], place: Place) -> Iterator[Mistake]:
+    """A mistake for each file of the stage that a stage of the old plan is writing. writers: by path."""
+    for path in _paths(stage):
+        if path in writers:
+            text = f'stage "{stage.name}" would write {path}, which "{writers[path]}" is writing'
+            yield Mistake(place, text, "name another file")
 
 
 def _paths(stage: PlannedStage) -> list[str]:
