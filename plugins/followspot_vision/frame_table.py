@@ -109,18 +109,13 @@ def read_frames(
             moments.setdefault(number, time)
         if camera is not None and row.known("camera", cameras, "cameras of the room") != camera:
             continue
-        if not own or own[-1][:2] != (number, time):
-            _check_order(row, own[-1][:2] if own else None, (number, time))
-            own.append((number, time, []))
-        own[-1][2].append(read(row))
-        if len(own[-1][2]) > MOST_IN_A_FRAME:
+        rows = _rows_of_frame(own, row, (number, time))
+        rows.append(read(row))
+        if len(rows) > MOST_IN_A_FRAME:
             raise _wrong(row, f"more than {MOST_IN_A_FRAME} rows of one frame", "split the file by camera")
-    if moments and max(moments) - min(moments) >= MOST_FRAMES:
-        text = f"{given.path} goes from frame {min(moments)} to {max(moments)}"
-        raise InputError.of(text, f"at most {MOST_FRAMES} frames; number them from 0")
     frames = [FrameRows(number, time, tuple(rows)) for number, time, rows in own]
     moments.update({frame.number: frame.time for frame in frames if has_frame})
-    _check_rising(given.path, moments)
+    _check_moments(given.path, moments)
     doubt = doubt_of_steps(moments, given.fps or 1.0) if time_of is not None else ""
     return FrameTable(frames, moments, time_of, doubt)
 
@@ -159,6 +154,18 @@ def _times(given: FrameParams) -> Callable[[int], int]:
     return lru_cache(maxsize=16)(lambda number: start + capture_time(number, rate))
 
 
+def _rows_of_frame(own: list[tuple[int, int, list[T]]], row: Row, now: tuple[int, int]) -> list[T]:
+    """The rows read so far of the frame that this row belongs to: the last one, or a new one.
+
+    own: number, capture time, ns, and rows of each frame; now: number and time of the row. Raises InputError.
+    """
+    last = own[-1][:2] if own else None
+    if last != now:
+        _check_order(row, last, now)
+        own.append((*now, []))
+    return own[-1][2]
+
+
 def _check_order(row: Row, last: tuple[int, int] | None, now: tuple[int, int]) -> None:
     """Raises InputError unless number and time both rise."""
     if last is None or (now[1] > last[1] and (now[0] > last[0] or now[0] < 0)):
@@ -173,8 +180,11 @@ def _check_order(row: Row, last: tuple[int, int] | None, now: tuple[int, int]) -
     )
 
 
-def _check_rising(path: Path, moments: dict[int, int]) -> None:
-    """Raises InputError unless capture times rise with the numbers, over all cameras."""
+def _check_moments(path: Path, moments: dict[int, int]) -> None:
+    """Raises InputError if numbers lie too far apart or times do not rise with them, over all cameras."""
+    if moments and max(moments) - min(moments) >= MOST_FRAMES:
+        text = f"{path} goes from frame {min(moments)} to {max(moments)}"
+        raise InputError.of(text, f"at most {MOST_FRAMES} frames; number them from 0")
     last = None
     for number in sorted(moments):
         if last is not None and moments[number] <= moments[last]:
