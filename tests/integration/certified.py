@@ -13,7 +13,7 @@ import zenoh
 
 from followspot.control.dispatch import Dispatcher, Role, RunRequest
 from followspot.control.zenoh_rpc import RpcServer
-from followspot.security.request_guard import Asked, seal
+from followspot.security.request_guard import Asked, envelope
 from followspot.transport.zenoh.network import Network
 from followspot.transport.zenoh.session import connected
 
@@ -61,7 +61,7 @@ class Agent:
 
     def ask(self, by: zenoh.Session, key: str) -> list[dict[str, object]]:
         """The answers to a request under this key."""
-        return self.hear(by, key, seal(Asked.of(key), {"run": "r"}))
+        return self.hear(by, key, envelope(Asked.of(key), {"run": "r"}))
 
     def hear(self, by: zenoh.Session, key: str, payload: bytes) -> list[dict[str, object]]:
         """The answers to these bytes as a request under this key."""

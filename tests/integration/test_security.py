@@ -13,7 +13,7 @@ from tests.integration.hosts import free_port
 from followspot.control.host import HostLost
 from followspot.control.zenoh_rpc import RpcClient
 from followspot.errors import FollowspotError
-from followspot.security.request_guard import Asked, seal
+from followspot.security.request_guard import Asked, envelope
 from followspot.transport.keys import agent_key, port_key, request_key
 from followspot.transport.zenoh.network import Own
 
@@ -30,7 +30,7 @@ def test_a_replayed_request_is_refused_and_counted(certs: Path, agent: Agent, en
     with session(certs / "desk", connect=endpoint) as desk:
         assert met(desk)
         assert agent.ask(desk, key)
-        once = seal(Asked.of(key), {"run": "again"})
+        once = envelope(Asked.of(key), {"run": "again"})
         for _ in range(2):
             handler = desk.get(key, payload=once, timeout=2.0)
             assert wait_for(lambda: bool(agent.answers._waiting))
@@ -72,7 +72,7 @@ def test_a_captured_request_is_rejected_by_another_agent(certs: Path, agent: Age
             ]
         assert agent.hear(second, request_key("pc-right", "stop", "operator", "desk"), captured[0]) == []
         everywhere = Asked("*", "stop", "operator", "desk")
-        agent.hear(desk, request_key(*everywhere), seal(everywhere, {"run": "r"}))
+        agent.hear(desk, request_key(*everywhere), envelope(everywhere, {"run": "r"}))
     assert agent.answers.guard.refused["address"] == before + 3
     assert any("refused (address" in line for line in agent.lines)
     assert agent.stopped == []

@@ -20,7 +20,7 @@ from zenoh.handlers import Callback
 from followspot.control.dispatch import Dispatcher, Request, answer_from_wire, fields, verb
 from followspot.control.host import HostLost, HostRefused
 from followspot.errors import FollowspotError
-from followspot.security.request_guard import MAX_REQUEST, Asked, Rejected, RequestGuard, seal
+from followspot.security.request_guard import MAX_REQUEST, Asked, Rejected, RequestGuard, envelope
 from followspot.transport.keys import agent_key, request_key
 from followspot.transport.zenoh.network import Own
 
@@ -58,7 +58,7 @@ class RpcClient:
         """
         kind = type(request)
         asked = Asked(agent, verb(kind), *self.own)
-        payload = seal(asked, fields(request))
+        payload = envelope(asked, fields(request))
         for reply in self.session.get(request_key(*asked), payload=payload, timeout=timeout):
             if reply.ok is None:
                 continue

@@ -58,10 +58,10 @@ class Asked(NamedTuple):
         return cls(*chunks[1:])
 
 
-def seal(asked: Asked, data: dict[str, Any]) -> bytes:
-    """The bytes of a request with these arguments, valid once, now, for one agent and one sender."""
-    envelope = {"format": FORMAT, "id": uuid4().hex, "time": time.time(), "asked": asked, "data": data}
-    return json.dumps(envelope).encode()
+def envelope(asked: Asked, data: dict[str, Any]) -> bytes:
+    """A request with these arguments, as it is sent: valid once, now, for one agent and one sender."""
+    fields = {"format": FORMAT, "id": uuid4().hex, "time": time.time(), "asked": asked, "data": data}
+    return json.dumps(fields).encode()
 
 
 class RequestGuard:
@@ -137,7 +137,7 @@ class RequestGuard:
 
 
 def _opened(payload: bytes, most: int) -> dict[str, Any]:
-    """The validated envelope. most: bytes. Raises Rejected."""
+    """The validated content of an envelope. most: bytes. Raises Rejected."""
     if len(payload) > most:
         raise Rejected("size", f"a request of {len(payload)} bytes, at most {most} allowed")
     try:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from followspot.control.clock_status import LIMIT_MS, ClockStatus, ClockWarnings
 from followspot.host.clocks.filter import ClockFilter, Exchange
 from followspot.host.clocks.host import HostClock
-from followspot.security.request_guard import Asked, Rejected, RequestGuard, seal
+from followspot.security.request_guard import Asked, Rejected, RequestGuard, envelope
 from followspot.worker.clock import Clock
 
 MS = 1_000_000
@@ -133,6 +133,6 @@ def test_a_host_without_peers_adds_its_configured_offset() -> None:
 def test_hosts_may_only_read_clocks_and_operators_may_ask_all() -> None:
     gate = RequestGuard("pc-right", ["clock", "stop"], open_to_hosts=["clock"])
     clock, stop = (Asked("pc-right", verb, "camera", "pc-left") for verb in ("clock", "stop"))
-    assert gate.admit(clock, seal(clock, {})) == {}
+    assert gate.admit(clock, envelope(clock, {})) == {}
     with pytest.raises(Rejected, match="may not stop"):
-        gate.admit(stop, seal(stop, {"run": "1"}))
+        gate.admit(stop, envelope(stop, {"run": "1"}))

@@ -17,7 +17,7 @@ from followspot.security.request_guard import (
     Asked,
     Rejected,
     RequestGuard,
-    seal,
+    envelope,
 )
 
 HERE = "pc-left"
@@ -25,14 +25,14 @@ DESK = Asked(HERE, "stop", "operator", "desk")
 
 
 def request(**changes: Any) -> bytes:
-    envelope = {
+    fields = {
         "format": FORMAT,
         "id": "0123456789abcdef",
         "time": 1000.0,
         "asked": DESK,
         "data": {"run": "a"},
     }
-    return json.dumps(envelope | changes).encode()
+    return json.dumps(fields | changes).encode()
 
 
 def guard(now: float = 1000.0) -> RequestGuard:
@@ -40,7 +40,7 @@ def guard(now: float = 1000.0) -> RequestGuard:
 
 
 def test_a_fresh_request_of_an_operator_is_admitted() -> None:
-    assert RequestGuard(HERE, {"stop"}).admit(DESK, seal(DESK, {"run": "a"})) == {"run": "a"}
+    assert RequestGuard(HERE, {"stop"}).admit(DESK, envelope(DESK, {"run": "a"})) == {"run": "a"}
 
 
 def test_a_replayed_request_is_rejected_and_another_one_admitted() -> None:
@@ -158,7 +158,7 @@ def test_a_request_with_another_agent_verb_or_sender_is_rejected(
 def test_a_wildcard_key_is_rejected() -> None:
     everybody = DESK._replace(agent="*")
     with pytest.raises(Rejected) as refused:
-        guard().admit(everybody, seal(everybody, {"run": "a"}))
+        guard().admit(everybody, envelope(everybody, {"run": "a"}))
     assert refused.value.reason == "address"
 
 
