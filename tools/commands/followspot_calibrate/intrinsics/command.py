@@ -11,7 +11,7 @@ from pathlib import Path
 from followspot import Camera, Room
 from followspot.errors import FollowspotError, InputError, writing
 from followspot.room_file import load, save, update
-from followspot_calibrate.boards.board import parse_board
+from followspot_calibrate.boards.board import Board, parse_board
 from followspot_calibrate.boards.detection import Detector
 from followspot_calibrate.intrinsics.calibration import LensCalibration, calibrate_lens
 from followspot_calibrate.intrinsics.fitting import NoFit
@@ -26,38 +26,51 @@ def calibrate_intrinsics(args: argparse.Namespace) -> int:
 
     Raises FollowspotError for cameras without a result; the others are written.
     """
-    if bool(args.live or args.device) == bool(args.videos or args.clip):
-        text = "give recordings (--videos, --clip) or live cameras (--live, --device), one of them"
-        raise InputError.of(text)
-    if args.pictures < 1:
-        raise InputError.of(f"--pictures {args.pictures} is less than 1", "give 50 to 1000")
+    _check(args)
     board = parse_board(args.board)
     if board.pattern == "aruco":
         text = f"--board {args.board}: four corners in a view hardly determine a lens"
         raise InputError.of(text, "use a ChArUco board or a chessboard")
     room = load(args.room) if args.room.exists() else Room(args.room.stem)
     live = live_cameras(args, room.cameras)
-    done: dict[str, LensCalibration] = {}
-    failed: dict[str, str] = {}
-    for name, collected in look(args, live, Detector(board)).items():
-        if name in live and not collected.looked_at:
-            failed[name] = f"{name}: its camera gives no pictures: is it connected, and free?"
-            continue
-        try:
-            done[name] = calibrate_lens(name, collected.views, board, collected.size, args.model)
-        except NoFit as error:
-            failed[name] = (
-                f"{name}: {error} ({collected.looked_at} pictures searched)\n"
-                f"    is --board {args.board} right? Hold the whole board still, in good light"
-            )
+    done, failed = _calibrated(args, live, board)
     report = args.report or args.room.with_suffix(".intrinsics.html")
     notes = write(args.room, room, live, done, report) if done else {}
     print(as_json(done, notes) if args.json else summary(done))
     if done and not args.json:
         print(f"written to {args.room}; the page to look at: {report}")
     if failed:
-        raise FollowspotError("\n".join(failed.values()))
+        raise FollowspotError("\n".join(failed))
     return 0
+
+
+def _check(args: argparse.Namespace) -> None:
+    """Raises InputError if options contradict each other."""
+    if bool(args.live or args.device) == bool(args.videos or args.clip):
+        text = "give recordings (--videos, --clip) or live cameras (--live, --device), one of them"
+        raise InputError.of(text)
+    if args.pictures < 1:
+        raise InputError.of(f"--pictures {args.pictures} is less than 1", "give 50 to 1000")
+
+
+def _calibrated(
+    args: argparse.Namespace, live: Mapping[str, Camera], board: Board
+) -> tuple[dict[str, LensCalibration], list[str]]:
+    """The lenses by camera, and why there is none of the others."""
+    done: dict[str, LensCalibration] = {}
+    failed: list[str] = []
+    for name, collected in look(args, live, Detector(board)).items():
+        if name in live and not collected.looked_at:
+            failed.append(f"{name}: its camera gives no pictures: is it connected, and free?")
+            continue
+        try:
+            done[name] = calibrate_lens(name, collected.views, board, collected.size, args.model)
+        except NoFit as error:
+            failed.append(
+                f"{name}: {error} ({collected.looked_at} pictures searched)\n"
+                f"    is --board {args.board} right? Hold the whole board still, in good light"
+            )
+    return done, failed
 
 
 def write(
