@@ -62,24 +62,7 @@ def onto_centers(cameras: Sequence[Camera], known: Mapping[str, Array], *, scale
     named = [camera for camera in cameras if camera.name in known]
     source = np.array([camera.center for camera in named]).reshape(-1, 3)
     target = np.array([known[camera.name] for camera in named]).reshape(-1, 3)
-    if on_a_line(target):
-        raise FollowspotError(
-            f"{len(named)} known camera centres do not give a frame of reference: "
-            "three are needed that are not on a line; give them, a marker, or --align none"
-        )
-    swapped = exchanged_places(source, target)
-    if swapped is not None:
-        one, other = (named[number].name for number in swapped)
-        raise FollowspotError(
-            f"{one} and {other} are exchanged: each is at the known place of the other; "
-            "exchange their recordings, or their names in the room file, or give --align none"
-        )
-    reflected = _met(source * MIRROR, target)
-    if reflected >= FEWEST_REFLECTED and reflected > _met(source, target):
-        raise FollowspotError(
-            "the cameras stand in a mirror image of their known places: the pictures of all are flipped; "
-            "u is counted from the left and v from the top, or give --align none"
-        )
+    _require_room([camera.name for camera in named], source, target)
     agree = agreeing(source, target, scaled=True)
     found = _aligned("centers", source, target, agree, scaled)
     apart = np.linalg.norm(found.transform.points(source) - target, axis=1)
@@ -116,6 +99,31 @@ def onto_itself(cameras: Sequence[Camera], *, metric: bool) -> Alignment:
         else ("the scale is unknown: lengths are not metres; give --length, --align or --marker",)
     )
     return Alignment("none", Similarity(np.eye(3), -middle), None, metric, lacks)
+
+
+def _require_room(names: Sequence[str], source: Array, target: Array) -> None:
+    """Raises FollowspotError if known centres give no frame of reference, two are exchanged or all mirrored.
+
+    source, target: (N, 3) m, the cameras' centres as they were found and as they are known.
+    """
+    if on_a_line(target):
+        raise FollowspotError(
+            f"{len(names)} known camera centres do not give a frame of reference: "
+            "three are needed that are not on a line; give them, a marker, or --align none"
+        )
+    swapped = exchanged_places(source, target)
+    if swapped is not None:
+        one, other = (names[number] for number in swapped)
+        raise FollowspotError(
+            f"{one} and {other} are exchanged: each is at the known place of the other; "
+            "exchange their recordings, or their names in the room file, or give --align none"
+        )
+    reflected = _met(source * MIRROR, target)
+    if reflected >= FEWEST_REFLECTED and reflected > _met(source, target):
+        raise FollowspotError(
+            "the cameras stand in a mirror image of their known places: the pictures of all are flipped; "
+            "u is counted from the left and v from the top, or give --align none"
+        )
 
 
 def _met(source: Array, target: Array) -> int:

@@ -50,12 +50,8 @@ def require_connected(
 
     The error explains why a camera agrees with no other, or else names the groups and where to wave.
     """
-    pairs = begin.pairs
     names = sightings.cameras
-    group = list(range(len(names)))
-    for pair in pairs:
-        if pair.shared >= FEWEST:
-            group = [group[pair.first] if g == group[pair.second] else g for g in group]
+    group = _groups(begin.pairs, len(names))
     if len(set(group)) == 1:
         return
     if begin.placed:
@@ -67,9 +63,10 @@ def require_connected(
     lines = [
         f"the cameras fall into {len(groups)} groups without enough points in common: {'; '.join(groups)}"
     ]
+    across = [pair for pair in begin.pairs if group[pair.first] != group[pair.second]]
     for camera in (i for i, g in enumerate(group) if g == apart):
-        across = [p for p in pairs if camera in (p.first, p.second) and group[p.first] != group[p.second]]
-        best = max(across, key=lambda pair: (pair.shared, len(pair.rows)))
+        own = (pair for pair in across if camera in (pair.first, pair.second))
+        best = max(own, key=lambda pair: (pair.shared, len(pair.rows)))
         lines.append(why_apart(sightings, best.first, best.second) or _shares(names, best))
     raise FollowspotError("\n".join(lines))
 
@@ -145,6 +142,15 @@ def depths(settled: Settled, number: int) -> tuple[float, float]:
     depth = settled.points[rows] @ camera.rotation[2] + camera.translation[2]
     near, far = np.percentile(depth, [2, 98])
     return float(near), float(far)
+
+
+def _groups(pairs: Sequence[Pair], count: int) -> list[int]:
+    """The group of each of so many cameras: its members are connected by pairs that share enough points."""
+    group = list(range(count))
+    for pair in pairs:
+        if pair.shared >= FEWEST:
+            group = [group[pair.first] if g == group[pair.second] else g for g in group]
+    return group
 
 
 def _shares(names: Sequence[str], pair: Pair) -> str:
