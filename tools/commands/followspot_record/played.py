@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -50,26 +50,19 @@ def played(plan: Plan, chosen: Mapping[str, str], clip: Clip) -> Plan:
 
     chosen: the stage that replays each port, STAGE.PORT. Raises FollowspotError if no stage is left.
     """
-    sources: list[PlannedStage] = []
-    name_of: dict[str, str] = {}
-    for stage in plan.stages:
-        outputs = [port.name for port in ports(load_stage(stage.uses)).outputs]
-        for port in outputs:
-            whole = f"{stage.name}.{port}"
-            if whole in chosen:
-                name_of[whole] = stage.name if len(outputs) == 1 else whole
-                sources.append(_source(stage, name_of[whole], chosen[whole], whole, clip))
-    edges = [_redirected(edge, name_of) for edge in plan.edges]
-    needed = _needed(plan, set(name_of.values()), edges)
-    stages = [stage for stage in sources if stage.name in needed]
-    stages += [s for s in plan.stages if s.name in needed and s.name not in name_of.values()]
-    if len(stages) == len([s for s in sources if s.name in needed]):
+    sources = dict(_sources(plan, chosen, clip))
+    replayed = {source.name for source in sources.values()}
+    edges = [_redirected(edge, sources) for edge in plan.edges]
+    needed = _needed(plan, replayed, edges)
+    computed = [stage for stage in plan.stages if stage.name in needed - replayed]
+    if not computed:
         raise FollowspotError("nothing is left to compute: every stage that has readers is played")
+    stages = [*(source for source in sources.values() if source.name in needed), *computed]
     workers = {stage.worker for stage in stages}
     return replace(
         plan,
         stages=tuple(stages),
-        edges=tuple(e for e in edges if e.to_stage in needed and e.to_stage not in name_of.values()),
+        edges=tuple(edge for edge in edges if edge.to_stage in needed - replayed),
         workers=tuple(worker for worker in plan.workers if worker.name in workers),
     )
 
@@ -90,6 +83,17 @@ def alone(plan: Plan) -> Plan:
     )
 
 
+def _sources(plan: Plan, chosen: Mapping[str, str], clip: Clip) -> Iterator[tuple[str, PlannedStage]]:
+    """Each port with the source that replays it; of a stage with one output it has the stage's name."""
+    for stage in plan.stages:
+        outputs = ports(load_stage(stage.uses)).outputs
+        for output in outputs:
+            port = f"{stage.name}.{output.name}"
+            if port in chosen:
+                name = stage.name if len(outputs) == 1 else port
+                yield port, _source(stage, name, chosen[port], port, clip)
+
+
 def _source(stage: PlannedStage, name: str, uses: str, port: str, clip: Clip) -> PlannedStage:
     given: dict[str, Any] = {
         "path": str(clip.path.absolute()),
@@ -103,9 +107,10 @@ def _source(stage: PlannedStage, name: str, uses: str, port: str, clip: Clip) ->
     return PlannedStage(name, stage.group, uses, params, stage.member, stage.worker, live=False)
 
 
-def _redirected(edge: PlannedEdge, name_of: Mapping[str, str]) -> PlannedEdge:
-    name = name_of.get(f"{edge.from_stage}.{edge.from_port}")
-    return edge if name is None else replace(edge, from_stage=name, from_port="out")
+def _redirected(edge: PlannedEdge, sources: Mapping[str, PlannedStage]) -> PlannedEdge:
+    """The edge from the source that replays its port, if there is one. sources: by port."""
+    source = sources.get(f"{edge.from_stage}.{edge.from_port}")
+    return edge if source is None else replace(edge, from_stage=source.name, from_port="out")
 
 
 def _needed(plan: Plan, sources: set[str], edges: list[PlannedEdge]) -> set[str]:
