@@ -61,15 +61,7 @@ def in_place(
     parent = Unit("", GraphFile("", file.place, ()), Interface({}, {}, {}), {})
     units = Units(GraphFiles(mistakes, mistakes), room, True, mistakes, mistakes)
     tunes = list(subgraph_tunes(document))
-    entry = Node(
-        {
-            "graph": file,
-            "in": node_of(dict(use.inputs), file.place),
-            "with": Node({**given, **_known(file, use, changed)}, file.place, file.key),
-        },
-        file.place,
-        file.key,
-    )
+    entry = _entry(file, use, {**given, **_known(file, use, changed)})
     for tune in (tune for name in reversed(use.names) for tune in tunes if tune.stage == name):
         entry = overridden(entry, tune, mistakes)
     form = Form(entry, f'sub-graph "{use.name}"', SUBGRAPH, mistakes)
@@ -94,6 +86,16 @@ def in_place(
         subgraphs=uses,
         promises=promises_of(unit),
     )
+
+
+def _entry(file: Node, use: SubgraphUse, given: Mapping[str, Node]) -> Node:
+    """The entry of a stage that uses the file, with the inputs of the use and these parameters."""
+    entries = {
+        "graph": file,
+        "in": node_of(dict(use.inputs), file.place),
+        "with": Node(given, file.place, file.key),
+    }
+    return Node(entries, file.place, file.key)
 
 
 def _known(file: Node, use: SubgraphUse, changed: Mapping[str, Node]) -> dict[str, Node]:
