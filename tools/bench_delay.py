@@ -171,7 +171,7 @@ def figures(told: dict[str, Any], others: float) -> Cell:
 
 
 def beside(run: Callable[[], dict[str, Any]]) -> tuple[dict[str, Any], float]:
-    """What a run told, and how many cores other programs used meanwhile."""
+    """The result of a run, and the mean number of cores that other programs used meanwhile."""
     busy, before = busy_time(), os.times()
     told = run()
     busy, after = busy_time() - busy, os.times()

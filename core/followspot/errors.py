@@ -47,7 +47,7 @@ class Place:
         return replace(self, outer=outer if self.outer is None else self.outer.within(outer))
 
     def beside(self, other: Place) -> Place:
-        """The place together with another one that matters, without the outer places of that."""
+        """The place with another one at the end of its outer places, without the outer places of that."""
         return self.within(replace(other, outer=None))
 
     @property

@@ -58,7 +58,7 @@ def plain(part: RenderableType) -> str:
 
 
 def is_screen(stream: TextIO) -> bool:
-    """Whether the stream is a terminal that can renew what it shows."""
+    """True if the stream is a terminal that can overwrite lines."""
     return stream.isatty() and os.environ.get("TERM", "").lower() not in ("dumb", "unknown")
 
 

@@ -128,8 +128,10 @@ class Fusion(Stage):
         return groups, sorted(free)
 
     def strayed(self, seen: Sightings, row: int, groups: list[list[int]]) -> bool:
-        """Whether an unassigned row is a wrong pose of a person: known as this person, or near one that this
-        camera does not see elsewhere. It initiates nobody, because a person never is two.
+        """Whether an unassigned row is a wrong pose of a known person, and so initiates nobody.
+
+        It is if its camera reported that person under this number before, or if it is near a person of whom
+        its camera has no other row.
         """
         for person, rows in zip(self.people, groups, strict=True):
             if person.members.get(seen.names[row]) == seen.person[row]:

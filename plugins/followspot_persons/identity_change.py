@@ -14,7 +14,7 @@ from followspot import Array
 
 
 def changed(people: Sequence[Array], share: float, rng: np.random.Generator) -> list[Array]:
-    """Particles (N, 6) of each identity, of which a share was drawn from those that the others had."""
+    """Particles (N, 6) of each identity; a share of them is drawn anew from the particles of all others."""
     return [
         _drawn(own, [p for j, p in enumerate(people) if j != i], share, rng) for i, own in enumerate(people)
     ]

@@ -38,7 +38,7 @@ class PastPictures:
     kept: tuple[PastPicture, ...] = ()
 
     def longer(self, new: PastPicture, longest: float) -> PastPictures:
-        """With one more, and those that are older by less than `longest`, s; 0 keeps none."""
+        """These with a new picture, without those older than it by `longest`, s, or more; 0 keeps none."""
         kept = self.kept
         if len(kept) > 1 and kept[-1].time - kept[-2].time < SPACING * 1e9:
             kept = kept[:-1]

@@ -45,10 +45,10 @@ class SlowPose:
 
 
 def between(pose: Array, told: Array, eye: Array) -> Array:
-    """A pose (6,) of the fast instance half way to the distance that the slow one tells (6,).
+    """The fast instance's pose, (6,), moved half way to the distance of the slow one's, `told`, (6,).
 
     Each knows a distance by sizes alone, with an error of its own. The fast one holds its last distance, so
-    that particles at the told one would not live. eye: (3,) m, the camera's centre.
+    that particles at the slow one's would not survive. eye: (3,) m, the camera's centre.
     """
     own, other = (float(np.hypot(*(p[:2] - eye[:2]))) for p in (pose, told))
     out = pose.copy()

@@ -34,8 +34,9 @@ class Trail:
 
 
 def carried_contact(told: Array, age: float) -> Contact | None:
-    """Where a person stands some seconds after this was told: (2,) distance, m, and precision, 1/m^2, where
-    0 says that the feet were not seen.
+    """Where a person stands some time after a contact was reported; None if the feet were not seen.
+
+    told: (2,) distance, m, and precision, 1/m^2, 0 for unseen feet; age: s.
     """
     distance, precision = told.tolist()
     return Contact(distance, precision**-0.5).later(age) if precision > 0 else None

@@ -50,9 +50,9 @@ def marked(marks: Mapping[str, Sequence[float]], targets: Sequence[str]) -> Mark
 
 
 def untold(marks: Mapping[str, Sequence[float]], room: Room, cameras: Sequence[Camera]) -> list[str]:
-    """The targets that neither marks nor cameras tell apart, in the order of the room.
+    """The targets that neither marks nor cameras can distinguish, in the order of the room.
 
-    Colour tells any apart, depth those of different radii. One alone is found when all others are tracked.
+    Colour distinguishes all targets, depth those of different radii. A single one is found by elimination.
     """
     kinds = {camera.kind for camera in cameras}
     if not kinds or not kinds <= {"infrared", "depth"}:

@@ -137,7 +137,7 @@ class TargetFilter(Stage, ABC):
         return self.expected(doubted(self.life, self.doubt_frames))
 
     def expected(self, targets: Array) -> Array:
-        """Those targets that several cameras should show, and no mark tells from other things: (T,) bool."""
+        """(T,) which of the targets have no mark and lie in the pictures of several cameras."""
         expected = targets & ~self.marks.there
         if expected.any():
             expected &= self.views.in_pictures(self.motion.estimate.xyz).sum(axis=0) >= SHOWING

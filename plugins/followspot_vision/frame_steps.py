@@ -11,7 +11,7 @@ FEWEST = 10
 
 
 def doubt_of_steps(numbers: Collection[int], fps: float) -> str:
-    """Why these are hardly all frames that were looked at, "" if they may be.
+    """Why the numbers of frames with rows look as if not every picture was searched; "" if they do not.
 
     A detector that looks at every fifth picture says nothing of the four between, but they count as pictures
     without people: tracks end there. fps: rate of the numbers.

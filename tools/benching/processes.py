@@ -27,7 +27,7 @@ def family(leader: int) -> dict[int, int]:
 
 
 def processor_time(leader: int) -> float:
-    """That of a session's processes, s, with those that ended and whose parents are still there."""
+    """Processor time of a session, s: of its processes, and of ended children that these have waited for."""
     ticks = [sum(map(int, words[13:17])) for words in _processes() if int(words[_SESSION]) == leader]
     return sum(ticks) / _TICK
 

@@ -13,7 +13,7 @@ from followspot.room import SETS, Member, Room, Target
 
 
 def lack(stage: StageDeclaration, selector: Selector, loaded: Loaded, room: Room) -> Mistake:
-    """The mistake of a stage whose selector, of its fan-out or of what it serves, selects nothing."""
+    """The mistake of a stage whose selector, its own or one of its sub-graph, matches nothing in the room."""
     wanted = selector.set
     if loaded.room_node is None:
         text = f'stage "{stage.name}" needs {wanted}, but the graph names no room'

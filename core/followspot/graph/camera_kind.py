@@ -15,7 +15,7 @@ GIVES = {"color": Frame, "infrared": Frame, "depth": DepthImage}
 
 
 def source_for(uses: str, member: Member | None, room: Room) -> str:
-    """The source that serves a camera of this kind in place of the one that is named, if there is another."""
+    """The named source, or the one by which its plugin replaces it for cameras of the member's kind."""
     camera = _camera(member, room)
     if camera is None or not uses:
         return uses

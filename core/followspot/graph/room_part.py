@@ -49,7 +49,7 @@ def _entries(node: Node | None) -> Mapping[str, Node]:
 
 
 def _changed(node: Node, keys: Collection[str], change: Callable[[Node], Node]) -> Node:
-    """A mapping with some of its values changed; those that it does not have are left out."""
+    """The mapping with the values of these keys changed, as far as it has them."""
     new = {key: change(value) for key, value in _entries(node).items() if key in keys}
     return replace(node, value={**_entries(node), **new}) if new else node
 

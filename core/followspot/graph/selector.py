@@ -169,7 +169,11 @@ def ranks(room: Room) -> dict[Member, int]:
 
 
 def _narrow(conditions: list[Condition], condition: Condition) -> None:
-    """Add a condition to those that hold; one of a key that is there keeps the values of both, if any."""
+    """Add a condition to those that hold.
+
+    Of a key that can have one value only, the condition that is there keeps the values that both allow, if
+    there are any; else both stand, and select nothing.
+    """
     for number, present in enumerate(conditions):
         both = tuple(value for value in present.values if value in condition.values)
         if present.key == condition.key and both and present.key in _SINGLE:

@@ -21,7 +21,7 @@ class Reach(NamedTuple):
     v: float = -np.inf
 
     def beyond(self, pixel: Array) -> Reach:
-        """With more joints, (N, 2) px; those that are no numbers do not count."""
+        """The reach with further joints, (N, 2) px; NaN for a joint that was not found."""
         pixel = pixel[np.isfinite(pixel).all(axis=1)]
         u, v = pixel.max(axis=0, initial=-np.inf)
         return Reach(self.joints + len(pixel), max(self.u, float(u)), max(self.v, float(v)))

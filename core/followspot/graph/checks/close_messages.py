@@ -57,7 +57,7 @@ def _mistake(reader: CheckedStage, rate: float, closing: Closing) -> Mistake:
 
 
 def _closings(flow: Flow) -> Mapping[str, Closing]:
-    """The closing of each instance: that of its own join, and the longest of those that feed it."""
+    """The closing of each instance: the longest of its senders, and on top that of its own join."""
     closings: dict[str, Closing] = {}
     for name in flow.order:
         reader, edges = flow.stages[name], flow.firing_edges[name]

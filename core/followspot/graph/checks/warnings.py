@@ -82,7 +82,7 @@ def _listed(members: Sequence[Member], room: Room) -> str:
 
 
 def _never(flow: Flow) -> Iterator[Mistake]:
-    """Stages that never fire, unless one that feeds them is named already."""
+    """A warning for each stage that never fires, unless a stage that feeds it never fires, either."""
     firing, into = _firing(flow), flow.firing_edges
     for name, group in flow.groups.items():
         still = [one.instance.name for one in group if one.instance.name not in firing]

@@ -30,7 +30,7 @@ class UseContext:
 
 @dataclass(frozen=True)
 class Use:
-    """One use of a file. name: within the sub-graph around it; limits: what it serves."""
+    """One use of a file. name: within the sub-graph around it; limits: the cameras and members it serves."""
 
     name: str
     limits: tuple[Limit, ...]
@@ -85,7 +85,7 @@ def fan_out(stage: str, entry: Form, around: UseContext, mistakes: list[Mistake]
 def _limits(
     stage: str, members: Sequence[Member | None], limits: tuple[Limit, ...]
 ) -> Iterator[tuple[str, tuple[Limit, ...]]]:
-    """The name of each use and what it serves: its member, if it is of one, within the given limits."""
+    """The name and the limits of each use: the given ones, and its member, if it is of one."""
     for member in members:
         yield (stage, limits) if member is None else (f"{stage}/{member.name}", (*limits, member))
 

@@ -218,7 +218,7 @@ def _closed(trial: Trial, *, setup: bool, times: int) -> Iterator[str]:
 
 
 def _work(trial: Trial, frames: int) -> None:
-    """A short life; what fails in it is told by others."""
+    """Set a stage up, feed it and close it. Its errors are left to the promises about its work."""
     if not trial.computes:
         return
     try:

@@ -95,7 +95,7 @@ def _items(trial: Trial) -> list[Any]:
 
 
 def _first_or_none(trial: Trial) -> list[Message]:
-    """Nothing where it fails, which `yields_what_it_declares` tells."""
+    """The messages of a source; none if it fails, which `yields_what_it_declares` reports."""
     try:
         return [message for item in _items(trial) for message in outputs(item)] if trial.yields else []
     except Exception:

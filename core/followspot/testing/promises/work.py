@@ -176,7 +176,7 @@ def does_together_what_it_does_alone(trial: Trial) -> Iterator[str]:
 
 
 def _tried(trial: Trial, what: str, frames: Sequence[list[Any]]) -> Iterator[str]:
-    """Call `process` with each; say what it raises, but for what is said to a user."""
+    """Call `process` with the inputs of each frame; the error that it raises, unless it is one for users."""
     if not trial.computes or not frames:
         return
     try:

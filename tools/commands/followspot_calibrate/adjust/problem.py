@@ -26,7 +26,10 @@ class View:
 
 
 def view_of(camera: Camera, pixel: Array, free: Free) -> tuple[Camera, View]:
-    """A camera and what it saw, (N, 2) px with NaN; other models as pinholes of undistorted points."""
+    """A camera and its view of N points, (N, 2) px, NaN if not seen.
+
+    A camera of another model becomes a pinhole of undistorted points, of which only the pose is free.
+    """
     if camera.model != "pinhole":
         pixel = undistort(camera, pixel)
         camera = replace(camera, model="pinhole", distortion=np.zeros(5))

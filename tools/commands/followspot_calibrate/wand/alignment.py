@@ -136,7 +136,10 @@ def _met(source: Array, target: Array) -> int:
 def _anchors(
     cameras: Sequence[Camera], known: Mapping[str, Array], rms: float | None, degrees: int
 ) -> Anchors | None:
-    """Known centres as exact as they were met by a transform of so many degrees of freedom."""
+    """Known centres, m, with the sigma that their residuals suggest; None if these leave no freedom for that.
+
+    rms: of the residuals, m; degrees: degrees of freedom of the transform that was fitted.
+    """
     free = 3 * len(known) - degrees
     if rms is None or free <= 0:
         return None

@@ -37,7 +37,7 @@ class _Port:
         return self._held.get(time)
 
     def _forget(self) -> None:
-        """Hold the newest messages, and the one that was asked for last: an input may hold it for long."""
+        """Drop the oldest messages beyond the limit, except the last one asked for, which may be sampled."""
         for time in list(self._held) if self._bytes > _HELD else ():
             if self._bytes <= _HELD or len(self._held) <= 2:
                 break
