@@ -109,24 +109,24 @@ def presence(scene: Scene | None, pose: Array, others: Array) -> Presence | None
 
     pose: (6,); others: (K, 4) px, upper bodies of nearer people, whose columns say nothing of this person.
     """
-    axis = None if scene is None else _Axis.of(scene.camera, pose)
-    strip = None if scene is None or axis is None else _Strip.along(scene, axis, others)
-    if scene is None or strip is None:
+    first = None if scene is None else _Strip.of(scene, pose, others)
+    if scene is None or first is None:
         return None
-    share, about, eye = strip.body, strip.about, scene.camera.center
+    strip: _Strip | None = first
+    eye = scene.camera.center
     for _ in range(ROUNDS if knows_floor(scene.camera) else 0):
-        low = None if axis is None or strip is None else strip.lowest(scene, axis.tall)
-        distance = None if axis is None or low is None else distance_on_floor(scene.camera, axis, low)
+        distance = None if strip is None else strip.distance(scene)
         by_size = float(np.hypot(*(pose[:2] - eye[:2])))
-        if axis is None or distance is None or distance > (1 + LARGEST_CHANGE) * by_size:
+        if strip is None or distance is None or distance > (1 + LARGEST_CHANGE) * by_size:
             break
-        height = float(eye[2] + rise(scene.camera, axis.head[:1], axis.head[1:])[0] * distance)
+        head = strip.axis.head
+        height = float(eye[2] + rise(scene.camera, head[:1], head[1:])[0] * distance)
         if distance >= (1 - LARGEST_CHANGE) * by_size:
-            return Presence(share, about, height, Contact(distance))
+            return Presence(first.body, first.about, height, Contact(distance))
+        # The pose is of a head or chest alone: look for the feet of a body as near and tall as these say.
         pose = moved(pose, eye, distance, height)
-        axis = _Axis.of(scene.camera, pose)
-        strip = None if axis is None else _Strip.along(scene, axis, others)
-    return Presence(share, about)
+        strip = _Strip.of(scene, pose, others)
+    return Presence(first.body, first.about)
 
 
 def moved(pose: Array, eye: Array, distance: float, height: float) -> Array:
@@ -156,6 +156,7 @@ class _Strip:
     body, about: share of foreground in the middle of the upper body, and in all columns of its rows.
     """
 
+    axis: _Axis
     rows: Array
     columns: Array
     changed: Array
@@ -164,8 +165,11 @@ class _Strip:
     about: float
 
     @classmethod
-    def along(cls, scene: Scene, axis: _Axis, others: Array) -> _Strip | None:
-        """The strip about an axis; None if the upper body is not in the picture."""
+    def of(cls, scene: Scene, pose: Array, others: Array) -> _Strip | None:
+        """The strip about a pose (6,); None if it is not upright, or its upper body not in the picture."""
+        axis = _Axis.of(scene.camera, pose)
+        if axis is None:
+            return None
         last = min(scene.camera.size[1], int(axis.foot[1] + 0.5 * (axis.foot[1] - axis.head[1])))
         rows = np.arange(max(0, int(axis.head[1])), max(last, 1))
         half = int(WIDTH * axis.tall)
@@ -177,17 +181,21 @@ class _Strip:
         free = scene.beside(columns, others, BESIDE)
         if not upper.size:
             return None
-        return cls(rows, columns, changed, free, float(upper[:, middle].mean()), float(upper.mean()))
+        return cls(axis, rows, columns, changed, free, float(upper[:, middle].mean()), float(upper.mean()))
 
-    def lowest(self, scene: Scene, tall: float) -> int | None:
+    def distance(self, scene: Scene) -> float | None:
+        """Horizontal distance of the person from the camera by the feet, m; None if they are not seen."""
+        low = self.lowest(scene)
+        return None if low is None else distance_on_floor(scene.camera, self.axis, low)
+
+    def lowest(self, scene: Scene) -> int | None:
         """The lowest row of the person; None if nobody is there, a nearer person hides too much, or the legs
         are a ghost's.
-
-        tall: of the upper body, px.
         """
         if self.body < BODY or self.free.mean() < FREE:
             return None
         filled = (self.changed & self.free).sum(axis=1) >= SHARE * self.free.shape[1]
+        tall = self.axis.tall
         last = lowest(filled, max(1, round(GAP * tall)))
         legs = slice(max(0, last + 1 - round(LEGS * tall)), last + 1)
         there = self.rows[legs, None], self.columns[legs] % scene.camera.size[0]
