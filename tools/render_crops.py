@@ -25,8 +25,8 @@ from followspot import Array, Camera, Room
 from followspot.geometry import project, wrap
 from followspot.people import PoseTruth
 from followspot.room_file import load
+from followspot_persons.body.standing import WAIST
 from followspot_persons.hog.window import cut
-from followspot_persons.standing import WAIST
 from scripting import options_of
 
 ROOMS = Path(__file__).parent.parent / "graphs" / "rooms"

@@ -17,6 +17,7 @@ from followspot_persons.acquaintance import Acquaintance, missed
 from followspot_persons.appearance_params import AppearanceParams
 from followspot_persons.background import Background
 from followspot_persons.bodies import Bodies
+from followspot_persons.body.shape import read_shape, with_girth
 from followspot_persons.box_assignment import BoxAssignment
 from followspot_persons.color.difference import read_relations
 from followspot_persons.existence import EVIDENCE, STILL, THERE
@@ -32,7 +33,6 @@ from followspot_persons.person_update import PersonUpdate
 from followspot_persons.recognition import Recognition
 from followspot_persons.reported import reported
 from followspot_persons.scene import Scene
-from followspot_persons.shape import read_shape, with_girth
 from followspot_persons.walkable import Walkable
 
 

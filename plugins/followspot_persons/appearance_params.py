@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from followspot import Field, InputPath, StageParams
+from followspot_persons.body.shape import SHIPPED as SHIPPED_SHAPE
 from followspot_persons.color.difference import SHIPPED as SHIPPED_RELATIONS
-from followspot_persons.shape import SHIPPED as SHIPPED_SHAPE
 
 
 class AppearanceParams(StageParams):

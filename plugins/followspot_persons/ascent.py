@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from followspot import Array
-from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT
+from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT
 from followspot_persons.motion import limited
 
 ACROSS, DISTANCE, STATURE = range(3)

@@ -9,8 +9,8 @@ import numpy as np
 
 from followspot import Array, Camera
 from followspot_persons.acquaintance import Acquaintance
-from followspot_persons.body_view import view
-from followspot_persons.shape import ShapeModel
+from followspot_persons.body.shape import ShapeModel
+from followspot_persons.body.view import view
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ import numpy as np
 from followspot import Array
 from followspot.geometry import wrap
 from followspot_persons.ascent import ascend
-from followspot_persons.body_view import HEADING, PAN, TILT
+from followspot_persons.body.view import HEADING, PAN, TILT
 from followspot_persons.motion import limited, predicted
 from followspot_persons.swarm import swarmed
 

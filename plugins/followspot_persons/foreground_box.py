@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from followspot import Array, Camera
+from followspot_persons.body.standing import knows_floor, rise
+from followspot_persons.body.upper_body_box import RATIO
 from followspot_persons.panorama import full_turn, short_way, turn_of
-from followspot_persons.standing import knows_floor, rise
-from followspot_persons.upper_body_box import RATIO
 
 STEP = 2
 """The foreground is compared at one pixel of so many in each row and column."""

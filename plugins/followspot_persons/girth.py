@@ -13,9 +13,9 @@ import numpy as np
 
 from followspot import Array
 from followspot_persons.ascent import DISTANCE, moved
-from followspot_persons.body_view import view
+from followspot_persons.body.shape import ShapeModel, with_girth
+from followspot_persons.body.view import view
 from followspot_persons.fitness import Fitness
-from followspot_persons.shape import ShapeModel, with_girth
 
 GIRTHS = np.linspace(0.78, 1.14, 10)
 """Compared girths, in girths of the shape model."""

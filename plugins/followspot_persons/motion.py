@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from followspot import Array
-from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT
+from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT
 
 MAX_PAN, MAX_TILT = 1.3, 0.7
 """Limits of pan and tilt of a neck, rad."""

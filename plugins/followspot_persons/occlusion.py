@@ -8,10 +8,10 @@ import cv2
 import numpy as np
 
 from followspot import Array
-from followspot_persons.body_view import view
+from followspot_persons.body.shape import ShapeModel
+from followspot_persons.body.view import view
 from followspot_persons.fitness import Picture
 from followspot_persons.panorama import full_turn
-from followspot_persons.shape import ShapeModel
 
 SUBPIXEL = 4
 """Binary digits of a pixel's fraction in a polygon."""

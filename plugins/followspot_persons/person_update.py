@@ -12,7 +12,9 @@ from followspot.frame_times import NANOSECOND
 from followspot_persons.acquaintance import Acquaintance, missed
 from followspot_persons.appearance_params import AppearanceParams
 from followspot_persons.bodies import Bodies
-from followspot_persons.body_view import view
+from followspot_persons.body.shape import ShapeModel, with_girth
+from followspot_persons.body.stature import USUAL, sized
+from followspot_persons.body.view import view
 from followspot_persons.box_assignment import FAR, NEAR, BoxAssignment
 from followspot_persons.color.model import ColorModel, learnt
 from followspot_persons.condensation import Search
@@ -23,9 +25,7 @@ from followspot_persons.foreground_box import foreground_box, shares
 from followspot_persons.observation import Observation
 from followspot_persons.part_box import stood
 from followspot_persons.scene import Scene
-from followspot_persons.shape import ShapeModel, with_girth
 from followspot_persons.spawning import spawned
-from followspot_persons.stature import USUAL, sized
 from followspot_persons.track import HIDDEN, Track, coasted, followed
 from followspot_persons.walkable import Walkable
 

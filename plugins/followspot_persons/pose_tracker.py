@@ -15,7 +15,8 @@ from followspot.people import Appearances, Boxes, Gradients, Poses
 from followspot.plain_values import from_plain, to_plain
 from followspot.tracking import PREDICTED, TRACKED, Frame
 from followspot_persons.association import box_distance, matched
-from followspot_persons.body_view import view
+from followspot_persons.body.shape import read_shape, with_girth
+from followspot_persons.body.view import view
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.pairs import telling_pairs
 from followspot_persons.condensation import Search
@@ -28,7 +29,6 @@ from followspot_persons.occlusion import covered
 from followspot_persons.panorama import turn_of
 from followspot_persons.pose_tracker_params import PoseTrackerParams
 from followspot_persons.reprocessing import PastPicture, PastPictures, reprocessed
-from followspot_persons.shape import read_shape, with_girth
 from followspot_persons.slow_pose import SlowPose, astray, between, scattered_about
 from followspot_persons.track import HIDDEN, Track, coasted, followed
 from followspot_persons.trail import carried_contact, carried_detection, carried_pose

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Literal
 
 from followspot import Field, InputPath, StageParams
+from followspot_persons.body.shape import SHIPPED as SHIPPED_SHAPE
 from followspot_persons.color.difference import SHIPPED as SHIPPED_RELATIONS
 from followspot_persons.fitness import Weights
-from followspot_persons.shape import SHIPPED as SHIPPED_SHAPE
 
 
 class PoseTrackerParams(StageParams):

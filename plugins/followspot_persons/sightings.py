@@ -11,7 +11,7 @@ import numpy as np
 from followspot import Array, Camera
 from followspot.geometry import wrap
 from followspot.people import Poses
-from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT, X, Y
+from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT, X, Y
 
 AGREE = np.radians(70)
 """Headings within this angle of the best one are averaged; others are outliers."""

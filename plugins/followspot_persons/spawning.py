@@ -6,13 +6,13 @@ import numpy as np
 
 from followspot import Array, Camera
 from followspot.geometry import ray
-from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT
+from followspot_persons.body.standing import WAIST
+from followspot_persons.body.stature import SPREAD, USUAL
+from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT
 from followspot_persons.condensation import systematic
 from followspot_persons.fitness import Detection
 from followspot_persons.hog.likelihood import heading_log_likelihood
 from followspot_persons.motion import limited
-from followspot_persons.standing import WAIST
-from followspot_persons.stature import SPREAD, USUAL
 
 BOX_SIGMA = 0.08
 """Error of the size of a detected box, of its size."""

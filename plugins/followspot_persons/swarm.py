@@ -12,7 +12,7 @@ import numpy as np
 
 from followspot import Array
 from followspot.geometry import wrap
-from followspot_persons.body_view import HEADING
+from followspot_persons.body.view import HEADING
 from followspot_persons.motion import limited
 
 INERTIA, PULL = 0.7298, 1.4962

@@ -8,13 +8,13 @@ import numpy as np
 
 from followspot import Array
 from followspot.geometry import wrap
-from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT, X, Y
+from followspot_persons.body.shape import ShapeModel, with_girth
+from followspot_persons.body.stature import PROPORTION_SIGMA, SPREAD, USUAL
+from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT, X, Y
 from followspot_persons.condensation import Search, condense
 from followspot_persons.fitness import Fitness, Habits
 from followspot_persons.floor_contact import Contact
 from followspot_persons.girth import Girth, observed
-from followspot_persons.shape import ShapeModel, with_girth
-from followspot_persons.stature import PROPORTION_SIGMA, SPREAD, USUAL
 
 PLACE_GAIN, VELOCITY_GAIN = 0.6, 0.25
 """Share of the difference to the forecast that place and velocity take over at 15 pictures a second."""

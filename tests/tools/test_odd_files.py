@@ -21,9 +21,9 @@ from followspot_calibrate.board.timestamps import read_timestamps
 from followspot_calibrate.points_file.reading import read_points
 from followspot_cameras.images import read_picture
 from followspot_cameras.video.file import open_video
+from followspot_persons.body.shape import read_shape
 from followspot_persons.color.difference import read_relations
 from followspot_persons.hog.model import load as load_hog
-from followspot_persons.shape import read_shape
 from followspot_recording.recording import Recording
 from followspot_room.calibration import read_calibration
 from followspot_shape.crops import read_crops

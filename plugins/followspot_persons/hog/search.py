@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 
 from followspot import Array, Camera
+from followspot_persons.body.standing import knows_floor, standing
 from followspot_persons.hog.window import ABOVE, BODY, HEIGHT, STRIDE, TALL, WIDTH
 from followspot_persons.panorama import full_turn, short_way
-from followspot_persons.standing import knows_floor, standing
 
 EDGE = 16
 """Largest part of a window beside or below the picture, where the border is repeated, px of the window."""

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 
 from followspot import Array
-from followspot_persons.standing import WAIST
-from followspot_persons.upper_body_box import HIP
+from followspot_persons.body.standing import WAIST
+from followspot_persons.body.upper_body_box import HIP
 
 LONGEST = 2560
 """Longest side of an image, px; what is longer is reduced further."""

@@ -19,7 +19,8 @@ from tests.plugins.persons.drawn import (
 )
 
 from followspot_persons.ascent import FINEST, STEPS, ascend
-from followspot_persons.body_view import HEADING, view
+from followspot_persons.body.shape import read_shape
+from followspot_persons.body.view import HEADING, view
 from followspot_persons.certainty import HALF
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.likelihood import FLOOR
@@ -34,7 +35,6 @@ from followspot_persons.fitness import UNSURE_BOX, Detection, Fitness, Weights, 
 from followspot_persons.hsi import hsi
 from followspot_persons.motion import MAX_TILT
 from followspot_persons.pose_tracker import PoseTracker
-from followspot_persons.shape import read_shape
 from followspot_persons.swarm import swarmed
 
 SHAPE = read_shape()

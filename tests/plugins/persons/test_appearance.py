@@ -26,10 +26,10 @@ from tests.travelled import travelled
 from followspot.control.checkpoint import state_to_data
 from followspot_persons.acquaintance import MISS
 from followspot_persons.appearance import Appearance
-from followspot_persons.body_view import view
+from followspot_persons.body.shape import read_shape, with_girth
+from followspot_persons.body.view import view
 from followspot_persons.hsi import hsi
 from followspot_persons.person_update import SHARP_VISIBILITY, TRUSTED
-from followspot_persons.shape import read_shape, with_girth
 
 GREEN = (60, 150, 50)
 

@@ -9,9 +9,9 @@ import pytest
 from tests.plugins.persons.drawn import perspective, standing
 
 from followspot.geometry import project
-from followspot_persons.body_view import view
+from followspot_persons.body.shape import read_shape
+from followspot_persons.body.view import view
 from followspot_persons.fitness import UNSEEN_EDGE, Fitness, Picture, Weights
-from followspot_persons.shape import read_shape
 
 SHAPE = read_shape()
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from followspot_persons.body.shape import read_shape
 from followspot_persons.color.difference import OBSERVATION, ColorRelations, completed, read_relations
 from followspot_persons.color.model import FIRST_VARIANCE, ColorModel, learnt
 from followspot_persons.hsi import from_plane, hsi, plane
 from followspot_persons.identity import same_person
-from followspot_persons.shape import read_shape
 
 RNG = np.random.default_rng(5)
 NAMES = read_shape().names

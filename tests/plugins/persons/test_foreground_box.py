@@ -10,12 +10,12 @@ from tests.plugins.persons.drawn import SHIRT, perspective, standing
 from tests.plugins.persons.test_appearance import Show
 from tests.plugins.persons.test_background import FEWEST, room_with
 
-from followspot_persons.body_view import view
+from followspot_persons.body.shape import read_shape
+from followspot_persons.body.upper_body_box import RATIO
+from followspot_persons.body.view import view
 from followspot_persons.foreground_box import STEP, foreground_box, shares, without_others
-from followspot_persons.shape import read_shape
 from followspot_persons.slow_pose import scattered_about
 from followspot_persons.track import Track
-from followspot_persons.upper_body_box import RATIO
 
 CAMERA = perspective()
 

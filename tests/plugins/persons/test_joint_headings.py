@@ -7,12 +7,12 @@ import pytest
 from tests.plugins.persons.drawn import perspective, standing
 
 from followspot.geometry import project, wrap
-from followspot_persons.body_view import bearing
+from followspot_persons.body.standing import WAIST
+from followspot_persons.body.upper_body_box import LEVELS
+from followspot_persons.body.view import bearing
 from followspot_persons.hog.model import DIRECTIONS
 from followspot_persons.joint_headings import headings
 from followspot_persons.pose_net.movenet import COCO
-from followspot_persons.standing import WAIST
-from followspot_persons.upper_body_box import LEVELS
 
 ANGLES = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
 SIDES = {"shoulder": 0.19, "hip": 0.12, "ear": 0.068, "eye": 0.03}

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from followspot_persons.body.shape import read_shape, turn
 from followspot_persons.color.likelihood import (
     FLOOR,
     NARROWEST,
@@ -18,7 +19,6 @@ from followspot_persons.color.likelihood import (
 from followspot_persons.combination import gamma_operation
 from followspot_persons.edge_likelihood import edge_likelihood
 from followspot_persons.hog.likelihood import NOTHING, box_likelihood, heading_log_likelihood
-from followspot_persons.shape import read_shape, turn
 
 RNG = np.random.default_rng(4)
 

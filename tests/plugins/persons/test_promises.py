@@ -19,7 +19,9 @@ from followspot_persons.associate import joint_tracks
 from followspot_persons.associate.found import boxes_of
 from followspot_persons.associate.skeleton_pose import poses_of
 from followspot_persons.associate.views import Noise, views_of
-from followspot_persons.body_view import view
+from followspot_persons.body.shape import read_shape
+from followspot_persons.body.stature import Stature
+from followspot_persons.body.view import view
 from followspot_persons.box_assignment import BoxAssignment
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.model import ColorModel
@@ -27,8 +29,6 @@ from followspot_persons.fitness import Detection, pictured
 from followspot_persons.hsi import hsi
 from followspot_persons.identity import same_person
 from followspot_persons.recognition import DOUBT, LONGEST_WAIT, Recognition
-from followspot_persons.shape import read_shape
-from followspot_persons.stature import Stature
 from followspot_persons.track import Track
 from followspot_persons.trail import carried_detection
 from followspot_sim.actor.landmarks import NAMES

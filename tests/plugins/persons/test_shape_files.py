@@ -10,9 +10,9 @@ import pytest
 import yaml
 
 from followspot import InputError
+from followspot_persons.body.shape import SHIPPED, read_shape
 from followspot_persons.color.difference import SHIPPED as SHIPPED_RELATIONS
 from followspot_persons.color.difference import read_relations
-from followspot_persons.shape import SHIPPED, read_shape
 
 
 def changed(folder: Path, shipped: Path, *keys: Any, to: Any) -> Path:

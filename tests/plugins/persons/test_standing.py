@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from followspot import Camera
 from followspot.geometry import project
+from followspot_persons.body.standing import WAIST, knows_floor, standing
 from followspot_persons.hog.search import levels, plausible
 from followspot_persons.hog.window import TALL
-from followspot_persons.standing import WAIST, knows_floor, standing
 
 FACING = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0.0]])
 """Looks along the room's x axis, level."""

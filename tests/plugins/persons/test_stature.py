@@ -9,9 +9,8 @@ import pytest
 from tests.plugins.persons.drawn import perspective
 
 from followspot.geometry import project
-from followspot_persons.certainty import HALF, certainty
-from followspot_persons.standing import WAIST
-from followspot_persons.stature import (
+from followspot_persons.body.standing import WAIST
+from followspot_persons.body.stature import (
     CONTACT_SIGMA,
     FIRST_CONTACTS,
     PROPORTION_SIGMA,
@@ -21,7 +20,8 @@ from followspot_persons.stature import (
     size_sigma,
     weighted_median,
 )
-from followspot_persons.stature import sized as sized_by_box
+from followspot_persons.body.stature import sized as sized_by_box
+from followspot_persons.certainty import HALF, certainty
 
 EYE = 1.2
 

@@ -13,7 +13,9 @@ from followspot.messages import Header, stamped
 from followspot.people import Appearances, Boxes, Gradients
 from followspot.tracking import PREDICTED, TRACKED, Frame
 from followspot_persons.acquaintance import Acquaintance
-from followspot_persons.body_view import HEADING, view
+from followspot_persons.body.shape import read_shape, with_girth
+from followspot_persons.body.standing import standing as told
+from followspot_persons.body.view import HEADING, view
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.model import ColorModel
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights
@@ -26,11 +28,9 @@ from followspot_persons.identity import same_person
 from followspot_persons.look import Look
 from followspot_persons.occlusion import Shades, covered
 from followspot_persons.pose_tracker import PoseTracker
-from followspot_persons.shape import read_shape, with_girth
 from followspot_persons.sightings import blended, sightings_of
 from followspot_persons.slow_pose import SlowPose
 from followspot_persons.spawning import farthest, spawned
-from followspot_persons.standing import standing as told
 from followspot_persons.track import Track
 from followspot_persons.trail import Trail, carried_contact, carried_detection, carried_pose
 

@@ -10,8 +10,8 @@ from tests.travelled import travelled
 from followspot.geometry import project
 from followspot.messages import identical, stamped
 from followspot_persons.appearance import Appearance
-from followspot_persons.body_view import view
-from followspot_persons.shape import read_shape
+from followspot_persons.body.shape import read_shape
+from followspot_persons.body.view import view
 from followspot_persons.uniform_search import UniformSearch, maxima, separate, shared, uniform_poses
 
 CAMERA = perspective()

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from followspot_persons.body.standing import WAIST
+from followspot_persons.body.upper_body_box import LEVELS, upper_bodies
 from followspot_persons.pose_net.movenet import COCO
-from followspot_persons.standing import WAIST
-from followspot_persons.upper_body_box import LEVELS, upper_bodies
 
 TOP, HEIGHT, MIDDLE = 50.0, 300.0, 120.0
 WIDTHS = {"shoulder": 30.0, "hip": 18.0, "eye": 5.0, "ear": 10.0}

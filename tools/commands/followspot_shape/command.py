@@ -6,7 +6,7 @@ import argparse
 import json
 from typing import Any
 
-from followspot_persons.shape import SHIPPED, read_shape
+from followspot_persons.body.shape import SHIPPED, read_shape
 from followspot_shape.crops import Crops, read_crops
 from followspot_shape.fit import fitness, fitted_document, start_document
 from followspot_shape.relate import relations_document

@@ -20,9 +20,9 @@ from followspot.messages import identical, stamped
 from followspot.people import Boxes
 from followspot.points import Points2D
 from followspot.testing import check_stage
+from followspot_persons.body.upper_body_box import LEVELS
 from followspot_persons.pose_net.movenet import MoveNetMultiPose
 from followspot_persons.pose_net.stage import PoseNet
-from followspot_persons.upper_body_box import LEVELS
 
 GRAPHS = Path(__file__).parents[4] / "graphs"
 CAMERA = perspective()

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from followspot_persons.body.standing import WAIST
+from followspot_persons.body.upper_body_box import HIP
 from followspot_persons.pose_net.regions import AROUND, LONGEST, about, whole
-from followspot_persons.standing import WAIST
-from followspot_persons.upper_body_box import HIP
 
 
 def ramp(width: int, height: int) -> np.ndarray:

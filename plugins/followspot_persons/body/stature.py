@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from followspot import Array, Camera
-from followspot_persons.standing import knows_floor, standing
+from followspot_persons.body.standing import knows_floor, standing
 
 USUAL, SPREAD = 1.72, 0.09
 """Mean and sigma of adults' heights, m."""

@@ -13,9 +13,9 @@ import numpy as np
 
 from followspot import Array, Camera
 from followspot.geometry import project
+from followspot_persons.body.shape import ShapeModel, turn
+from followspot_persons.body.standing import WAIST
 from followspot_persons.panorama import full_turn, short_way, turn_of
-from followspot_persons.shape import ShapeModel, turn
-from followspot_persons.standing import WAIST
 
 X, Y, HEIGHT, HEADING, PAN, TILT = range(6)
 """Columns of a pose: m, m, m, rad, rad, rad; in the room."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from followspot import Array
-from followspot_persons.standing import WAIST
+from followspot_persons.body.standing import WAIST
 
 HIP = 0.530
 """Height of the hip over that of the whole person."""

@@ -18,7 +18,7 @@ from followspot.document import plain
 from followspot.errors import InputError, Mistake
 from followspot.yaml_reader import read
 
-SHIPPED = Path(__file__).with_name("shape.yaml")
+SHIPPED = Path(__file__).parents[1] / "shape.yaml"  # plans of older recordings have this path
 MAX_FEATURES = 1000
 PARTS = ("torso", "head")
 LONGEST_OUTWARD = 1.001
