@@ -6,10 +6,10 @@ from dataclasses import dataclass, field, replace
 
 from followspot import Array
 from followspot.frame_times import NANOSECOND
+from followspot_persons.background.existence import Stirring
+from followspot_persons.background.floor_contact import Contact
 from followspot_persons.body.stature import Stature
 from followspot_persons.color.model import ColorModel
-from followspot_persons.existence import Stirring
-from followspot_persons.floor_contact import Contact
 from followspot_persons.track import Track, coasted
 
 MISS = 1.5

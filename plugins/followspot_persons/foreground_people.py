@@ -13,16 +13,16 @@ import numpy as np
 from followspot import Array
 from followspot.people import Boxes
 from followspot_persons.association import on_body
-from followspot_persons.background import foreground
+from followspot_persons.background.background import foreground
+from followspot_persons.background.existence import RIGID
+from followspot_persons.background.floor_contact import BEFORE_AXIS
+from followspot_persons.background.ghost import is_ghost
+from followspot_persons.background.scene import Scene
 from followspot_persons.body.standing import knows_floor, rise
 from followspot_persons.body.stature import USUAL
-from followspot_persons.existence import RIGID
-from followspot_persons.floor_contact import BEFORE_AXIS
 from followspot_persons.foreground_box import LEVEL, STEP
-from followspot_persons.ghost import is_ghost
 from followspot_persons.panorama import turn_of
 from followspot_persons.part_box import upper_body
-from followspot_persons.scene import Scene
 
 SHORTEST, TALLEST = 1.45, 2.05
 """Heights of grown people, m."""

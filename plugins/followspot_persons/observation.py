@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from followspot import Array
 from followspot.people import Boxes
-from followspot_persons.background import Background
+from followspot_persons.background.background import Background
+from followspot_persons.background.scene import Scene
 from followspot_persons.fitness import Detection, Picture
-from followspot_persons.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)

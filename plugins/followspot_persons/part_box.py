@@ -8,11 +8,11 @@ import numpy as np
 
 from followspot import Array, Camera
 from followspot.geometry import project, ray
+from followspot_persons.background.floor_contact import LARGEST_CHANGE, Contact, presence
+from followspot_persons.background.scene import Scene
 from followspot_persons.body.standing import WAIST, standing
 from followspot_persons.body.upper_body_box import RATIO
 from followspot_persons.fitness import Detection
-from followspot_persons.floor_contact import LARGEST_CHANGE, Contact, presence
-from followspot_persons.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,17 @@ from followspot import Array, Camera
 from followspot.frame_times import NANOSECOND
 from followspot_persons.acquaintance import Acquaintance, missed
 from followspot_persons.appearance_params import AppearanceParams
+from followspot_persons.background.existence import (
+    RIGID,
+    STILL,
+    THERE,
+    Stirring,
+    averaged,
+    evidence_of,
+    stirred,
+)
+from followspot_persons.background.floor_contact import Contact, presence
+from followspot_persons.background.scene import Scene
 from followspot_persons.bodies import Bodies
 from followspot_persons.body.shape import ShapeModel, with_girth
 from followspot_persons.body.stature import USUAL, sized
@@ -18,13 +29,10 @@ from followspot_persons.body.view import view
 from followspot_persons.box_assignment import FAR, NEAR, BoxAssignment
 from followspot_persons.color.model import ColorModel, learnt
 from followspot_persons.condensation import Search
-from followspot_persons.existence import RIGID, STILL, THERE, Stirring, averaged, evidence_of, stirred
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights, sampled
-from followspot_persons.floor_contact import Contact, presence
 from followspot_persons.foreground_box import foreground_box, shares
 from followspot_persons.observation import Observation
 from followspot_persons.part_box import stood
-from followspot_persons.scene import Scene
 from followspot_persons.spawning import spawned
 from followspot_persons.track import HIDDEN, Track, coasted, followed
 from followspot_persons.walkable import Walkable

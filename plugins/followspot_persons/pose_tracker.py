@@ -15,6 +15,7 @@ from followspot.people import Appearances, Boxes, Gradients, Poses
 from followspot.plain_values import from_plain, to_plain
 from followspot.tracking import PREDICTED, TRACKED, Frame
 from followspot_persons.association import box_distance, matched
+from followspot_persons.background.illumination import Illumination, in_usual_light
 from followspot_persons.body.shape import read_shape, with_girth
 from followspot_persons.body.view import view
 from followspot_persons.color.difference import read_relations
@@ -24,7 +25,6 @@ from followspot_persons.fitness import Detection, Fitness, Picture, pictured
 from followspot_persons.followed_person import Followed, poses_of
 from followspot_persons.girth import girths_of
 from followspot_persons.identity_change import changed
-from followspot_persons.illumination import Illumination, in_usual_light
 from followspot_persons.occlusion import covered
 from followspot_persons.panorama import turn_of
 from followspot_persons.pose_tracker_params import PoseTrackerParams

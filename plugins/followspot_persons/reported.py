@@ -8,8 +8,8 @@ import numpy as np
 
 from followspot.people import Appearances
 from followspot_persons.acquaintance import Acquaintance
+from followspot_persons.background.illumination import Illumination
 from followspot_persons.color.difference import ColorRelations, completed
-from followspot_persons.illumination import Illumination
 
 
 def reported(

@@ -8,12 +8,12 @@ import numpy as np
 
 from followspot import Array
 from followspot.geometry import wrap
+from followspot_persons.background.floor_contact import Contact
 from followspot_persons.body.shape import ShapeModel, with_girth
 from followspot_persons.body.stature import PROPORTION_SIGMA, SPREAD, USUAL
 from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT, X, Y
 from followspot_persons.condensation import Search, condense
 from followspot_persons.fitness import Fitness, Habits
-from followspot_persons.floor_contact import Contact
 from followspot_persons.girth import Girth, observed
 
 PLACE_GAIN, VELOCITY_GAIN = 0.6, 0.25

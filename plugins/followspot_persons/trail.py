@@ -8,10 +8,10 @@ import numpy as np
 
 from followspot import Array, Camera
 from followspot.geometry import wrap
+from followspot_persons.background.floor_contact import Contact
 from followspot_persons.body.shape import ShapeModel
 from followspot_persons.body.view import HEADING, PAN, view
 from followspot_persons.fitness import Detection
-from followspot_persons.floor_contact import Contact
 from followspot_persons.hog.likelihood import heading_log_likelihood
 
 LENGTH = 64

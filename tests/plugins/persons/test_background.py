@@ -22,12 +22,9 @@ from tests.plugins.persons.test_appearance import Show
 from followspot.geometry import project
 from followspot.messages import stamped
 from followspot_persons.acquaintance import Acquaintance
-from followspot_persons.background import FEWEST, INTERVAL, LONGEST, MOST, Background, foreground
-from followspot_persons.body.shape import read_shape
-from followspot_persons.body.view import view
-from followspot_persons.existence import EVIDENCE, RIGID, Stirring, evidence_of
-from followspot_persons.fitness import Detection
-from followspot_persons.floor_contact import (
+from followspot_persons.background.background import FEWEST, INTERVAL, LONGEST, MOST, Background, foreground
+from followspot_persons.background.existence import EVIDENCE, RIGID, Stirring, evidence_of
+from followspot_persons.background.floor_contact import (
     BEFORE_AXIS,
     STRIDE_SIGMA,
     WALK,
@@ -36,8 +33,11 @@ from followspot_persons.floor_contact import (
     lowest,
     presence,
 )
+from followspot_persons.background.scene import Scene
+from followspot_persons.body.shape import read_shape
+from followspot_persons.body.view import view
+from followspot_persons.fitness import Detection
 from followspot_persons.part_box import stood
-from followspot_persons.scene import Scene
 
 NOBODY, NONE = np.empty((0, 4)), np.empty(0)
 PIXELS = ("pixels", "background")

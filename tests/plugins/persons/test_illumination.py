@@ -11,8 +11,8 @@ from tests.plugins.persons.test_appearance import Show
 from tests.plugins.persons.test_following import PERIOD, Room
 
 from followspot.tracking import TRACKED
-from followspot_persons.existence import Stirring
-from followspot_persons.illumination import COARSE, Illumination, in_usual_light
+from followspot_persons.background.existence import Stirring
+from followspot_persons.background.illumination import COARSE, Illumination, in_usual_light
 
 ROOM = np.random.default_rng(5).integers(30, 220, (240, 320, 3), np.uint8)
 

@@ -10,13 +10,13 @@ from tests.plugins.persons.drawn import drawn, perspective, picture_of, standing
 
 from followspot.geometry import project, wrap
 from followspot_persons.ascent import ACROSS, DISTANCE, STATURE, STEPS, ascend, moved
+from followspot_persons.background.floor_contact import Contact
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.stature import PROPORTION_SIGMA, SPREAD
 from followspot_persons.body.stature import USUAL as USUAL_HEIGHT
 from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT
 from followspot_persons.condensation import MODE, Search, condense, estimated, scattered, systematic
 from followspot_persons.fitness import Fitness, Habits, Weights, log_prior
-from followspot_persons.floor_contact import Contact
 from followspot_persons.girth import USUAL, Girth, girths_of, observed
 from followspot_persons.motion import HIGHEST, LOWEST, MAX_PAN, MAX_TILT, limited, predicted
 from followspot_persons.occlusion import covered

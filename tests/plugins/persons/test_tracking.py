@@ -13,13 +13,13 @@ from followspot.messages import Header, stamped
 from followspot.people import Appearances, Boxes, Gradients
 from followspot.tracking import PREDICTED, TRACKED, Frame
 from followspot_persons.acquaintance import Acquaintance
+from followspot_persons.background.floor_contact import STRIDE_SIGMA, WALK, Contact
 from followspot_persons.body.shape import read_shape, with_girth
 from followspot_persons.body.standing import standing as told
 from followspot_persons.body.view import HEADING, view
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.model import ColorModel
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights
-from followspot_persons.floor_contact import STRIDE_SIGMA, WALK, Contact
 from followspot_persons.followed_person import poses_of
 from followspot_persons.girth import girths_of
 from followspot_persons.hog.likelihood import heading_log_likelihood

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Array, Camera
-from followspot_persons.background import Background, foreground
+from followspot_persons.background.background import Background, foreground
 from followspot_persons.panorama import full_turn, short_way, turn_of
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from followspot import Array
 from followspot.frame_times import NANOSECOND
-from followspot_persons.floor_contact import Presence, presence
-from followspot_persons.scene import Scene
+from followspot_persons.background.floor_contact import Presence, presence
+from followspot_persons.background.scene import Scene
 
 STILL, THERE = 0.2, 0.5
 """Shares of foreground on the upper body at which nothing is there, and at which somebody is."""

@@ -12,10 +12,10 @@ import numpy as np
 
 from followspot import Array, Camera
 from followspot.geometry import project
+from followspot_persons.background.ghost import is_ghost
+from followspot_persons.background.scene import Scene
 from followspot_persons.body.standing import WAIST, knows_floor, rise
 from followspot_persons.body.view import HEIGHT
-from followspot_persons.ghost import is_ghost
-from followspot_persons.scene import Scene
 
 WIDTH = 0.3
 """Half the width of the searched strip, in heights of the upper body."""

@@ -1,0 +1,1 @@
+"""The room without people, and what differs from it."""
