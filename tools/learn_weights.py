@@ -31,8 +31,8 @@ from followspot.people import Appearances
 from followspot.room_file import load
 from followspot_accuracy.scorings import PosesScoring
 from followspot_persons.body.view import view
-from followspot_persons.combination import gamma_operation
-from followspot_persons.fitness import Fitness, pictured
+from followspot_persons.likelihood.combination import gamma_operation
+from followspot_persons.likelihood.fitness import Fitness, pictured
 from followspot_persons.pose_tracker import PoseTracker
 from scripting import options_of
 

@@ -13,11 +13,11 @@ from followspot_persons.acquaintance import Acquaintance
 from followspot_persons.association import box_offsets, carried, matched, on_body
 from followspot_persons.body.shape import ShapeModel
 from followspot_persons.body.view import BodyView, view
-from followspot_persons.certainty import certainties
 from followspot_persons.color.difference import ColorRelations, at_large, completed
 from followspot_persons.color.likelihood import color_likelihood, feature_responses
 from followspot_persons.color.model import ColorModel
-from followspot_persons.fitness import Detection, Picture, sampled
+from followspot_persons.likelihood.certainty import certainties
+from followspot_persons.likelihood.fitness import Detection, Picture, sampled
 from followspot_persons.panorama import turn_of
 
 NEAR, FAR = 0.5, 1.5

@@ -15,7 +15,7 @@ from followspot import Array
 from followspot_persons.ascent import DISTANCE, moved
 from followspot_persons.body.shape import ShapeModel, with_girth
 from followspot_persons.body.view import view
-from followspot_persons.fitness import Fitness
+from followspot_persons.likelihood.fitness import Fitness
 
 GIRTHS = np.linspace(0.78, 1.14, 10)
 """Compared girths, in girths of the shape model."""

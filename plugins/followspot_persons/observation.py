@@ -8,7 +8,7 @@ from followspot import Array
 from followspot.people import Boxes
 from followspot_persons.background.background import Background
 from followspot_persons.background.scene import Scene
-from followspot_persons.fitness import Detection, Picture
+from followspot_persons.likelihood.fitness import Detection, Picture
 
 
 @dataclass(frozen=True, eq=False)

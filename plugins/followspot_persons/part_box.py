@@ -12,7 +12,7 @@ from followspot_persons.background.floor_contact import LARGEST_CHANGE, Contact,
 from followspot_persons.background.scene import Scene
 from followspot_persons.body.standing import WAIST, standing
 from followspot_persons.body.upper_body_box import RATIO
-from followspot_persons.fitness import Detection
+from followspot_persons.likelihood.fitness import Detection
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from typing import Literal
 from followspot import Field, InputPath, StageParams
 from followspot_persons.body.shape import SHIPPED as SHIPPED_SHAPE
 from followspot_persons.color.difference import SHIPPED as SHIPPED_RELATIONS
-from followspot_persons.fitness import Weights
+from followspot_persons.likelihood.fitness import Weights
 
 
 class PoseTrackerParams(StageParams):
@@ -141,7 +141,7 @@ class PoseTrackerParams(StageParams):
 
     @property
     def weights(self) -> Weights:
-        """Of the cues, for :class:`followspot_persons.fitness.Fitness`."""
+        """Of the cues, for :class:`followspot_persons.likelihood.fitness.Fitness`."""
         return Weights(
             edge=self.edge_weight,
             color=self.color_weight,

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from followspot.frame_times import NANOSECOND
-from followspot_persons.fitness import Picture
+from followspot_persons.likelihood.fitness import Picture
 from followspot_persons.track import Track
 from followspot_persons.trail import Trail
 

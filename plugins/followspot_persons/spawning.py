@@ -10,8 +10,8 @@ from followspot_persons.body.standing import WAIST
 from followspot_persons.body.stature import SPREAD, USUAL
 from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT
 from followspot_persons.condensation import systematic
-from followspot_persons.fitness import Detection
 from followspot_persons.hog.likelihood import heading_log_likelihood
+from followspot_persons.likelihood.fitness import Detection
 from followspot_persons.motion import limited
 
 BOX_SIGMA = 0.08

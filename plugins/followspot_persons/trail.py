@@ -11,8 +11,8 @@ from followspot.geometry import wrap
 from followspot_persons.background.floor_contact import Contact
 from followspot_persons.body.shape import ShapeModel
 from followspot_persons.body.view import HEADING, PAN, view
-from followspot_persons.fitness import Detection
 from followspot_persons.hog.likelihood import heading_log_likelihood
+from followspot_persons.likelihood.fitness import Detection
 
 LENGTH = 64
 """Pictures that are remembered."""

@@ -18,8 +18,8 @@ from followspot_persons.body.shape import read_shape
 from followspot_persons.body.stature import SPREAD, USUAL
 from followspot_persons.body.view import HEADING, HEIGHT, view
 from followspot_persons.condensation import systematic
-from followspot_persons.fitness import Fitness, Habits, Weights, pictured
 from followspot_persons.gradients import FindGradients
+from followspot_persons.likelihood.fitness import Fitness, Habits, Weights, pictured
 from followspot_persons.motion import limited, predicted
 from followspot_persons.panorama import short_way, turn_of
 from followspot_persons.spawning import NEAREST

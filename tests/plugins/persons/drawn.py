@@ -14,9 +14,9 @@ from followspot.people import Boxes, Gradients
 from followspot.tracking import Frame
 from followspot_persons.body.shape import ShapeModel, read_shape, with_girth
 from followspot_persons.body.view import view
-from followspot_persons.fitness import Detection, Picture, pictured
 from followspot_persons.gradients import FindGradients
-from followspot_persons.occlusion import silhouette
+from followspot_persons.likelihood.fitness import Detection, Picture, pictured
+from followspot_persons.likelihood.occlusion import silhouette
 
 FACING = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0.0]])
 Color = tuple[int, int, int]

@@ -21,7 +21,6 @@ from tests.plugins.persons.drawn import (
 from followspot_persons.ascent import FINEST, STEPS, ascend
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.view import HEADING, view
-from followspot_persons.certainty import HALF
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.likelihood import FLOOR
 from followspot_persons.color.pairs import (
@@ -31,8 +30,9 @@ from followspot_persons.color.pairs import (
     telling_pairs,
 )
 from followspot_persons.condensation import Search, condense
-from followspot_persons.fitness import UNSURE_BOX, Detection, Fitness, Weights, log_prior
 from followspot_persons.hsi import hsi
+from followspot_persons.likelihood.certainty import HALF
+from followspot_persons.likelihood.fitness import UNSURE_BOX, Detection, Fitness, Weights, log_prior
 from followspot_persons.motion import MAX_TILT
 from followspot_persons.pose_tracker import PoseTracker
 from followspot_persons.swarm import swarmed

@@ -36,7 +36,7 @@ from followspot_persons.background.floor_contact import (
 from followspot_persons.background.scene import Scene
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.view import view
-from followspot_persons.fitness import Detection
+from followspot_persons.likelihood.fitness import Detection
 from followspot_persons.part_box import stood
 
 NOBODY, NONE = np.empty((0, 4)), np.empty(0)

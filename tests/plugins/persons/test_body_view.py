@@ -11,7 +11,7 @@ from tests.plugins.persons.drawn import perspective, standing
 from followspot.geometry import project
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.view import view
-from followspot_persons.fitness import UNSEEN_EDGE, Fitness, Picture, Weights
+from followspot_persons.likelihood.fitness import UNSEEN_EDGE, Fitness, Picture, Weights
 
 SHAPE = read_shape()
 

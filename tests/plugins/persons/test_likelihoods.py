@@ -16,9 +16,9 @@ from followspot_persons.color.likelihood import (
     feature_responses,
     intensity_share,
 )
-from followspot_persons.combination import gamma_operation
-from followspot_persons.edge_likelihood import edge_likelihood
 from followspot_persons.hog.likelihood import NOTHING, box_likelihood, heading_log_likelihood
+from followspot_persons.likelihood.combination import gamma_operation
+from followspot_persons.likelihood.edges import edge_likelihood
 
 RNG = np.random.default_rng(4)
 

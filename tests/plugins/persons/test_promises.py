@@ -25,9 +25,9 @@ from followspot_persons.body.view import view
 from followspot_persons.box_assignment import BoxAssignment
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.model import ColorModel
-from followspot_persons.fitness import Detection, pictured
 from followspot_persons.hsi import hsi
 from followspot_persons.identity import same_person
+from followspot_persons.likelihood.fitness import Detection, pictured
 from followspot_persons.recognition import DOUBT, LONGEST_WAIT, Recognition
 from followspot_persons.track import Track
 from followspot_persons.trail import carried_detection

@@ -21,7 +21,7 @@ from followspot_persons.body.stature import (
     weighted_median,
 )
 from followspot_persons.body.stature import sized as sized_by_box
-from followspot_persons.certainty import HALF, certainty
+from followspot_persons.likelihood.certainty import HALF, certainty
 
 EYE = 1.2
 

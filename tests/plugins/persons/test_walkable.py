@@ -8,7 +8,7 @@ from tests.plugins.persons.drawn import standing
 from tests.plugins.persons.test_appearance import Show, numbers
 from tests.plugins.persons.test_following import Room
 
-from followspot_persons.walkable import SIGMA, Walkable
+from followspot_persons.likelihood.walkable import SIGMA, Walkable
 
 CORNERS = ((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0))
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from followspot import Array
 from followspot_persons.body.shape import ShapeModel, shape_of, turn
-from followspot_persons.edge_likelihood import edge_likelihood
 from followspot_persons.gradients import emphasis, packed_edges, padded, spread
+from followspot_persons.likelihood.edges import edge_likelihood
 from followspot_shape import start
 from followspot_shape.crops import Crops
 

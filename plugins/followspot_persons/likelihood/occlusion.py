@@ -10,7 +10,7 @@ import numpy as np
 from followspot import Array
 from followspot_persons.body.shape import ShapeModel
 from followspot_persons.body.view import view
-from followspot_persons.fitness import Picture
+from followspot_persons.likelihood.fitness import Picture
 from followspot_persons.panorama import full_turn
 
 SUBPIXEL = 4

@@ -1,0 +1,1 @@
+"""How likely a pose of a person is, given a picture."""
