@@ -10,7 +10,7 @@ from followspot_persons.background.existence import Stirring
 from followspot_persons.background.floor_contact import Contact
 from followspot_persons.body.stature import Stature
 from followspot_persons.color.model import ColorModel
-from followspot_persons.track import Track, coasted
+from followspot_persons.particles.track import Track, coasted
 
 MISS = 1.5
 """Loss of a person's trust per picture without a box."""

@@ -25,12 +25,12 @@ from followspot_persons.box_assignment import BoxAssignment
 from followspot_persons.color.difference import read_relations
 from followspot_persons.foreground_box import STEP, shares, without_others
 from followspot_persons.foreground_people import completed
-from followspot_persons.girth import girths_of
 from followspot_persons.likelihood.fitness import Detection, Weights, pictured
 from followspot_persons.likelihood.occlusion import Shades
 from followspot_persons.likelihood.walkable import Walkable
 from followspot_persons.observation import Observation
 from followspot_persons.panorama import turn_of
+from followspot_persons.particles.girth import girths_of
 from followspot_persons.person_update import PersonUpdate
 from followspot_persons.recognition import Recognition
 from followspot_persons.reported import reported

@@ -10,7 +10,7 @@ import numpy as np
 from followspot.people import Poses
 from followspot.tracking import TRACKED
 from followspot_persons.body.view import HEADING
-from followspot_persons.track import Track
+from followspot_persons.particles.track import Track
 from followspot_persons.trail import Trail
 
 

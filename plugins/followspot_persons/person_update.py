@@ -28,14 +28,14 @@ from followspot_persons.body.stature import USUAL, sized
 from followspot_persons.body.view import view
 from followspot_persons.box_assignment import FAR, NEAR, BoxAssignment
 from followspot_persons.color.model import ColorModel, learnt
-from followspot_persons.condensation import Search
 from followspot_persons.foreground_box import foreground_box, shares
 from followspot_persons.likelihood.fitness import Detection, Fitness, Picture, Weights, sampled
 from followspot_persons.likelihood.walkable import Walkable
 from followspot_persons.observation import Observation
 from followspot_persons.part_box import stood
-from followspot_persons.spawning import spawned
-from followspot_persons.track import HIDDEN, Track, coasted, followed
+from followspot_persons.particles.condensation import Search
+from followspot_persons.particles.spawning import spawned
+from followspot_persons.particles.track import HIDDEN, Track, coasted, followed
 
 SHARP_VISIBILITY = 0.3
 """Cosine of the steepest view of a feature whose colour is learnt."""

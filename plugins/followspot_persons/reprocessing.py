@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from followspot.frame_times import NANOSECOND
 from followspot_persons.likelihood.fitness import Picture
-from followspot_persons.track import Track
+from followspot_persons.particles.track import Track
 from followspot_persons.trail import Trail
 
 SPACING = 0.14

@@ -8,8 +8,8 @@ import numpy as np
 
 from followspot import Array
 from followspot.frame_times import NANOSECOND
-from followspot_persons.condensation import scattered
-from followspot_persons.track import FASTEST
+from followspot_persons.particles.condensation import scattered
+from followspot_persons.particles.track import FASTEST
 
 LONG_AGO = 2.0
 """Time after which a person may have turned round, s."""

@@ -11,18 +11,18 @@ from followspot.frame_times import NANOSECOND
 from followspot.geometry import ray
 from followspot.people import Boxes, Gradients
 from followspot.tracking import Frame
-from followspot_persons.ascent import ascend
 from followspot_persons.association import ARMS
 from followspot_persons.body.shape import SHIPPED as SHIPPED_SHAPE
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.stature import SPREAD, USUAL
 from followspot_persons.body.view import HEADING, HEIGHT, view
-from followspot_persons.condensation import systematic
 from followspot_persons.gradients import FindGradients
 from followspot_persons.likelihood.fitness import Fitness, Habits, Weights, pictured
-from followspot_persons.motion import limited, predicted
 from followspot_persons.panorama import short_way, turn_of
-from followspot_persons.spawning import NEAREST
+from followspot_persons.particles.ascent import ascend
+from followspot_persons.particles.condensation import systematic
+from followspot_persons.particles.motion import limited, predicted
+from followspot_persons.particles.spawning import NEAREST
 
 APART = 0.7
 """Smallest distance between two people, m."""

@@ -18,7 +18,6 @@ from tests.plugins.persons.drawn import (
     standing,
 )
 
-from followspot_persons.ascent import FINEST, STEPS, ascend
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.view import HEADING, view
 from followspot_persons.color.difference import read_relations
@@ -29,13 +28,14 @@ from followspot_persons.color.pairs import (
     pair_responses,
     telling_pairs,
 )
-from followspot_persons.condensation import Search, condense
 from followspot_persons.hsi import hsi
 from followspot_persons.likelihood.certainty import HALF
 from followspot_persons.likelihood.fitness import UNSURE_BOX, Detection, Fitness, Weights, log_prior
-from followspot_persons.motion import MAX_TILT
+from followspot_persons.particles.ascent import FINEST, STEPS, ascend
+from followspot_persons.particles.condensation import Search, condense
+from followspot_persons.particles.motion import MAX_TILT
+from followspot_persons.particles.swarm import swarmed
 from followspot_persons.pose_tracker import PoseTracker
-from followspot_persons.swarm import swarmed
 
 SHAPE = read_shape()
 PAIRS = telling_pairs(SHAPE, read_relations())

@@ -14,8 +14,8 @@ from followspot_persons.body.shape import read_shape
 from followspot_persons.body.upper_body_box import RATIO
 from followspot_persons.body.view import view
 from followspot_persons.foreground_box import STEP, foreground_box, shares, without_others
+from followspot_persons.particles.track import Track
 from followspot_persons.slow_pose import scattered_about
-from followspot_persons.track import Track
 
 CAMERA = perspective()
 

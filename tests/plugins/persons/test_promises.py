@@ -28,8 +28,8 @@ from followspot_persons.color.model import ColorModel
 from followspot_persons.hsi import hsi
 from followspot_persons.identity import same_person
 from followspot_persons.likelihood.fitness import Detection, pictured
+from followspot_persons.particles.track import Track
 from followspot_persons.recognition import DOUBT, LONGEST_WAIT, Recognition
-from followspot_persons.track import Track
 from followspot_persons.trail import carried_detection
 from followspot_sim.actor.landmarks import NAMES
 

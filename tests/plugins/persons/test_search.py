@@ -9,18 +9,18 @@ import pytest
 from tests.plugins.persons.drawn import drawn, perspective, picture_of, standing
 
 from followspot.geometry import project, wrap
-from followspot_persons.ascent import ACROSS, DISTANCE, STATURE, STEPS, ascend, moved
 from followspot_persons.background.floor_contact import Contact
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.stature import PROPORTION_SIGMA, SPREAD
 from followspot_persons.body.stature import USUAL as USUAL_HEIGHT
 from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT
-from followspot_persons.condensation import MODE, Search, condense, estimated, scattered, systematic
-from followspot_persons.girth import USUAL, Girth, girths_of, observed
 from followspot_persons.likelihood.fitness import Fitness, Habits, Weights, log_prior
 from followspot_persons.likelihood.occlusion import covered
-from followspot_persons.motion import HIGHEST, LOWEST, MAX_PAN, MAX_TILT, limited, predicted
-from followspot_persons.track import FASTEST, HIDDEN, Track, coasted, followed
+from followspot_persons.particles.ascent import ACROSS, DISTANCE, STATURE, STEPS, ascend, moved
+from followspot_persons.particles.condensation import MODE, Search, condense, estimated, scattered, systematic
+from followspot_persons.particles.girth import USUAL, Girth, girths_of, observed
+from followspot_persons.particles.motion import HIGHEST, LOWEST, MAX_PAN, MAX_TILT, limited, predicted
+from followspot_persons.particles.track import FASTEST, HIDDEN, Track, coasted, followed
 
 EYE = np.array([0, 0, 1.2])
 SIDE = np.pi / 2

@@ -20,18 +20,18 @@ from followspot_persons.body.view import HEADING, view
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.model import ColorModel
 from followspot_persons.followed_person import poses_of
-from followspot_persons.girth import girths_of
 from followspot_persons.hog.likelihood import heading_log_likelihood
 from followspot_persons.hsi import from_plane
 from followspot_persons.identity import same_person
 from followspot_persons.likelihood.fitness import Detection, Fitness, Picture, Weights
 from followspot_persons.likelihood.occlusion import Shades, covered
 from followspot_persons.look import Look
+from followspot_persons.particles.girth import girths_of
+from followspot_persons.particles.spawning import farthest, spawned
+from followspot_persons.particles.track import Track
 from followspot_persons.pose_tracker import PoseTracker
 from followspot_persons.sightings import blended, sightings_of
 from followspot_persons.slow_pose import SlowPose
-from followspot_persons.spawning import farthest, spawned
-from followspot_persons.track import Track
 from followspot_persons.trail import Trail, carried_contact, carried_detection, carried_pose
 
 FACING = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0.0]])

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Array
-from followspot_persons.ascent import DISTANCE, moved
 from followspot_persons.body.shape import ShapeModel, with_girth
 from followspot_persons.body.view import view
 from followspot_persons.likelihood.fitness import Fitness
+from followspot_persons.particles.ascent import DISTANCE, moved
 
 GIRTHS = np.linspace(0.78, 1.14, 10)
 """Compared girths, in girths of the shape model."""

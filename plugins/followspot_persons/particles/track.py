@@ -12,9 +12,9 @@ from followspot_persons.background.floor_contact import Contact
 from followspot_persons.body.shape import ShapeModel, with_girth
 from followspot_persons.body.stature import PROPORTION_SIGMA, SPREAD, USUAL
 from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT, X, Y
-from followspot_persons.condensation import Search, condense
-from followspot_persons.girth import Girth, observed
 from followspot_persons.likelihood.fitness import Fitness, Habits
+from followspot_persons.particles.condensation import Search, condense
+from followspot_persons.particles.girth import Girth, observed
 
 PLACE_GAIN, VELOCITY_GAIN = 0.6, 0.25
 """Share of the difference to the forecast that place and velocity take over at 15 pictures a second."""

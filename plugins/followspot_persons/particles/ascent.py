@@ -8,7 +8,7 @@ import numpy as np
 
 from followspot import Array
 from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT
-from followspot_persons.motion import limited
+from followspot_persons.particles.motion import limited
 
 ACROSS, DISTANCE, STATURE = range(3)
 STEPS = {ACROSS: 0.03, DISTANCE: 0.12, STATURE: 0.02, HEADING: 0.25, PAN: 0.25, TILT: 0.12}

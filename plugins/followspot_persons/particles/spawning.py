@@ -9,10 +9,10 @@ from followspot.geometry import ray
 from followspot_persons.body.standing import WAIST
 from followspot_persons.body.stature import SPREAD, USUAL
 from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT
-from followspot_persons.condensation import systematic
 from followspot_persons.hog.likelihood import heading_log_likelihood
 from followspot_persons.likelihood.fitness import Detection
-from followspot_persons.motion import limited
+from followspot_persons.particles.condensation import systematic
+from followspot_persons.particles.motion import limited
 
 BOX_SIGMA = 0.08
 """Error of the size of a detected box, of its size."""

@@ -13,7 +13,7 @@ import numpy as np
 from followspot import Array
 from followspot.geometry import wrap
 from followspot_persons.body.view import HEADING
-from followspot_persons.motion import limited
+from followspot_persons.particles.motion import limited
 
 INERTIA, PULL = 0.7298, 1.4962
 """Share of the velocity that stays, and the largest pull of each of the two best places."""

@@ -9,10 +9,10 @@ import numpy as np
 
 from followspot import Array
 from followspot.geometry import wrap
-from followspot_persons.ascent import ascend
 from followspot_persons.body.view import HEADING, PAN, TILT
-from followspot_persons.motion import limited, predicted
-from followspot_persons.swarm import swarmed
+from followspot_persons.particles.ascent import ascend
+from followspot_persons.particles.motion import limited, predicted
+from followspot_persons.particles.swarm import swarmed
 
 MODE = np.radians(60)
 """Largest angle from the best heading of the particles in the estimate."""

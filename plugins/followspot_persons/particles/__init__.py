@@ -1,0 +1,1 @@
+"""The particle filter of one person's pose."""
