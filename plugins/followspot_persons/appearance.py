@@ -13,27 +13,27 @@ from followspot.frame_times import NANOSECOND
 from followspot.people import Appearances, Boxes, Gradients
 from followspot.plain_values import from_plain, to_plain
 from followspot.tracking import Frame
-from followspot_persons.acquaintance import Acquaintance, missed
-from followspot_persons.appearance_params import AppearanceParams
 from followspot_persons.background.background import Background
 from followspot_persons.background.existence import EVIDENCE, STILL, THERE
 from followspot_persons.background.illumination import Illumination
 from followspot_persons.background.scene import Scene
-from followspot_persons.bodies import Bodies
 from followspot_persons.body.shape import read_shape, with_girth
-from followspot_persons.box_assignment import BoxAssignment
 from followspot_persons.color.difference import read_relations
-from followspot_persons.foreground_box import STEP, shares, without_others
-from followspot_persons.foreground_people import completed
 from followspot_persons.likelihood.fitness import Detection, Weights, pictured
 from followspot_persons.likelihood.occlusion import Shades
 from followspot_persons.likelihood.walkable import Walkable
-from followspot_persons.observation import Observation
 from followspot_persons.panorama import turn_of
 from followspot_persons.particles.girth import girths_of
-from followspot_persons.person_update import PersonUpdate
-from followspot_persons.recognition import Recognition
-from followspot_persons.reported import reported
+from followspot_persons.slow_instance.acquaintance import Acquaintance, missed
+from followspot_persons.slow_instance.appearance_params import AppearanceParams
+from followspot_persons.slow_instance.bodies import Bodies
+from followspot_persons.slow_instance.box_assignment import BoxAssignment
+from followspot_persons.slow_instance.foreground_box import STEP, shares, without_others
+from followspot_persons.slow_instance.foreground_people import completed
+from followspot_persons.slow_instance.observation import Observation
+from followspot_persons.slow_instance.person_update import PersonUpdate
+from followspot_persons.slow_instance.recognition import Recognition
+from followspot_persons.slow_instance.reported import reported
 
 
 class Appearance(Stage):

@@ -21,7 +21,6 @@ from tests.plugins.persons.test_appearance import Show
 
 from followspot.geometry import project
 from followspot.messages import stamped
-from followspot_persons.acquaintance import Acquaintance
 from followspot_persons.background.background import FEWEST, INTERVAL, LONGEST, MOST, Background, foreground
 from followspot_persons.background.existence import EVIDENCE, RIGID, Stirring, evidence_of
 from followspot_persons.background.floor_contact import (
@@ -37,7 +36,8 @@ from followspot_persons.background.scene import Scene
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.view import view
 from followspot_persons.likelihood.fitness import Detection
-from followspot_persons.part_box import stood
+from followspot_persons.slow_instance.acquaintance import Acquaintance
+from followspot_persons.slow_instance.part_box import stood
 
 NOBODY, NONE = np.empty((0, 4)), np.empty(0)
 PIXELS = ("pixels", "background")

@@ -17,8 +17,8 @@ from followspot_persons.background.scene import Scene
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.standing import WAIST
 from followspot_persons.body.view import view
-from followspot_persons.foreground_box import STEP
-from followspot_persons.foreground_people import SCORE, completed, foreground_people
+from followspot_persons.slow_instance.foreground_box import STEP
+from followspot_persons.slow_instance.foreground_people import SCORE, completed, foreground_people
 
 CAMERA = perspective()
 PLAIN = np.full((240, 320, 3), WALL, np.uint8)

@@ -14,7 +14,6 @@ from tests.plugins.persons.test_identity import BLUE, RED, in_red_and_blue
 
 from followspot.people import Boxes
 from followspot.points import Points2D
-from followspot_persons.acquaintance import Acquaintance
 from followspot_persons.associate import joint_tracks
 from followspot_persons.associate.found import boxes_of
 from followspot_persons.associate.skeleton_pose import poses_of
@@ -22,14 +21,15 @@ from followspot_persons.associate.views import Noise, views_of
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.stature import Stature
 from followspot_persons.body.view import view
-from followspot_persons.box_assignment import BoxAssignment
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.model import ColorModel
 from followspot_persons.hsi import hsi
-from followspot_persons.identity import same_person
 from followspot_persons.likelihood.fitness import Detection, pictured
 from followspot_persons.particles.track import Track
-from followspot_persons.recognition import DOUBT, LONGEST_WAIT, Recognition
+from followspot_persons.slow_instance.acquaintance import Acquaintance
+from followspot_persons.slow_instance.box_assignment import BoxAssignment
+from followspot_persons.slow_instance.identity import same_person
+from followspot_persons.slow_instance.recognition import DOUBT, LONGEST_WAIT, Recognition
 from followspot_persons.trail import carried_detection
 from followspot_sim.actor.landmarks import NAMES
 

@@ -12,7 +12,6 @@ from followspot.context import Context
 from followspot.messages import Header, stamped
 from followspot.people import Appearances, Boxes, Gradients
 from followspot.tracking import PREDICTED, TRACKED, Frame
-from followspot_persons.acquaintance import Acquaintance
 from followspot_persons.background.floor_contact import STRIDE_SIGMA, WALK, Contact
 from followspot_persons.body.shape import read_shape, with_girth
 from followspot_persons.body.standing import standing as told
@@ -22,7 +21,6 @@ from followspot_persons.color.model import ColorModel
 from followspot_persons.followed_person import poses_of
 from followspot_persons.hog.likelihood import heading_log_likelihood
 from followspot_persons.hsi import from_plane
-from followspot_persons.identity import same_person
 from followspot_persons.likelihood.fitness import Detection, Fitness, Picture, Weights
 from followspot_persons.likelihood.occlusion import Shades, covered
 from followspot_persons.look import Look
@@ -31,6 +29,8 @@ from followspot_persons.particles.spawning import farthest, spawned
 from followspot_persons.particles.track import Track
 from followspot_persons.pose_tracker import PoseTracker
 from followspot_persons.sightings import blended, sightings_of
+from followspot_persons.slow_instance.acquaintance import Acquaintance
+from followspot_persons.slow_instance.identity import same_person
 from followspot_persons.slow_pose import SlowPose
 from followspot_persons.trail import Trail, carried_contact, carried_detection, carried_pose
 

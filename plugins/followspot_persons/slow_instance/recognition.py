@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from followspot.frame_times import NANOSECOND
-from followspot_persons.acquaintance import Acquaintance
 from followspot_persons.body.stature import USUAL
 from followspot_persons.color.difference import ColorRelations
-from followspot_persons.identity import same_person
+from followspot_persons.slow_instance.acquaintance import Acquaintance
+from followspot_persons.slow_instance.identity import same_person
 
 UNUSUAL = 0.12
 """Difference from the mean height that raises the confirmation score of a newcomer by half a point, m."""

@@ -9,7 +9,6 @@ import numpy as np
 from followspot import Array, Camera
 from followspot.frame_times import NANOSECOND
 from followspot.people import Boxes
-from followspot_persons.acquaintance import Acquaintance
 from followspot_persons.association import box_offsets, carried, matched, on_body
 from followspot_persons.body.shape import ShapeModel
 from followspot_persons.body.view import BodyView, view
@@ -19,6 +18,7 @@ from followspot_persons.color.model import ColorModel
 from followspot_persons.likelihood.certainty import certainties
 from followspot_persons.likelihood.fitness import Detection, Picture, sampled
 from followspot_persons.panorama import turn_of
+from followspot_persons.slow_instance.acquaintance import Acquaintance
 
 NEAR, FAR = 0.5, 1.5
 """Distance between the boxes of a person at which they may belong together, in heights: at once, and more for

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from followspot.people import Appearances
-from followspot_persons.acquaintance import Acquaintance
 from followspot_persons.background.illumination import Illumination
 from followspot_persons.color.difference import ColorRelations, completed
+from followspot_persons.slow_instance.acquaintance import Acquaintance
 
 
 def reported(

@@ -20,9 +20,9 @@ from followspot_persons.background.ghost import is_ghost
 from followspot_persons.background.scene import Scene
 from followspot_persons.body.standing import knows_floor, rise
 from followspot_persons.body.stature import USUAL
-from followspot_persons.foreground_box import LEVEL, STEP
 from followspot_persons.panorama import turn_of
-from followspot_persons.part_box import upper_body
+from followspot_persons.slow_instance.foreground_box import LEVEL, STEP
+from followspot_persons.slow_instance.part_box import upper_body
 
 SHORTEST, TALLEST = 1.45, 2.05
 """Heights of grown people, m."""

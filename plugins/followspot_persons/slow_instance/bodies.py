@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Array, Camera
-from followspot_persons.acquaintance import Acquaintance
 from followspot_persons.body.shape import ShapeModel
 from followspot_persons.body.view import view
+from followspot_persons.slow_instance.acquaintance import Acquaintance
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,8 +9,6 @@ import numpy as np
 
 from followspot import Array, Camera
 from followspot.frame_times import NANOSECOND
-from followspot_persons.acquaintance import Acquaintance, missed
-from followspot_persons.appearance_params import AppearanceParams
 from followspot_persons.background.existence import (
     RIGID,
     STILL,
@@ -22,20 +20,22 @@ from followspot_persons.background.existence import (
 )
 from followspot_persons.background.floor_contact import Contact, presence
 from followspot_persons.background.scene import Scene
-from followspot_persons.bodies import Bodies
 from followspot_persons.body.shape import ShapeModel, with_girth
 from followspot_persons.body.stature import USUAL, sized
 from followspot_persons.body.view import view
-from followspot_persons.box_assignment import FAR, NEAR, BoxAssignment
 from followspot_persons.color.model import ColorModel, learnt
-from followspot_persons.foreground_box import foreground_box, shares
 from followspot_persons.likelihood.fitness import Detection, Fitness, Picture, Weights, sampled
 from followspot_persons.likelihood.walkable import Walkable
-from followspot_persons.observation import Observation
-from followspot_persons.part_box import stood
 from followspot_persons.particles.condensation import Search
 from followspot_persons.particles.spawning import spawned
 from followspot_persons.particles.track import HIDDEN, Track, coasted, followed
+from followspot_persons.slow_instance.acquaintance import Acquaintance, missed
+from followspot_persons.slow_instance.appearance_params import AppearanceParams
+from followspot_persons.slow_instance.bodies import Bodies
+from followspot_persons.slow_instance.box_assignment import FAR, NEAR, BoxAssignment
+from followspot_persons.slow_instance.foreground_box import foreground_box, shares
+from followspot_persons.slow_instance.observation import Observation
+from followspot_persons.slow_instance.part_box import stood
 
 SHARP_VISIBILITY = 0.3
 """Cosine of the steepest view of a feature whose colour is learnt."""

@@ -1,0 +1,1 @@
+"""Parts of `persons.appearance`: what the slow instance finds and learns."""
