@@ -20,7 +20,11 @@ from followspot_persons.body.shape import read_shape, with_girth
 from followspot_persons.body.view import view
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.pairs import telling_pairs
-from followspot_persons.followed_person import Followed, poses_of
+from followspot_persons.fast_instance.followed_person import Followed, poses_of
+from followspot_persons.fast_instance.pose_tracker_params import PoseTrackerParams
+from followspot_persons.fast_instance.reprocessing import PastPicture, PastPictures, reprocessed
+from followspot_persons.fast_instance.slow_pose import SlowPose, astray, between, scattered_about
+from followspot_persons.fast_instance.trail import carried_contact, carried_detection, carried_pose
 from followspot_persons.likelihood.fitness import Detection, Fitness, Picture, pictured
 from followspot_persons.likelihood.occlusion import covered
 from followspot_persons.likelihood.walkable import Walkable
@@ -29,10 +33,6 @@ from followspot_persons.particles.condensation import Search
 from followspot_persons.particles.girth import girths_of
 from followspot_persons.particles.identity_change import changed
 from followspot_persons.particles.track import HIDDEN, Track, coasted, followed
-from followspot_persons.pose_tracker_params import PoseTrackerParams
-from followspot_persons.reprocessing import PastPicture, PastPictures, reprocessed
-from followspot_persons.slow_pose import SlowPose, astray, between, scattered_about
-from followspot_persons.trail import carried_contact, carried_detection, carried_pose
 
 JOINING = 0.1
 """Share of the particles that a pose of the slow instance replaces."""

@@ -26,9 +26,9 @@ from followspot.messages import Header, identical, stamped
 from followspot.people import Appearances
 from followspot.tracking import PREDICTED, TRACKED
 from followspot_persons.body.shape import read_shape
+from followspot_persons.fast_instance.slow_pose import astray, scattered_about
 from followspot_persons.hsi import hsi
 from followspot_persons.pose_tracker import PoseTracker
-from followspot_persons.slow_pose import astray, scattered_about
 
 PERIOD = 0.1
 

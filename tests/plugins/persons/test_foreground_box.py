@@ -13,9 +13,9 @@ from tests.plugins.persons.test_background import FEWEST, room_with
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.upper_body_box import RATIO
 from followspot_persons.body.view import view
+from followspot_persons.fast_instance.slow_pose import scattered_about
 from followspot_persons.particles.track import Track
 from followspot_persons.slow_instance.foreground_box import STEP, foreground_box, shares, without_others
-from followspot_persons.slow_pose import scattered_about
 
 CAMERA = perspective()
 

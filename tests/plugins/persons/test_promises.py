@@ -23,6 +23,7 @@ from followspot_persons.body.stature import Stature
 from followspot_persons.body.view import view
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.model import ColorModel
+from followspot_persons.fast_instance.trail import carried_detection
 from followspot_persons.hsi import hsi
 from followspot_persons.likelihood.fitness import Detection, pictured
 from followspot_persons.particles.track import Track
@@ -30,7 +31,6 @@ from followspot_persons.slow_instance.acquaintance import Acquaintance
 from followspot_persons.slow_instance.box_assignment import BoxAssignment
 from followspot_persons.slow_instance.identity import same_person
 from followspot_persons.slow_instance.recognition import DOUBT, LONGEST_WAIT, Recognition
-from followspot_persons.trail import carried_detection
 from followspot_sim.actor.landmarks import NAMES
 
 

@@ -7,7 +7,7 @@ import pytest
 from tests.plugins.persons.drawn import SECOND, drawn, perspective, picture_of, standing
 from tests.plugins.persons.test_following import Room
 
-from followspot_persons.reprocessing import SPACING, PastPicture, PastPictures
+from followspot_persons.fast_instance.reprocessing import SPACING, PastPicture, PastPictures
 
 
 def past(*times):

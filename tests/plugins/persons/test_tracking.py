@@ -18,7 +18,9 @@ from followspot_persons.body.standing import standing as told
 from followspot_persons.body.view import HEADING, view
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.model import ColorModel
-from followspot_persons.followed_person import poses_of
+from followspot_persons.fast_instance.followed_person import poses_of
+from followspot_persons.fast_instance.slow_pose import SlowPose
+from followspot_persons.fast_instance.trail import Trail, carried_contact, carried_detection, carried_pose
 from followspot_persons.hog.likelihood import heading_log_likelihood
 from followspot_persons.hsi import from_plane
 from followspot_persons.likelihood.fitness import Detection, Fitness, Picture, Weights
@@ -31,8 +33,6 @@ from followspot_persons.pose_tracker import PoseTracker
 from followspot_persons.sightings import blended, sightings_of
 from followspot_persons.slow_instance.acquaintance import Acquaintance
 from followspot_persons.slow_instance.identity import same_person
-from followspot_persons.slow_pose import SlowPose
-from followspot_persons.trail import Trail, carried_contact, carried_detection, carried_pose
 
 FACING = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0.0]])
 SECOND = 1_000_000_000

@@ -8,9 +8,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from followspot.frame_times import NANOSECOND
+from followspot_persons.fast_instance.trail import Trail
 from followspot_persons.likelihood.fitness import Picture
 from followspot_persons.particles.track import Track
-from followspot_persons.trail import Trail
 
 SPACING = 0.14
 """Smallest time between two kept pictures but the last, s: by 6.5 a second people are followed."""

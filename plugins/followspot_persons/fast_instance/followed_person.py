@@ -10,8 +10,8 @@ import numpy as np
 from followspot.people import Poses
 from followspot.tracking import TRACKED
 from followspot_persons.body.view import HEADING
+from followspot_persons.fast_instance.trail import Trail
 from followspot_persons.particles.track import Track
-from followspot_persons.trail import Trail
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,1 @@
+"""Parts of `persons.pose_tracker`: how the fast instance follows known people."""
