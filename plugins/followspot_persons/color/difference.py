@@ -18,8 +18,8 @@ from followspot import Array
 from followspot.document import plain
 from followspot.errors import InputError, Mistake
 from followspot.yaml_reader import read
+from followspot_persons.color.hsi import from_plane, plane
 from followspot_persons.color.model import FIRST_VARIANCE, ColorModel
-from followspot_persons.hsi import from_plane, plane
 
 SHIPPED = Path(__file__).with_name("color_relations.yaml")
 OBSERVATION = 0.0004

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Array
-from followspot_persons.hsi import from_plane, plane
+from followspot_persons.color.hsi import from_plane, plane
 
 FIRST_VARIANCE = np.array([0.04, 0.08, 0.12]) ** 2
 """Initial variance of a feature, in HSI."""

@@ -11,8 +11,8 @@ import numpy as np
 from followspot import Array
 from followspot_persons.body.shape import ShapeModel
 from followspot_persons.color.difference import ColorRelations
+from followspot_persons.color.hsi import plane
 from followspot_persons.color.likelihood import FLOOR, NARROWEST
-from followspot_persons.hsi import plane
 
 PAIRS = 120
 """Number of pairs."""

@@ -14,10 +14,10 @@ from followspot_persons.background.floor_contact import Contact
 from followspot_persons.background.illumination import in_usual_light
 from followspot_persons.body.shape import ShapeModel
 from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT, BodyView, pixel_index, view
+from followspot_persons.color.hsi import hsi
 from followspot_persons.color.likelihood import color_likelihood, feature_responses
 from followspot_persons.color.pairs import difference_likelihood, pair_responses
 from followspot_persons.hog.likelihood import box_likelihood, heading_log_likelihood
-from followspot_persons.hsi import hsi
 from followspot_persons.likelihood.certainty import certainty
 from followspot_persons.likelihood.combination import gamma_operation
 from followspot_persons.likelihood.edges import edge_likelihood

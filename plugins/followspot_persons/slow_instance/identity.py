@@ -6,8 +6,8 @@ import numpy as np
 
 from followspot import Array
 from followspot_persons.color.difference import ColorRelations
+from followspot_persons.color.hsi import plane
 from followspot_persons.color.model import ColorModel
-from followspot_persons.hsi import plane
 
 LIGHT = np.array([0.05, 0.05, 0.10])
 """Sigma of the change of a feature's mean colour with light and pose, in the plane of `hsi.plane`."""

@@ -21,6 +21,7 @@ from tests.plugins.persons.drawn import (
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.view import HEADING, view
 from followspot_persons.color.difference import read_relations
+from followspot_persons.color.hsi import hsi
 from followspot_persons.color.likelihood import FLOOR
 from followspot_persons.color.pairs import (
     NOTHING_SEEN,
@@ -28,7 +29,6 @@ from followspot_persons.color.pairs import (
     pair_responses,
     telling_pairs,
 )
-from followspot_persons.hsi import hsi
 from followspot_persons.likelihood.certainty import HALF
 from followspot_persons.likelihood.fitness import UNSURE_BOX, Detection, Fitness, Weights, log_prior
 from followspot_persons.particles.ascent import FINEST, STEPS, ascend

@@ -27,7 +27,7 @@ from followspot.control.checkpoint import state_to_data
 from followspot_persons.appearance import Appearance
 from followspot_persons.body.shape import read_shape, with_girth
 from followspot_persons.body.view import view
-from followspot_persons.hsi import hsi
+from followspot_persons.color.hsi import hsi
 from followspot_persons.slow_instance.acquaintance import MISS
 from followspot_persons.slow_instance.person_update import SHARP_VISIBILITY, TRUSTED
 

@@ -5,8 +5,8 @@ import pytest
 
 from followspot_persons.body.shape import read_shape
 from followspot_persons.color.difference import OBSERVATION, ColorRelations, completed, read_relations
+from followspot_persons.color.hsi import from_plane, hsi, plane
 from followspot_persons.color.model import FIRST_VARIANCE, ColorModel, learnt
-from followspot_persons.hsi import from_plane, hsi, plane
 from followspot_persons.slow_instance.identity import same_person
 
 RNG = np.random.default_rng(5)

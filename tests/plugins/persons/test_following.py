@@ -26,8 +26,8 @@ from followspot.messages import Header, identical, stamped
 from followspot.people import Appearances
 from followspot.tracking import PREDICTED, TRACKED
 from followspot_persons.body.shape import read_shape
+from followspot_persons.color.hsi import hsi
 from followspot_persons.fast_instance.slow_pose import astray, scattered_about
-from followspot_persons.hsi import hsi
 from followspot_persons.pose_tracker import PoseTracker
 
 PERIOD = 0.1

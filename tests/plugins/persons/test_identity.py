@@ -12,7 +12,7 @@ from tests.plugins.persons.test_following import PERIOD, Room
 
 from followspot.messages import stamped
 from followspot_persons.body.shape import read_shape
-from followspot_persons.hsi import hsi
+from followspot_persons.color.hsi import hsi
 from followspot_persons.particles.identity_change import changed
 
 RED, BLUE, BLACK = (40, 40, 180), (170, 70, 30), (30, 30, 30)

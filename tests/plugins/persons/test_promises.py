@@ -22,9 +22,9 @@ from followspot_persons.body.shape import read_shape
 from followspot_persons.body.stature import Stature
 from followspot_persons.body.view import view
 from followspot_persons.color.difference import read_relations
+from followspot_persons.color.hsi import hsi
 from followspot_persons.color.model import ColorModel
 from followspot_persons.fast_instance.trail import carried_detection
-from followspot_persons.hsi import hsi
 from followspot_persons.likelihood.fitness import Detection, pictured
 from followspot_persons.particles.track import Track
 from followspot_persons.slow_instance.acquaintance import Acquaintance

@@ -17,12 +17,12 @@ from followspot_persons.body.shape import read_shape, with_girth
 from followspot_persons.body.standing import standing as told
 from followspot_persons.body.view import HEADING, view
 from followspot_persons.color.difference import read_relations
+from followspot_persons.color.hsi import from_plane
 from followspot_persons.color.model import ColorModel
 from followspot_persons.fast_instance.followed_person import poses_of
 from followspot_persons.fast_instance.slow_pose import SlowPose
 from followspot_persons.fast_instance.trail import Trail, carried_contact, carried_detection, carried_pose
 from followspot_persons.hog.likelihood import heading_log_likelihood
-from followspot_persons.hsi import from_plane
 from followspot_persons.likelihood.fitness import Detection, Fitness, Picture, Weights
 from followspot_persons.likelihood.occlusion import Shades, covered
 from followspot_persons.look import Look

@@ -8,7 +8,7 @@ import numpy as np
 
 from followspot import Array
 from followspot_persons.body.shape import ShapeModel, turn
-from followspot_persons.hsi import hsi, plane
+from followspot_persons.color.hsi import hsi, plane
 from followspot_shape.crops import Crops
 from followspot_shape.fit import feature_pixels
 
