@@ -1,4 +1,4 @@
-"""Parts that cameras, sensors and targets of a room document share: words, tags, sources."""
+"""What cameras, sensors and targets of a room document share: limits, words, tags, sources."""
 
 from __future__ import annotations
 
@@ -9,6 +9,12 @@ from followspot.room import SETS, StageUse, Tags
 
 MAX_TAGS = 100
 """Most tags of one camera, sensor or target, and most values of one tag."""
+TOLERANCE = 1e-3
+"""Largest deviation of R R^T from the identity, and of a plane's normal from unit length."""
+ROUNDING = 1e-9
+"""Deviation from a unit sum or length that is not corrected: a written room is read back bit for bit."""
+FAR = 1e6
+"""Largest length of anything in a room, m."""
 _TAKEN = frozenset(("name", "kind", "model", "host", *SETS, *SETS.values()))
 """Words that selectors use for something else."""
 
