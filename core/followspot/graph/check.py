@@ -7,17 +7,17 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from followspot.document import Node, child
-from followspot.errors import Mistake, Place, did_you_mean
+from followspot.errors import Mistake, Place
 from followspot.files import RUN_LOG
 from followspot.graph.camera_kind import gives_picture
 from followspot.graph.checks.close_messages import joins_of_close_messages
 from followspot.graph.checks.files import check_files
 from followspot.graph.checks.flow import Flow
+from followspot.graph.checks.inputs import check_inputs
 from followspot.graph.checks.left_out import unserved_wires
 from followspot.graph.checks.reproducibility import risks
 from followspot.graph.checks.warnings import warnings
 from followspot.graph.connections import CheckedEdge, check_cycles, check_lagged_cycles, check_types, connect
-from followspot.graph.declaration import InputDeclaration
 from followspot.graph.distinct_mistakes import told_once
 from followspot.graph.expand import Expanded
 from followspot.graph.instances import CheckedStage, Instance
@@ -27,8 +27,8 @@ from followspot.graph.subgraph_ports import subgraph_ports
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.plugins.loaded_hooks import load_scorers
 from followspot.plugins.registry import PluginError, load_stage
-from followspot.ports import Ports, ports
-from followspot.room import SETS, Room, StageUse
+from followspot.ports import ports
+from followspot.room import Room, StageUse
 from followspot.stage import Stage
 
 
@@ -63,42 +63,45 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
         if gives_picture(instance, stage, expanded.room, mistakes):
             fitting[name] = stage
     _check_unserved(expanded, classes, mistakes)
-    stages = [
-        CheckedStage(instance, stage, params)
-        for name, stage in classes.items()
-        for instance in [expanded.instances[name]]
-        if (params := _params(instance, stage, mistakes)) is not None
-    ]
+    stages = _stages(expanded, classes, mistakes)
     edges = connect(expanded.wires, fitting, mistakes)
     check_cycles(edges, mistakes)
     check_lagged_cycles(edges, classes, mistakes)
-    sampled = sampled_cycles(edge.link for edge in edges)
-    if any(stage.live for stage in classes.values()):
-        notes = tuple(f"{mistake.place}: {mistake.text}; {mistake.remedy}" for mistake in sampled)
-    else:
-        notes = ()
-        if len(classes) == len(expanded.instances):  # else one that is not known may be live
-            mistakes += sampled
+    notes = _check_sampled_cycles(expanded, classes, edges, mistakes)
     _check_outputs(stages, mistakes)
     doubts = check_files(stages, expanded.room, mistakes)
     room = _checked_room(expanded, mistakes)
     flow = Flow({checked.instance.name: checked for checked in stages}, edges)
     if not mistakes:
         mistakes += told_once(joins_of_close_messages(flow, expanded.room))
-    notes = (*expanded.notes, *notes)
     return Checked(
         name=expanded.name,
         room=room,
         seed=expanded.seed,
         stages=tuple(stages),
         edges=tuple(edges),
-        notes=notes,
+        notes=(*expanded.notes, *notes),
         risks=tuple(risks(stages, edges)),
         warnings=() if mistakes else (*told_once(doubts), *warnings(flow, expanded)),
         offered=subgraph_ports(expanded.outputs, stages, expanded.room),
         room_document=expanded.room_node,
         subgraphs=expanded.subgraphs,
     )
+
+
+def _check_sampled_cycles(
+    expanded: Expanded,
+    classes: Mapping[str, type[Stage]],
+    edges: Sequence[CheckedEdge],
+    mistakes: list[Mistake],
+) -> list[str]:
+    """Note sampled cycles as mistakes of a replay; of a live graph they are the notes that are returned."""
+    sampled = sampled_cycles(edge.link for edge in edges)
+    if any(stage.live for stage in classes.values()):
+        return [f"{mistake.place}: {mistake.text}; {mistake.remedy}" for mistake in sampled]
+    if len(classes) == len(expanded.instances):  # else one that is not known may be live
+        mistakes += sampled
+    return []
 
 
 def _check_unserved(expanded: Expanded, classes: Mapping[str, type[Stage]], mistakes: list[Mistake]) -> None:
@@ -123,6 +126,19 @@ def _classes(expanded: Expanded, mistakes: list[Mistake]) -> dict[str, type[Stag
     return found
 
 
+def _stages(
+    expanded: Expanded, classes: Mapping[str, type[Stage]], mistakes: list[Mistake]
+) -> list[CheckedStage]:
+    """The instances whose parameters are valid."""
+    found = []
+    for name, stage in classes.items():
+        instance = expanded.instances[name]
+        params = _params(instance, stage, mistakes)
+        if params is not None:
+            found.append(CheckedStage(instance, stage, params))
+    return found
+
+
 def _class(uses: str, place: Place, mistakes: list[Mistake]) -> type[Stage] | None:
     try:
         return load_stage(uses)
@@ -134,72 +150,6 @@ def _class(uses: str, place: Place, mistakes: list[Mistake]) -> type[Stage] | No
 def _params(instance: Instance, stage: type[Stage], mistakes: list[Mistake]) -> dict[str, Any] | None:
     noun = f'stage "{instance.declared.name}" ({instance.uses})'
     return validated(stage, noun, instance.params, instance.uses_place, mistakes)
-
-
-def check_inputs(
-    instance: Instance, stage: type[Stage], left_out: Mapping[str, Mistake], mistakes: list[Mistake]
-) -> None:
-    """Note settings and inputs that the stage lacks, and each required input that nothing feeds."""
-    declared, found = instance.declared, ports(stage)
-    _check_settings(instance, stage, found, mistakes)
-    _check_served(instance, stage, mistakes)
-    for entry in declared.inputs:
-        _check_input(instance, entry, found, left_out, mistakes)
-    named = {entry.port for entry in declared.inputs}
-    missing = [port for port in found.inputs if port.required and port.name not in named]
-    if len(missing) <= len(named - {port.name for port in found.inputs}):
-        return  # the names that the stage lacks are those of the missing ones, misspelt
-    for port in missing:
-        text = f'stage "{declared.name}" ({instance.uses}) needs the input "{port.name}"'
-        advice = f"add in: {{{port.name}: STAGE}}, a stage that gives {port.type.__name__}"
-        mistakes.append(Mistake(declared.place, text, advice))
-
-
-def _check_settings(instance: Instance, stage: type[Stage], found: Ports, mistakes: list[Mistake]) -> None:
-    """Note a depth or a concurrency that the stage does not have."""
-    declared = instance.declared
-    if declared.depth is not None and not stage.live:
-        text = f'stage "{declared.name}" ({instance.uses}) is no live source and has no depth of its own'
-        mistakes.append(Mistake(declared.places["depth"], text, "write the depth where an input is fed"))
-    if "concurrency" in declared.places and found.gives != "later":
-        text = f'stage "{declared.name}" ({instance.uses}) answers at once and has no concurrency'
-        use = "remove it, or use a stage that returns Deferred[...]"
-        mistakes.append(Mistake(declared.places["concurrency"], text, use))
-
-
-def _check_served(instance: Instance, stage: type[Stage], mistakes: list[Mistake]) -> None:
-    """Note a fan-out that is missing, or over others than the members that the stage serves."""
-    declared, served = instance.declared, stage.serves()
-    if served and declared.each is None:
-        text = f'{instance.uses} serves one {SETS[served]}, and stage "{declared.name}" has no each'
-        mistakes.append(Mistake(declared.place, text, f"add each: {served}"))
-    elif served and instance.member is not None and instance.member.set != served:
-        over = declared.each.text if declared.each is not None else ""
-        text = f'{instance.uses} serves one {SETS[served]}, but stage "{declared.name}" fans out over {over}'
-        mistakes.append(Mistake(declared.places["each"], text, f"write each: {served}"))
-
-
-def _check_input(
-    instance: Instance,
-    entry: InputDeclaration,
-    found: Ports,
-    left_out: Mapping[str, Mistake],
-    mistakes: list[Mistake],
-) -> None:
-    """Note an input that the stage lacks, and a required one whose senders are all left out."""
-    name, port = instance.declared.name, found.input(entry.port)
-    if found.source:
-        text = f'stage "{name}" ({instance.uses}) is a source and has no inputs'
-        mistakes.append(Mistake(entry.place, text, "remove it"))
-    elif port is None:
-        remedy = did_you_mean(entry.port, [port.name for port in found.inputs], "inputs")
-        mistakes.append(Mistake(entry.place, f'stage "{name}" has no input "{entry.port}"', remedy))
-    elif port.required and entry.feeds and all(feed.stage in left_out for feed in entry.feeds):
-        text = f'input "{entry.port}" of stage "{name}" needs what is left out'
-        reasons = [left_out[feed.stage] for feed in entry.feeds]
-        told = "; ".join(reason.text for reason in reasons)
-        place = entry.place if reasons[0].place is None else entry.place.within(reasons[0].place)
-        mistakes.append(Mistake(place, text, f'{told}; write optional: true for "{name}", too'))
 
 
 def _check_outputs(stages: Sequence[CheckedStage], mistakes: list[Mistake]) -> None:

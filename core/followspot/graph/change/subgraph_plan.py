@@ -8,7 +8,7 @@ from typing import Any
 
 from followspot.document import Node, node_of
 from followspot.errors import Mistake, Place
-from followspot.graph.check import check_inputs
+from followspot.graph.checks.inputs import check_inputs
 from followspot.graph.checks.interfaces import check_interface
 from followspot.graph.compose.in_place import InPlace, in_place
 from followspot.graph.connections import CheckedEdge, connect
