@@ -14,8 +14,9 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+from followspot.plugins.catalogue import catalogue
 from followspot.plugins.description import describe
-from followspot.plugins.registry import catalogue, load_stage
+from followspot.plugins.registry import load_stage
 
 PAGE = Path(__file__).parent.parent / "docs" / "reference.md"
 HEAD = """# Stages

@@ -98,7 +98,7 @@ def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Elsewhere:
 
 def test_the_stages_are_offered_by_the_new_package_alone(elsewhere: Elsewhere) -> None:
     code = (
-        f"import followspot, {PLUGIN}; from followspot.plugins.registry import catalogue\n"
+        f"import followspot, {PLUGIN}; from followspot.plugins.catalogue import catalogue\n"
         f"print(followspot.__file__, {PLUGIN}.__file__)\n"
         "print(sorted(n for n, e in catalogue().items() if e.distribution == 'followspot-ejected'))\n"
         "print([n for n, e in catalogue().items() if n.startswith('sinks.') or e.state != 'ok'])\n"

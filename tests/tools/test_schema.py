@@ -14,7 +14,7 @@ import yaml
 
 from followspot.graph.declaration import ENVELOPE
 from followspot.graph.override import SUBGRAPH
-from followspot.plugins.registry import catalogue
+from followspot.plugins.catalogue import catalogue
 from followspot_schema.documents import document
 
 ROOT = Path(__file__).parent.parent.parent

@@ -18,7 +18,8 @@ from followspot.document import node_of
 from followspot.errors import FollowspotError, InputError, Mistake, Place
 from followspot.graph.parameters import validated
 from followspot.library.sink import SINK
-from followspot.plugins.registry import catalogue, load_stage
+from followspot.plugins.catalogue import catalogue
+from followspot.plugins.registry import load_stage
 from followspot.testing.samples import Content
 from followspot.testing.trial import Trial
 from fuzzing.target import Target

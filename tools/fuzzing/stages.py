@@ -13,7 +13,8 @@ import numpy as np
 
 from followspot.belonging import misfit
 from followspot.messages import MAX_SEQ, MAX_TIME, Header, InvalidMessage, Message, stamped
-from followspot.plugins.registry import PluginError, catalogue, load_stage
+from followspot.plugins.catalogue import catalogue
+from followspot.plugins.registry import PluginError, load_stage
 from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.testing.samples import BLACK, sample

@@ -55,7 +55,7 @@ def _runs(prefix: str = "", args: argparse.Namespace | None = None) -> Words:
 
 def _stages(prefix: str, args: argparse.Namespace) -> Words:
     """Installed stages."""
-    from followspot.plugins.registry import catalogue
+    from followspot.plugins.catalogue import catalogue
 
     return ((name, entry.distribution) for name, entry in catalogue().items())
 

@@ -13,7 +13,7 @@ _WIDEST_RANGE = 60
 """Characters of a range in a table; the names of many choices are listed below it."""
 
 if TYPE_CHECKING:
-    from followspot.plugins.registry import StageEntry
+    from followspot.plugins.catalogue import StageEntry
 
 KINDS = {
     "plain": "",
@@ -71,8 +71,9 @@ def _run(args: argparse.Namespace) -> int:
 
 def _list(files: Sequence[StageEntry], *, as_json: bool) -> None:
     """Print the installed stages and hooks, and the stages of one-file plugins."""
+    from followspot.plugins.catalogue import catalogue
     from followspot.plugins.loaded_hooks import load_hooks
-    from followspot.plugins.registry import catalogue, examined
+    from followspot.plugins.registry import examined
     from followspot.tables import table
 
     stages = [*(examined(entry) for entry in catalogue().values()), *files]

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable
 from followspot.host.forked_worker import ForkServerProcess
 from followspot.host.worker_process import Process
 from followspot.own_process import module_command, start_apart
-from followspot.plugins.registry import ours
+from followspot.plugins.catalogue import ours
 
 
 class WorkerStarts:

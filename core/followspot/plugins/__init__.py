@@ -1,4 +1,4 @@
-"""Plugins: which stages are installed (`registry`), one-file plugins, and the hooks of packages (`hooks`).
+"""Plugins: installed stages (`catalogue`), those in use (`registry`), and the hooks of packages (`hooks`).
 
 Discovery reads metadata and imports nothing; a stage's module is imported when a graph uses it.
 """

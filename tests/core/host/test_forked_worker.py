@@ -16,7 +16,7 @@ from tests.integration.running import alive, children, command_of, wait_until
 import followspot as fs
 from followspot.host.forked_worker import EXIT_CODE_UNKNOWN, ForkedWorker, ForkServerProcess
 from followspot.host.worker_starts import WorkerStarts
-from followspot.plugins.registry import GROUP
+from followspot.plugins.catalogue import GROUP
 
 PATIENCE = 60.0
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"

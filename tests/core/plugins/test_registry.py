@@ -14,14 +14,8 @@ from tests.core.plugins.packages import STAGE, install
 from followspot.cli.main import main
 from followspot.messages import Message
 from followspot.plugins import registry
-from followspot.plugins.registry import (
-    PluginError,
-    StageEntry,
-    catalogue,
-    examined,
-    load_stage,
-    read_catalogue,
-)
+from followspot.plugins.catalogue import StageEntry, catalogue, read_catalogue
+from followspot.plugins.registry import PluginError, examined, load_stage
 from followspot.stage import Stage
 
 

@@ -6,7 +6,8 @@ import pytest
 
 from followspot.errors import Mistake
 from followspot.graph.parameters import validated
-from followspot.plugins.registry import catalogue, load_stage
+from followspot.plugins.catalogue import catalogue
+from followspot.plugins.registry import load_stage
 from followspot.plugins.renamed import renamed
 from followspot.stage import Stage
 from followspot.stage_params import StageParams

@@ -12,7 +12,8 @@ from tests.core.testing import breaking
 from tests.stages import rates
 
 from followspot import Field, Source, Stage, StageParams
-from followspot.plugins.registry import catalogue, load_stage
+from followspot.plugins.catalogue import catalogue
+from followspot.plugins.registry import load_stage
 from followspot.testing import PROMISES, check_stage, findings
 from followspot.testing.promises.life import closes_within_a_second, starts_in_a_fresh_process
 from followspot.testing.trial import Trial

@@ -30,7 +30,7 @@ NEEDLESS = ("asyncio", "cryptography", "cv2", "mcap", "packaging", "pluggy", "ze
 
 def test_a_worker_imports_nothing_that_only_some_stages_or_edges_need() -> None:
     program = (
-        "import sys, followspot.worker.main; from followspot.plugins.registry import catalogue; catalogue();"
+        "import sys, followspot.worker.main; from followspot.plugins.catalogue import catalogue; catalogue();"
         f"print([name for name in {NEEDLESS!r} if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

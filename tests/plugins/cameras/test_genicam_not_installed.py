@@ -14,7 +14,8 @@ from followspot_cameras.genicam.camera import CameraInfo
 WITHOUT = """
 import sys
 sys.modules["viva_genicam"] = sys.modules["gi"] = None
-from followspot.plugins.registry import catalogue, examined
+from followspot.plugins.catalogue import catalogue
+from followspot.plugins.registry import examined
 found = examined(catalogue()["cameras.genicam"])
 print(found.state, "-", found.problem)
 """

@@ -265,7 +265,8 @@ def test_unknown_encoding_is_refused() -> None:
 WITHOUT = """
 import sys
 sys.modules["rosbags"] = sys.modules["mcap"] = None
-from followspot.plugins.registry import catalogue, examined
+from followspot.plugins.catalogue import catalogue
+from followspot.plugins.registry import examined
 for name in ("cameras.ros_bag", "cameras.mcap"):
     found = examined(catalogue()[name])
     print(found.state, "-", found.problem)

@@ -18,7 +18,7 @@ from followspot.cli.main import main
 from followspot.errors import FollowspotError, InputError
 from followspot.geometry import project
 from followspot.messages import Array
-from followspot.plugins import registry
+from followspot.plugins.catalogue import catalogue
 from followspot.port_marks import Source
 from followspot.room import Camera, Room, StageUse
 from followspot.room_file import load, save
@@ -213,7 +213,7 @@ def test_device_becomes_the_source_of_a_new_camera(tmp_path: Path, monkeypatch: 
 
 
 def test_live_needs_a_live_source() -> None:
-    assert registry.catalogue()["cameras.video"]
+    assert catalogue()["cameras.video"]
     for source in (None, StageUse("cameras.video", {})):
         with pytest.raises(InputError, match=r"camera cam0 has no live source\n.*cameras.device"):
             next(live_pictures(lens(source=source)))

@@ -12,7 +12,8 @@ from string import Template
 
 from followspot.errors import InputError, writing
 from followspot.graph.declaration import ROOM_SOURCE
-from followspot.plugins.registry import OFFERED, catalogue
+from followspot.plugins.catalogue import catalogue
+from followspot.plugins.registry import OFFERED
 from followspot_new.stub import BASES, message_types, stub, stub_test
 
 TEMPLATES = Path(__file__).parent / "templates"

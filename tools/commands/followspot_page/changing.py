@@ -18,8 +18,9 @@ from followspot.errors import FollowspotError
 from followspot.graph.change.replacement import misfits
 from followspot.graph.parameters import path_parameters
 from followspot.graph.plan import Plan, PlannedStage
+from followspot.plugins.catalogue import catalogue
 from followspot.plugins.description import describe
-from followspot.plugins.registry import PluginError, catalogue, load_stage
+from followspot.plugins.registry import PluginError, load_stage
 from followspot.ports import ports
 from followspot.stage import Stage
 from followspot.stage_params import DeviceIn, NetworkOut

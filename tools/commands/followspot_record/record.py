@@ -21,7 +21,8 @@ from followspot.graph.load import composed_graph
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker, nearest_kind
 from followspot.graph.plan_data import plan_to_data
-from followspot.plugins.registry import catalogue, load_stage
+from followspot.plugins.catalogue import catalogue
+from followspot.plugins.registry import load_stage
 from followspot_record.firings import facts_of_firings, firing_types
 
 SINK = "recording.sink"

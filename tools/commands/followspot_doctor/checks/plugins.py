@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 from followspot.errors import InputError
 from followspot.graph.compile import compile_graph
+from followspot.plugins.catalogue import catalogue
 from followspot.plugins.loaded_hooks import load_hooks
-from followspot.plugins.registry import catalogue, examined
+from followspot.plugins.registry import examined
 from followspot_doctor.finding import Finding, fine, wrong
 
 _REMEDIES = {
