@@ -38,7 +38,11 @@ class TargetScore:
     median_mm: float
     p95_mm: float
     identity_switches: int
-    """How often the position went to another object: within 15 cm of that and not of the target."""
+    """How often the position went to another object: within 15 cm of that and not of the target.
+
+    Persons have switches by another rule (`followspot_accuracy.persons.visits.identity_switches`): their
+    numbers are given by the tracker, names of targets by the room.
+    """
     hidden_frames: int
     """Frames in which the target is hidden from every camera."""
     false_positions: int
