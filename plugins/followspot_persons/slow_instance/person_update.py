@@ -35,7 +35,7 @@ from followspot_persons.slow_instance.bodies import Bodies
 from followspot_persons.slow_instance.box_assignment import FAR, NEAR, BoxAssignment
 from followspot_persons.slow_instance.foreground_box import foreground_box, shares
 from followspot_persons.slow_instance.observation import Observation
-from followspot_persons.slow_instance.part_box import stood
+from followspot_persons.slow_instance.part_box import Stood, stood
 
 SHARP_VISIBILITY = 0.3
 """Cosine of the steepest view of a feature whose colour is learnt."""
@@ -105,11 +105,7 @@ class PersonUpdate:
         person whom they hide is theirs.
         """
         known = stood(seen.scene, detection, person.track.pose, person.stature.estimate[0], others)
-        contact = person.contact_after(known.contact, seen.seconds)
-        fitness = self._fitness(picture, known.detection, contact)
-        search = Search(self.params.particles)
-        before = self._joined(person.track, known.detection)
-        track = followed(before, seen.seconds, fitness, self.girths, search, self.random())
+        track, contact = self._followed(person, known, picture, seen, joined=True)
         if track.shown < HIDDEN:
             longest = self.params.maximum_missed_time
             return missed(replace(person, track=track), 0.0, seen.now, longest, left=False)
@@ -163,11 +159,7 @@ class PersonUpdate:
             return None
         detection = Detection(box, np.zeros(0), np.zeros(0))
         known = stood(seen.scene, detection, there.pose, person.stature.estimate[0], others)
-        contact = person.contact_after(known.contact, seen.seconds)
-        fitness = self._fitness(picture, known.detection, contact)
-        search = Search(self.params.particles)
-        before = self._joined(person.track, known.detection) if known.part else person.track
-        track = followed(before, seen.seconds, fitness, self.girths, search, self.random())
+        track, contact = self._followed(person, known, picture, seen, joined=known.part)
         shown = presence(seen.scene, track.pose, others)
         stature = person.stature.stood(None if shown is None else shown.height)
         track = replace(track, stature=stature.estimate)
@@ -181,6 +173,19 @@ class PersonUpdate:
         there, box = self._unboxed(person, free, seen)
         expected = self.bodies.boxes([replace(person, track=there)])
         return person.comparable and box is None and bool(shares(self.camera, mask, expected)[0] < STILL)
+
+    def _followed(
+        self, person: Acquaintance, known: Stood, picture: Picture, seen: Observation, *, joined: bool
+    ) -> tuple[Track, Contact | None]:
+        """The person's track after the picture of a detection, and where the person stands.
+
+        known: the detection beside the floor; joined: whether a share of the particles begins there.
+        """
+        contact = person.contact_after(known.contact, seen.seconds)
+        fitness = self._fitness(picture, known.detection, contact)
+        search = Search(self.params.particles)
+        before = self._joined(person.track, known.detection) if joined else person.track
+        return followed(before, seen.seconds, fitness, self.girths, search, self.random()), contact
 
     def _learnt(self, model: ColorModel, track: Track, picture: Picture) -> ColorModel:
         """The colours of a person after a picture, of the features that are seen from no steep angle."""
