@@ -1,10 +1,12 @@
 """Frozen dataclasses and named tuples as plain values, and back: for `Stage.state` and `Stage.restore`.
 
-def state(self) -> Any:
-return to_plain(self.people)
+::
 
-def restore(self, state: Any) -> None:
-self.people = from_plain(list[Person], state)
+    def state(self) -> Any:
+        return to_plain(self.people)
+
+    def restore(self, state: Any) -> None:
+        self.people = from_plain(list[Person], state)
 """
 
 from __future__ import annotations
