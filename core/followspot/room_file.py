@@ -19,7 +19,7 @@ from followspot.errors import InputError, Place
 from followspot.files import DOCUMENT, read_text
 from followspot.messages import Array
 from followspot.room import Camera, Room, Sensor, StageUse, Sync, Tags, Target
-from followspot.room_form import room_of
+from followspot.room_form.room import room_of
 from followspot.yaml_reader import parse, read
 from followspot.yaml_scalars import resolve
 

@@ -24,7 +24,7 @@ from followspot.errors import FollowspotError, InputError
 from followspot.graph.load import load
 from followspot.graph.plan_data import plan_from_data
 from followspot.messages import Header, InvalidMessage, Message, stamped
-from followspot.room_form import room_of
+from followspot.room_form.room import room_of
 from followspot.sealing import seal
 from followspot.security.request_guard import Asked, Rejected, RequestGuard
 from followspot.tracking import Blobs, Frame, Pairs, Tracks

@@ -18,7 +18,7 @@ from followspot.graph.override import read_override
 from followspot.graph.room_part import part_of
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.room import Room
-from followspot.room_form import room_of
+from followspot.room_form.room import room_of
 from followspot.yaml_reader import read
 
 MAX_STAGES = 1000

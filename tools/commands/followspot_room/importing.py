@@ -10,12 +10,13 @@ from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
-from followspot import Camera, Room, room_form
+from followspot import Camera, Room
 from followspot.errors import InputError, Mistake, did_you_mean, writing
 from followspot.files import DOCUMENT, read_text
 from followspot.graph.room_part import part_of
 from followspot.room import StageUse
 from followspot.room_file import save
+from followspot.room_form import room as room_form
 from followspot.yaml_reader import read
 from followspot_cameras.recorded_times.beside import TABLE, spread_of_moments, times_beside
 from followspot_cameras.recordings import POSE_TRUTH, find_recordings

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 from followspot.points import Points2D
 from followspot.ports import ports
+from followspot.room_form.sync import LARGEST_KEY, MATCHES, TRIGGERS
+from followspot.room_form.target import BINS
 from followspot.stage import Stage
-from followspot.sync_form import LARGEST_KEY, MATCHES, TRIGGERS
-from followspot.target_form import BINS
 from followspot.tracking import DepthImage, Frame
 from followspot_schema.parts import NAME, TEXT, Schema, form, matrix, named, numbers
 from followspot_schema.stages import models, stage_use, stages_offered

@@ -8,7 +8,7 @@ from followspot.document import Node
 from followspot.errors import Mistake, did_you_mean
 from followspot.form import Form
 from followspot.room import Member, Sensor
-from followspot.room_parts import stage_use, tags_of, word
+from followspot.room_form.parts import stage_use, tags_of, word
 
 _MOST_RATE = 1e6
 """Highest rate of a sensor, 1/s."""

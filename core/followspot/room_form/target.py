@@ -9,7 +9,7 @@ from followspot.errors import Mistake
 from followspot.form import Form, Shape
 from followspot.messages import Array
 from followspot.room import Target
-from followspot.room_parts import FAR, ROUNDING, tags_of
+from followspot.room_form.parts import FAR, ROUNDING, tags_of
 
 BINS = 16
 """Bins of a hue histogram (Jin & Qian 2008, section 2.1)."""

@@ -59,7 +59,7 @@ def _value(tag: str, node: Node, form: Form) -> str:
 
 
 def stage_use(node: Node, noun: str, folder: str | None, mistakes: list[Mistake]) -> StageUse | None:
-    """A stage that a room names, with its parameters; folder: see `room_form.room_of`."""
+    """A stage that a room names, with its parameters; folder: see `room_of`."""
     form = Form(node, noun, ("uses", "with") if folder is not None else ("uses", "with", "folder"), mistakes)
     uses = form.text("uses", required=True)
     params = form.values("with")

@@ -6,17 +6,17 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from followspot.camera_form import camera_of
 from followspot.document import Node
 from followspot.errors import InputError, Mistake
 from followspot.form import Form, is_name
 from followspot.messages import Array
 from followspot.room import Camera, Room
-from followspot.room_parts import FAR, ROUNDING, TOLERANCE, stage_use
-from followspot.sensor_form import sensor_of
-from followspot.sync_form import sync_of
-from followspot.target_form import target_of
-from followspot.tune_form import tune_of
+from followspot.room_form.camera import camera_of
+from followspot.room_form.parts import FAR, ROUNDING, TOLERANCE, stage_use
+from followspot.room_form.sensor import sensor_of
+from followspot.room_form.sync import sync_of
+from followspot.room_form.target import target_of
+from followspot.room_form.tune import tune_of
 
 MAX_CAMERAS = 1000
 MAX_SENSORS = 1000

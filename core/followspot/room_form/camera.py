@@ -11,7 +11,7 @@ from followspot.errors import Mistake
 from followspot.form import Form, Shape
 from followspot.messages import MAX_BYTES, Array
 from followspot.room import Camera, LensModel
-from followspot.room_parts import FAR, TOLERANCE, stage_use, tags_of, word
+from followspot.room_form.parts import FAR, TOLERANCE, stage_use, tags_of, word
 
 _MAX_SIDE = 1 << 15
 _MAX_PIXELS = MAX_BYTES // 3
