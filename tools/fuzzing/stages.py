@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from followspot.belonging import misfit
 from followspot.messages import MAX_SEQ, MAX_TIME, Header, InvalidMessage, Message, stamped
 from followspot.plugins.catalogue import catalogue
 from followspot.plugins.registry import PluginError, load_stage
+from followspot.room_fit import misfit
 from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.testing.samples import BLACK, sample

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 
-from followspot.belonging import misfit
 from followspot.graph.plan import AHEAD, PlannedEdge, PlannedStage
 from followspot.ports import InputSpec
+from followspot.room_fit import misfit
 from followspot.sealing import seal
 from followspot.transport.token import ABSENT
 from followspot.worker.inputs.input_queue import UNCHANGED, InputQueue

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from followspot.belonging import misfit
 from followspot.messages import Message, column
 from followspot.people import Poses
 from followspot.room import Room
+from followspot.room_fit import misfit
 from followspot.sealing import seal
 from followspot.testing.samples import BLACK, sample
 from followspot.testing.tiny_room import tiny_room
