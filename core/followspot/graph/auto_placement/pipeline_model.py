@@ -11,6 +11,7 @@ import heapq
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from followspot.graph.cycles import cyclic, successors, topological
 
@@ -79,6 +80,14 @@ class PipelineModel:
         return found
 
 
+class _Wait(NamedTuple):
+    """What a firing waits for. name: of the other instance; delay: frames; hop: ms after that is done."""
+
+    name: str
+    delay: int
+    hop: float = 0.0
+
+
 class _Run:
     """One simulation: events in the order of time, then of frames and ranks, so that it is deterministic."""
 
@@ -89,24 +98,32 @@ class _Run:
         self.sources = [name for name in model.work if not any(not d for _, d in inputs[name])]
         self.sinks = [name for name in model.work if name not in senders]
         self.cost = dict(model.work)
-        waits: dict[str, list[tuple[str, int, float]]] = {name: [(name, 1, 0.0)] for name in model.work}
-        for end, found in inputs.items():
-            for start, delay in found:
-                hop = worker_of[start] != worker_of[end]
-                self.cost[start] += HOP_WORK * hop
-                self.cost[end] += HOP_WORK * hop
-                waits[end].append((start, delay, HOP_WAIT * hop))
-        for source in self.sources:
-            waits[source] += [(sink, window, 0.0) for sink in self.sinks]
-        self.readers: Mapping[str, list[tuple[str, int, float]]] = defaultdict(list)
+        self.readers: Mapping[str, list[_Wait]] = defaultdict(list)
+        """The same waits by the instance that is waited for; each has the name of the one that waits."""
         self.missing: dict[tuple[str, int], int] = {}
-        for name, found_waits in waits.items():
+        for name, waits in self._waits(inputs, window).items():
             for number in range(frames):
-                self.missing[name, number] = sum(number >= delay for _, delay, _ in found_waits)
-            for start, delay, hop_wait in found_waits:
-                self.readers[start].append((name, delay, hop_wait))
+                self.missing[name, number] = sum(number >= delay for _, delay, _ in waits)
+            for other, delay, hop in waits:
+                self.readers[other].append(_Wait(name, delay, hop))
         self.done: dict[tuple[str, int], float] = {}
         self._simulate()
+
+    def _waits(self, inputs: Mapping[str, list[tuple[str, int]]], window: int) -> dict[str, list[_Wait]]:
+        """What each instance waits for: itself, its inputs, and sources for the sinks of `window` frames ago.
+
+        Adds the work of messages between workers to the cost of their ends.
+        """
+        waits = {name: [_Wait(name, 1)] for name in self.model.work}
+        for end, found in inputs.items():
+            for start, delay in found:
+                hop = self.worker_of[start] != self.worker_of[end]
+                self.cost[start] += HOP_WORK * hop
+                self.cost[end] += HOP_WORK * hop
+                waits[end].append(_Wait(start, delay, HOP_WAIT * hop))
+        for source in self.sources:
+            waits[source] += [_Wait(sink, window) for sink in self.sinks]
+        return waits
 
     def ends(self) -> list[tuple[float, float]]:
         """Of each frame set: when its first source was done, and when its last sink was, ms."""
