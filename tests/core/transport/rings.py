@@ -31,6 +31,18 @@ class Ring:
         assert array is not None
         return array
 
+    def use_all_slots(self) -> tuple[list[Array], list[Token]]:
+        """Loans, and messages that the first reader keeps; two further messages are in flight."""
+        loans = [self.loan(SHAPE, "u1") for _ in range(DEPTH + 1)]
+        kept = []
+        for number in range(DEPTH + 1):
+            self.writer.send(frame(number))
+            kept += self.readers[0].poll()
+            self.readers[0].consumed()
+        self.writer.send(frame(5))
+        self.writer.send(frame(6))
+        return loans, kept
+
     def __enter__(self) -> Ring:
         return self
 

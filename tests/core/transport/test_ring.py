@@ -6,7 +6,7 @@ import select
 
 import numpy as np
 import pytest
-from tests.core.transport.rings import DEPTH, SHAPE, Ring, frame, messages
+from tests.core.transport.rings import DEPTH, Ring, frame, messages
 
 from followspot.messages import Message, identical
 from followspot.transport.token import END, Token, Watermark
@@ -104,14 +104,7 @@ def test_a_full_socket_wakes_the_writer_when_the_reader_made_room(ring: Ring) ->
 
 
 def test_slots_in_flight_hold_the_credit_and_reading_wakes_the_writer(ring: Ring) -> None:
-    loans = [ring.loan(SHAPE, "u1") for _ in range(DEPTH + 1)]
-    kept = []
-    for number in range(DEPTH + 1):
-        ring.writer.send(frame(number))
-        kept += ring.readers[0].poll()
-        ring.readers[0].consumed()
-    ring.writer.send(frame(5))
-    ring.writer.send(frame(6))
+    loans, kept = ring.use_all_slots()
     ring.writer.want_credit()
     assert ring.writer.credit() == 0
     kept += ring.readers[0].poll()

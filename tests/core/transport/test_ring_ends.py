@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import socket
 
-from tests.core.transport.rings import DEPTH, SHAPE, Ring, frame, messages
+from tests.core.transport.rings import DEPTH, Ring, frame, messages
 
 from followspot.messages import identical
 from followspot.tracking import Blobs, Frame
@@ -91,15 +91,7 @@ def test_a_replaced_reader_begins_with_the_next_message(shared: Ring) -> None:
 
 
 def test_a_replaced_reader_starts_with_nothing_to_release(ring: Ring) -> None:
-    """All slots have been used: by loans, by messages that the first reader kept, and by two in flight."""
-    loans = [ring.loan(SHAPE, "u1") for _ in range(DEPTH + 1)]
-    kept = []
-    for number in range(DEPTH + 1):
-        ring.writer.send(frame(number))
-        kept += ring.readers[0].poll()
-        ring.readers[0].consumed()
-    ring.writer.send(frame(5))
-    ring.writer.send(frame(6))
+    loans, kept = ring.use_all_slots()
     assert ring.writer.credit() == 0
     ring.readers[0].close()
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
