@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import cos, pi, radians, sin
 
 import numpy as np
@@ -44,15 +44,9 @@ def poses(
     view = View(center, FILLED * HEIGHT / 2 / radius)
     shapes = [view.path(floor_grid(center, radius), "#e3e7ec", 1)]
     shapes += [view.path(lines, ink, 2) for lines, ink in axes(radius)]
-    for number, (name, plane) in enumerate((planes or {}).items()):
-        patch = plane_patch(plane, center, radius * 0.5)
-        shapes += [view.path([patch], PLANE_INK, 1.5), view.label(patch[number % 4], name, PLANE_INK)]
+    shapes += _plane_shapes(view, planes or {}, radius)
     shapes.append(view.path(list(sampled[:, None]), "#7b8896", 3))
-    inks = [MARKED if camera.name in marked else INK[camera.kind] for camera in cameras]
-    for camera, ink in zip(cameras, inks, strict=True):
-        shapes.append(view.path(frustum(camera, FRUSTUM * radius), ink, 1.5))
-    # Names last, so that no line runs through them.
-    shapes += [view.label(c.center, c.name, ink) for c, ink in zip(cameras, inks, strict=True)]
+    shapes += _camera_shapes(view, cameras, radius, marked)
     picture = element(
         "svg",
         *shapes,
@@ -75,6 +69,25 @@ def poses(
     )
     content = element("div", element("div", *buttons, class_="views"), picture)
     return Section("Cameras in the room", [content], note)
+
+
+def _plane_shapes(view: View, planes: Mapping[str, Array], radius: float) -> Iterator[Element]:
+    """A square of each plane and its name. radius: of the scene, m."""
+    for number, (name, plane) in enumerate(planes.items()):
+        patch = plane_patch(plane, view.center, radius * 0.5)
+        yield view.path([patch], PLANE_INK, 1.5)
+        yield view.label(patch[number % 4], name, PLANE_INK)
+
+
+def _camera_shapes(
+    view: View, cameras: Sequence[Camera], radius: float, marked: Collection[str]
+) -> Iterator[Element]:
+    """The frusta of the cameras, then their names, so that no line runs through these."""
+    inks = [MARKED if camera.name in marked else INK[camera.kind] for camera in cameras]
+    for camera, ink in zip(cameras, inks, strict=True):
+        yield view.path(frustum(camera, FRUSTUM * radius), ink, 1.5)
+    for camera, ink in zip(cameras, inks, strict=True):
+        yield view.label(camera.center, camera.name, ink)
 
 
 class View:
