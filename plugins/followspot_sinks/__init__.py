@@ -1,1 +1,1 @@
-"""Sinks: tracks and detections as CSV, any message as JSON lines, targets on the console."""
+"""Sinks: files, the console, pictures, and protocols in which other programs are told where things are."""

@@ -1,1 +1,1 @@
-"""`followspot room import`: a room file from a calibration that another program wrote."""
+"""`followspot room ...`: room files from videos and from calibrations of other programs, and back again."""

@@ -1,1 +1,1 @@
-"""Single checks of a graph: files, interfaces, reproducibility, and warnings."""
+"""Single checks of a graph: inputs of stages, files, interfaces, reproducibility, and warnings."""

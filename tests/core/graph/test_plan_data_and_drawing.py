@@ -30,7 +30,7 @@ def plan(tmp_path: Path) -> Plan:
     return compile_graph(write(tmp_path), placement=tmp_path / "placement.yaml", plugin_files=[TOY])
 
 
-def test_a_shipped_plan_is_the_same(plan: Plan) -> None:
+def test_a_plan_that_travels_is_the_same(plan: Plan) -> None:
     data = json.loads(json.dumps(plan_to_data(plan)))
     found = plan_from_data(data)
     assert plan_to_data(found) == data
