@@ -30,6 +30,7 @@ from tests.tools.page.bundled import UNREACHED, made
 
 import followspot as fs
 from followspot.control.zenoh_rpc import agents
+from followspot.operator.connect import run_here
 from followspot.operator.discovery import await_named, operator_session
 from followspot.transport.zenoh.network import Network
 
@@ -227,6 +228,22 @@ def test_the_next_run_ends_what_a_dead_operator_left_on_hosts(room: Room) -> Non
     said = "was left there by a process of this machine that has died; it was ended"
     for name in HOSTS:
         assert any(line.startswith(name) and line.endswith(said) for line in finished.summary["warnings"])
+
+
+def test_a_run_of_n_frames_says_that_it_waits_for_a_lost_host_alone(room: Room) -> None:
+    process = room.begin("--frames", "150")
+    grows(room.folder / "out" / "ticks.csv")
+    room.agents["pc-left"].process.kill()
+    room.agents["pc-left"].process.communicate()
+    waits = "the run waits for host pc-left alone: start the agent or mend the link there, or stop the run"
+    run = run_here(str(process.pid))
+    assert wait_until(lambda: waits in run.status().news)
+    finished = ended(process, room.folder / "out")
+    assert finished.code == 1
+    assert f"warning: {waits}" in finished.errors
+    assert finished.summary["errors"] == [
+        "worker left was not there at the end: host pc-left does not answer"
+    ]
 
 
 @pytest.mark.thorough

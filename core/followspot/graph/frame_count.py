@@ -7,15 +7,17 @@ from followspot.graph.plan import Plan, PlannedStage
 
 def counted_sources(plan: Plan) -> frozenset[str]:
     """The sources that give frames: all that serve no sensor; every source if there is no other."""
-    sources = _sources(plan)
-    return frozenset(stage.name for stage in sources if not _of_sensor(stage)) or frozenset(
-        stage.name for stage in sources
-    )
+    return frozenset(stage.name for stage in _sources(plan) if not _of_sensor(stage)) or sources(plan)
 
 
 def accompanying_sources(plan: Plan) -> frozenset[str]:
     """The sources of sensors that give readings as long as others give frames; none without others."""
-    return frozenset(stage.name for stage in _sources(plan)) - counted_sources(plan)
+    return sources(plan) - counted_sources(plan)
+
+
+def sources(plan: Plan) -> frozenset[str]:
+    """The stages that no edge leads to."""
+    return frozenset(stage.name for stage in _sources(plan))
 
 
 def _sources(plan: Plan) -> list[PlannedStage]:

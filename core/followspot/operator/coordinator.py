@@ -77,6 +77,8 @@ class Coordinator:
         self._stop_deadline: float | None = None
         self._silent: dict[str, str] = {}
         """Hosts that do not answer, each with the reason as far as it is known."""
+        self._awaited: tuple[str, ...] = ()
+        """Silent hosts for which alone the run goes on, as told to the user."""
         self._cut_short = ""
         """Why a run without restarts ended early: a host was lost, even if it came back."""
         self._news: list[str] = []
@@ -235,6 +237,7 @@ class Coordinator:
                 if self._stop_deadline is None and self._ends_run(host):
                     self._cut_short = f"{error}: the run, which has no --restart, ended early"
         self._watch_budgets()
+        self._tell_awaited()
         self.log.gather()
         if on_progress is not None:
             whole = self._view()
@@ -246,6 +249,15 @@ class Coordinator:
         if self.plan.budgets and not any(worker.phase == "over" for worker in self._workers()):
             for line, is_missed in self._budgets.look(self._view().late()):
                 self._report_event(line, "warning" if is_missed else "info")
+
+    def _tell_awaited(self) -> None:
+        """Log a warning when a run that is not stopped begins to wait for silent hosts alone."""
+        awaited = self._view().awaited() if self._silent and self._stop_deadline is None else ()
+        if awaited and awaited != self._awaited:
+            names = " and ".join(f"host {name}" for name in awaited)
+            line = f"the run waits for {names} alone: start the agent or mend the link there, or stop the run"
+            self._report_event(line, "warning")
+        self._awaited = awaited
 
     def _report_event(self, line: str, level: Level) -> None:
         self.log.say(level, line)

@@ -9,11 +9,13 @@ from followspot.control.clock_status import ClockStatus
 from followspot.control.host import HostStatus, WorkerStatus
 from followspot.control.progress import Progress
 from followspot.control.worker_report import WorkerReport
+from followspot.graph.frame_count import sources
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.host.heartbeat import SILENCE
 from followspot.operator.budgets import missed, overruns
 from followspot.operator.reporting.report import RunReport, merge, summed
 from followspot.operator.run_status import RunStatus, SeenHost, faults
+from followspot.operator.sensor_end import ended_stages
 from followspot.worker.ledger import COLUMNS, Ledger
 
 
@@ -49,6 +51,13 @@ class RunView:
         """The sinks of workers that have not ended."""
         over = {worker.name for worker in self.workers() if worker.phase == "over"}
         return tuple(stage.name for stage in self._sinks() if stage.worker not in over)
+
+    def awaited(self) -> tuple[str, ...]:
+        """The silent hosts for which a run that would end goes on: all sources of other hosts have ended."""
+        over = set(ended_stages(self.workers()))
+        left = {self.plan.host_of_stage(name) for name in sources(self.plan) - over}
+        silent = {host.name for host in self._host_statuses() if host.absent}
+        return tuple(sorted(silent)) if self.expected() is not None and left <= silent else ()
 
     def _sinks(self) -> list[PlannedStage]:
         senders = {edge.from_stage for edge in self.plan.edges}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 
 from followspot.control.host import WorkerStatus
 from followspot.control.worker_orders import EndSensors
@@ -24,7 +24,7 @@ def order_at_start(plan: Plan, workers: Iterable[WorkerStatus]) -> EndSensors | 
 
 def order_at_end(plan: Plan, workers: Iterable[WorkerStatus]) -> EndSensors | None:
     """The order once every source of frames has ended, None before."""
-    ended = dict(_ended(workers))
+    ended = ended_stages(workers)
     counted = counted_sources(plan)
     return _order(plan, (ended[name] for name in counted)) if counted <= ended.keys() else None
 
@@ -33,9 +33,11 @@ def _order(plan: Plan, times: Iterable[int]) -> EndSensors:
     return EndSensors(sensors=tuple(sorted(accompanying_sources(plan))), time=max(times, default=-1))
 
 
-def _ended(workers: Iterable[WorkerStatus]) -> Iterator[tuple[str, int]]:
+def ended_stages(workers: Iterable[WorkerStatus]) -> dict[str, int]:
     """The stages that have ended, each with its newest capture time, ns."""
-    for worker in workers:
-        for stage in worker.stages:
-            if stage.state == "over" or worker.phase == "over":
-                yield stage.stage, stage.time
+    return {
+        stage.stage: stage.time
+        for worker in workers
+        for stage in worker.stages
+        if stage.state == "over" or worker.phase == "over"
+    }

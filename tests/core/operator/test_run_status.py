@@ -10,6 +10,7 @@ import pytest
 from followspot.control.dispatch import answer_from_wire, answer_to_wire
 from followspot.control.host import HostStatus, WorkerPhase, WorkerStatus
 from followspot.control.observation import GetHostStatus
+from followspot.control.stage_status import StageState, StageStatus
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedWorker
 from followspot.operator.run_requests import GetStatus
@@ -89,6 +90,24 @@ def test_an_old_or_absent_worker_is_a_fault(
 ) -> None:
     status = seen(plan, 0.0, replace(LEFT, phase=phase, restarts=restarts, age_s=age_s))
     assert status.faults() == ((fault,) if fault else ())
+
+
+def awaited(plan: Plan, near: StageState, far: HostStatus, expected: int | None = 9) -> tuple[str, ...]:
+    """The hosts that a run waits for if its sources are `a` on pc-left, as `far` says, and `b` here."""
+    main = WorkerStatus("main", "running", expected=expected, stages=(StageStatus("b", near),), age_s=0.0)
+    return RunView(plan, {"": HostStatus((main,), (), age_s=0.0), "pc-left": far}, begun=True).awaited()
+
+
+def test_a_run_that_would_end_waits_for_silent_hosts_alone_once_other_sources_have_ended(plan: Plan) -> None:
+    a, b = plan.stages[0], replace(plan.stages[0], name="b", worker="main")
+    plan = replace(plan, stages=(replace(a, worker="left"), b))
+    silent, heard = HostStatus((LEFT,), (), age_s=9.0), HostStatus((LEFT,), (), age_s=0.1)
+    assert awaited(plan, "over", silent) == ("pc-left",)
+    assert awaited(plan, "getting", silent) == ()
+    assert awaited(plan, "over", heard) == ()
+    assert awaited(plan, "over", silent, expected=None) == ()
+    ended = HostStatus((replace(LEFT, phase="over"),), (), age_s=9.0)
+    assert awaited(plan, "over", ended) == ()
 
 
 def test_later_changes_only_the_ages_of_a_status(plan: Plan) -> None:
