@@ -207,6 +207,36 @@ def test_a_detached_run_outlives_its_operators(room: Room) -> None:
     assert "there is no run graph" in gone.stderr
 
 
+def test_whoever_sleeps_while_another_operator_ends_the_run_says_so(room: Room) -> None:
+    process = room.begin("--detach", "--host", "pc-right")
+    process.communicate(timeout=60)
+    assert process.returncode == 0
+    asleep = launch("attach", "--json", *room.connect)
+    assert "of graph on" in asleep.stderr.readline()
+    asleep.send_signal(signal.SIGSTOP)
+    done = command("attach", "--stop", "--json", *room.connect)
+    assert done.returncode == 0, done.stderr
+    asleep.send_signal(signal.SIGCONT)
+    said, _ = asleep.communicate(timeout=90)
+    assert asleep.returncode == 1
+    why = "no longer has the run: another operator ended it, or the agent was restarted"
+    assert json.loads(said)["errors"] == [
+        f"worker {name} was not there at the end: host {host} {why}"
+        for name, host in (("left", "pc-left"), ("right", "pc-right"), ("main", "pc-right"))
+    ]
+
+
+def test_the_summary_of_an_attached_run_counts_its_seconds_from_the_beginning(room: Room) -> None:
+    process = room.begin("--detach", "--host", "pc-right")
+    run = json.loads(process.communicate(timeout=60)[0])["run"]
+    assert wait_until(lambda: bool(list(room.folder.glob(f"pc-right/runs/*-{run}-pc-right/ticks.csv"))))
+    (written,) = room.folder.glob(f"pc-right/runs/*-{run}-pc-right/ticks.csv")
+    grows(written, more=100)
+    summary = json.loads(command("attach", "--stop", "--json", *room.connect).stdout)
+    period = 0.02
+    assert summary["frames"] * period < summary["seconds"], "no device gives more frames in a second"
+
+
 def killed(room: Room) -> Started:
     """A run whose operator was killed; both agents keep it running."""
     process = room.begin()

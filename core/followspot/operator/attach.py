@@ -149,7 +149,8 @@ def attached(network: Network, wanted: str | None, here: Sequence[Listed] = ()) 
         unlisted = {worker.host for worker in plan_from_data(order.plan).workers} - {"", *watched}
         watched |= dict.fromkeys(sorted(unlisted), watched[run.hosts[0]])
         hosts = [RemoteHost(client, name, order=order) for name, order in watched.items()]
-        coordinator = Coordinator(_view(orders), hosts, order, others=Agents(client), begun=True)
+        others = Agents(client)
+        coordinator = Coordinator(_view(orders), hosts, order, others=others, begun=True, age_s=run.age_s)
         try:
             for host in hosts:
                 host.watch(silent=host.name in unlisted)

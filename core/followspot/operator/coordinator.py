@@ -57,11 +57,12 @@ class Coordinator:
         others: Others | None = None,
         *,
         begun: bool = False,
+        age_s: float = 0.0,
     ) -> None:
         """hosts: every host that the plan names; order: the order that the hosts get, or have got already.
 
         others: hosts that may join during the run; None for a run without a network; begun: whether another
-        operator has started the run already.
+        operator has started the run already, and age_s: how long ago, s.
         """
         self.plan = plan
         self.hosts = list(hosts)
@@ -86,6 +87,7 @@ class Coordinator:
         self._sensors_told = False
         """Whether the sensors have been told when to end."""
         self._begun = begun
+        self._age_s = age_s
         self._order_relay = OrderRelay(hosts if begun else ())
         self._budgets = BudgetWatch()
 
@@ -138,7 +140,7 @@ class Coordinator:
 
     def watch(self, on_progress: OnProgress | None = None) -> RunReport:
         """Block until a run that has begun ends, or until `leave`; return its report."""
-        started = time.monotonic()
+        started = time.monotonic() - self._age_s
         self._watch_to_end(on_progress)
         self.log.gather()
         report = self._view().report(time.monotonic() - started, self._silent, stopped=self.stopped)
@@ -273,11 +275,13 @@ class Coordinator:
 
     def _over(self, host: Host) -> bool:
         """True if all workers of a host have ended, or if the operator no longer waits for the host."""
+        status = host.status()
         if host.name in self._silent:
             end = self._stop_deadline
             undelivered = end is not None and time.monotonic() > end - _STOP_TIMEOUT + _DELIVERY_TIMEOUT
-            return undelivered or not self.order.restart
-        return host.status().all("over")
+            ended = status.age_s is not None and status.all("over")
+            return ended or undelivered or not self.order.restart
+        return status.all("over")
 
     def _failed(self) -> bool:
         """True if a worker failed, or a host was lost in a run without restarts: either ends the run."""

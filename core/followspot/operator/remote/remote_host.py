@@ -169,6 +169,8 @@ class RemoteHost:
 
     def _end_if_not_resumed(self) -> None:
         """Mark all workers as ended if no other operator has resumed the run in time."""
+        why = "another operator ended it, or the agent was restarted"
+        self._missing = f"host {self.name} no longer has the run: {why}"
         if time.monotonic() - self._heard > _RESUME_TIMEOUT:
             workers = tuple(replace(worker, phase="over") for worker in self._status.workers)
             self._status = replace(self._status, workers=workers)
