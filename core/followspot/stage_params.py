@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Self, get_args
 
 import pydantic
 
@@ -69,8 +69,8 @@ class StageParams(pydantic.BaseModel):
     """Base of every stage's parameters: immutable, unknown names are errors.
 
     Beside the limits of each parameter, these hold for all: whole numbers fit into 64 bits, other numbers are
-    0 or from `SMALLEST` to `LARGEST` in absolute value, texts contain no NUL, and no number `minimum_x` is
-    more than `maximum_x`.
+    0 or from `SMALLEST` to `LARGEST` in absolute value, true and false are no numbers, texts contain no NUL,
+    and no number `minimum_x` is more than `maximum_x`.
     """
 
     model_config = pydantic.ConfigDict(
@@ -83,6 +83,16 @@ class StageParams(pydantic.BaseModel):
         taken = next((name for name in cls.model_fields if name in ENVELOPE), None)
         if taken is not None:
             raise TypeError(f'no parameter can be named "{taken}": every stage has a key of that name')
+
+    @pydantic.field_validator("*", mode="before")
+    @classmethod
+    def _check_switches(cls, value: Any, info: pydantic.ValidationInfo) -> Any:
+        """Raises ValueError for true or false where a number is meant: pydantic takes them for 1 and 0."""
+        types = tuple(_plain_types(cls.model_fields[info.field_name or ""].annotation))
+        numbers = any(kind in (int, float) for kind in types)
+        if numbers and not any(kind in (bool, Any, object) for kind in types) and _has_switch(value):
+            raise ValueError("it must be a number, not true or false")
+        return value
 
     @pydantic.field_validator("*")
     @classmethod
@@ -100,6 +110,22 @@ class StageParams(pydantic.BaseModel):
             if _is_number(least) and _is_number(most) and least > most:
                 raise ValueError(f"{name} {least:g} is more than {other} {most:g}")
         return self
+
+
+def _plain_types(annotation: Any) -> Iterator[Any]:
+    """The types that an annotation is composed of, such as int and str of ``dict[str, int | None]``."""
+    inner = get_args(annotation)
+    if not inner:
+        yield annotation
+    for part in inner:
+        yield from _plain_types(part)
+
+
+def _has_switch(value: Any) -> bool:
+    """Whether true or false is in a tree of values."""
+    if isinstance(value, Mapping):
+        return any(map(_has_switch, value.values()))
+    return any(map(_has_switch, value)) if isinstance(value, list | tuple) else isinstance(value, bool)
 
 
 def _is_number(value: Any) -> bool:
