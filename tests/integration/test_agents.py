@@ -32,6 +32,7 @@ import followspot as fs
 from followspot.control.zenoh_rpc import agents
 from followspot.operator.connect import run_here
 from followspot.operator.discovery import await_named, operator_session
+from followspot.transport.keys import agent_key
 from followspot.transport.zenoh.network import Network
 
 LIVE = """
@@ -235,6 +236,32 @@ def test_the_summary_of_an_attached_run_counts_its_seconds_from_the_beginning(ro
     summary = json.loads(command("attach", "--stop", "--json", *room.connect).stdout)
     period = 0.02
     assert summary["frames"] * period < summary["seconds"], "no device gives more frames in a second"
+
+
+def test_an_agent_that_does_not_answer_keeps_nobody_from_the_runs_of_others(room: Room) -> None:
+    run = json.loads(room.begin("--detach", "--host", "pc-right").communicate(timeout=60)[0])["run"]
+    with operator_session(Network(connect=tuple(room.endpoints.values()))) as session:
+        token = session.liveliness().declare_token(agent_key("pc-aside"))
+        assert wait_until(lambda: len(agents(session)) == 3)
+        listed = command("runs", "--json", *room.connect)
+        missed = command("attach", "--run", "opera", *room.connect)
+        stopped = command("attach", "--stop", "--json", *room.connect)
+        token.undeclare()
+    assert run in [found["run"] for found in json.loads(listed.stdout)], listed.stderr
+    assert "warning: host pc-aside does not answer: the list may lack runs" in listed.stderr
+    assert "runs in reach, though host pc-aside does not answer: graph" in missed.stderr
+    assert stopped.returncode == 0, stopped.stderr
+
+
+def test_endpoints_without_an_agent_are_told_to_whoever_looks_for_runs(tmp_path: Path) -> None:
+    nobody = f"tcp/127.0.0.1:{free_port()}"
+    agent = near_agent("pc-left", tmp_path)
+    missed = command("attach", "--connect", nobody)
+    listed = command("runs", "--connect", agent.endpoint, "--connect", nobody)
+    assert agent.end() == 0
+    assert f"there is no run; runs in reach, though no agent is heard at {nobody}: none" in missed.stderr
+    assert f"warning: only 1 agent is heard at {agent.endpoint}, {nobody}: the list" in listed.stderr
+    assert "warning" not in command("runs").stderr
 
 
 def killed(room: Room) -> Started:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from followspot.control.dispatch import Request
-from followspot.control.host import RunOrder
+from followspot.control.host import HostLost, RunOrder
 from followspot.control.lifecycle import GetOrder, ListedRun, ListRuns, StopRun
 from followspot.control.progress import OnProgress
 from followspot.control.zenoh_rpc import RpcClient, agents
@@ -19,7 +19,7 @@ from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_from_data
 from followspot.operator.chosen import Listed, chosen, names
 from followspot.operator.coordinator import Coordinator, order_of
-from followspot.operator.discovery import Agents, await_named, discovered_hosts, operator_session
+from followspot.operator.discovery import Agents, await_named, discovered_hosts, operator_session, reached
 from followspot.operator.remote.remote_host import RemoteHost
 from followspot.operator.reporting.report import RunReport
 from followspot.operator.run_dispatcher import run_dispatcher
@@ -76,23 +76,33 @@ def detach(plan: Plan, options: RunOptions, network: Network, media: Path) -> st
     return order.run
 
 
-def find_runs(client: RpcClient) -> list[FoundRun]:
-    """The runs of all agents that answer, the newest run of each agent last."""
+def find_runs(client: RpcClient, network: Network, on_gap: Callable[[str], None]) -> list[FoundRun]:
+    """The runs of all agents that answer, the newest run of each agent last.
+
+    network: leads to the agents; on_gap: gets a clause for what may hide further runs: an agent that does not
+    answer, endpoints without an agent. Raises FollowspotError if an agent refuses.
+    """
     by_run: dict[str, dict[str, ListedRun]] = {}
-    for agent in sorted(agents(client.session)):
-        for listed in client.ask(agent, ListRuns()):
-            by_run.setdefault(listed.run, {})[agent] = listed
+    heard = sorted(agents(client.session))
+    if len(heard) < max(len(network.connect), bool(network.router), network.discover):
+        on_gap(f"{f'only {len(heard)}' if heard else 'no'} agent is heard at {reached(network)}")
+    for agent in heard:
+        try:
+            for listed in client.ask(agent, ListRuns()):
+                by_run.setdefault(listed.run, {})[agent] = listed
+        except HostLost as error:
+            on_gap(str(error))
     return [_found(run, hosts) for run, hosts in by_run.items()]
 
 
-def runs_under(network: Network) -> list[FoundRun]:
+def runs_under(network: Network, on_gap: Callable[[str], None] = lambda clause: None) -> list[FoundRun]:
     """The runs of the agents that a network leads to; none if no agent answers.
 
-    Raises FollowspotError if the network cannot be used.
+    on_gap: see `find_runs`. Raises FollowspotError if the network cannot be used.
     """
     with operator_session(network) as session:
         await_named(session, network)
-        return find_runs(RpcClient(session, network.own))
+        return find_runs(RpcClient(session, network.own), network, on_gap)
 
 
 def _found(run: str, hosts: Mapping[str, ListedRun]) -> FoundRun:
@@ -140,7 +150,10 @@ def attached(network: Network, wanted: str | None, here: Sequence[Listed] = ()) 
     with operator_session(network) as session:
         await_named(session, network)
         client = RpcClient(session, network.own)
-        run = chosen(_listing(here, find_runs(client), wanted), wanted, "in reach")
+        gaps: list[str] = []
+        runs = find_runs(client, network, gaps.append)
+        where = "in reach" + "".join(f", though {gap}" for gap in gaps)
+        run = chosen(_listing(here, runs, wanted), wanted, where)
         assert isinstance(run, FoundRun)  # no run of this machine has the name
         orders = {name: _order(client, name, run.run) for name in run.hosts}
         # without restart, because an observer must not resume the run

@@ -95,16 +95,20 @@ def await_agents(session: zenoh.Session, names: Sequence[str], network: Network)
     deadline = time.monotonic() + _TIMEOUT
     while missing := sorted(set(names) - agents(session)):
         if time.monotonic() > deadline:
-            found = ("on the local network",) * network.discover
-            where = network.router or ", ".join((*network.connect, *found))
-            raise InputError([_missing(name, where) for name in missing])
+            raise InputError([_missing(name, reached(network)) for name in missing])
         time.sleep(0.1)
+
+
+def reached(network: Network) -> str:
+    """Where a network looks for agents, in words."""
+    found = ("on the local network",) * network.discover
+    return network.router or ", ".join((*network.connect, *found)) or "any endpoint"
 
 
 def _missing(name: str, where: str) -> Mistake:
     return Mistake(
         None,
-        f'there is no agent for host "{name}" at {where or "any endpoint"}',
+        f'there is no agent for host "{name}" at {where}',
         f"start it there: followspot agent --name {name} --listen ENDPOINT, "
         "and name that endpoint here with --connect",
     )

@@ -28,7 +28,7 @@ from followspot.operator.remote.remote_host import RemoteHost
 from followspot.ranges import MAX_EXACT
 from followspot.transport.keys import agent_key, request_key
 from followspot.transport.zenoh.edge import locators, open_session
-from followspot.transport.zenoh.network import UNPROVEN
+from followspot.transport.zenoh.network import UNPROVEN, Network
 
 HOST = "pc-left"
 GOOD = answer_to_wire(
@@ -214,4 +214,4 @@ def test_an_invalid_listing_of_runs_is_an_error_that_names_the_host(
     there, client = agent
     there.say("list_runs", runs)
     with pytest.raises(FollowspotError, match=f"host {HOST}: its answer to list_runs is invalid"):
-        find_runs(client)
+        find_runs(client, Network(), print)

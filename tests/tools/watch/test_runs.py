@@ -39,7 +39,7 @@ def test_a_run_of_this_machine_and_one_under_agents_are_listed(
             ),
             FoundRun(run.run, "", (), False),
         ]
-        monkeypatch.setattr(runs, "runs_under", lambda network: there)
+        monkeypatch.setattr(runs, "runs_under", lambda network, on_gap: there)
         assert main(["runs", "--json"]) == 0
         listed = json.loads(capsys.readouterr().out)
         assert main(["runs"]) == 0
@@ -71,7 +71,7 @@ def test_a_run_that_does_not_answer_is_listed_all_the_same() -> None:
 
 def test_no_run_is_said_in_words(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(runs, "runs_here", list)
-    monkeypatch.setattr(runs, "runs_under", lambda network: [])
+    monkeypatch.setattr(runs, "runs_under", lambda network, on_gap: [])
     assert main(["runs"]) == 0
     assert capsys.readouterr().out == "there are no runs in reach\n"
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 import time
 from contextlib import suppress
 from dataclasses import asdict, dataclass
@@ -43,13 +44,20 @@ def runs(args: argparse.Namespace) -> int:
     """Print the list."""
     here = [listed_here(run) for run in runs_here()]
     known = {run.run for run in here}
-    there = [listed_there(run) for run in runs_under(network_of(args)) if run.run not in known]
+    named = args.connect or args.router or args.discover  # else many a user has no agent, and needs none
+    under = runs_under(network_of(args), _warn if named else lambda gap: None)
+    there = [listed_there(run) for run in under if run.run not in known]
     found = [*here, *there]
     if args.json:
         print(json.dumps([asdict(run) for run in found]))
     else:
         print(_table(found) if found else "there are no runs in reach")
     return 0
+
+
+def _warn(gap: str) -> None:
+    """Say why the list may lack runs."""
+    print(f"followspot: warning: {gap}: the list may lack runs", file=sys.stderr)
 
 
 def listed_here(run: RunHandle) -> Listed:
