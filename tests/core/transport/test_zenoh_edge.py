@@ -343,6 +343,21 @@ def test_a_writers_token_that_tells_nothing_is_refused_and_counted(pair: Pair, i
     token.undeclare()  # type: ignore[no-untyped-call]
 
 
+def test_a_writers_token_that_a_stranger_takes_back_keeps_no_later_writer_away(pair: Pair) -> None:
+    token = pair.stranger.liveliness().declare_token(f"{KEY}/alive/writer/88")
+    until(lambda: 88 in pair.reader._there)
+    token.undeclare()  # type: ignore[no-untyped-call]
+    until(lambda: 88 not in pair.reader._there)
+    assert not pair.reader.lost, "the true writer is there"
+    pair.writer.close()
+    pair.writer = ZenohWriter(pair.session, KEY, {NAME: ""}, DEPTH, incarnation=1)
+    until(lambda: not pair.reader.poll() and pair.writer.matched())
+    pair.writer.send(frame(7))
+    (arrival,) = arrived(pair.reader, 1)
+    assert isinstance(arrival, Message)
+    assert identical(arrival, frame(7))
+
+
 def test_what_strangers_put_on_all_keys_at_once_kills_nobody(
     pair: Pair, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -72,7 +72,7 @@ class ZenohReader:
         self._refused = self._flooded = self._floods_seen = 0
         self._there: set[int] = set()
         self._newest = -1
-        """Latest incarnation of a writer that was ever there."""
+        """Latest incarnation of a writer that is there, whether or not it has told a start."""
         self._gone = incarnation > 0
         self._wakeup = WakeupEvent()
         key = codec_key(key, codec)
@@ -242,9 +242,9 @@ class ZenohReader:
         number = int(incarnation)
         if sample.kind == zenoh.SampleKind.PUT:
             self._there.add(number)
-            self._newest = max(self._newest, number)
         else:
             self._there.discard(number)
             self._arrived.append(number)
-        self._gone = self._newest not in self._there
+        self._newest = max(self._there, default=-1)
+        self._gone = max(self._newest, self.position.writer) not in self._there
         self._wakeup.set()

@@ -47,8 +47,8 @@ class StreamPosition:
     def start(self, numbers: Numbers | None, newest: int) -> int | None:
         """Join where a writer says: at its stream, or at the rest after the link was cut.
 
-        newest: latest incarnation of a writer that was ever there. Returns how many messages are missing
-        before; None if the start is refused, or comes from a writer that another has replaced.
+        newest: latest incarnation of a writer that is there. Returns how many messages are missing before;
+        None if the start is refused, or comes from a writer that another has replaced.
         """
         if numbers is None or not self._possible(*numbers):
             self.refused += 1
