@@ -264,6 +264,23 @@ def test_endpoints_without_an_agent_are_told_to_whoever_looks_for_runs(tmp_path:
     assert "warning" not in command("runs").stderr
 
 
+def test_a_run_says_which_edge_stalls_because_somebody_else_speaks_for_its_reader(room: Room) -> None:
+    process = room.begin()
+    out = room.folder / "out"
+    grows(out / "ticks.csv")
+    run = run_here(str(process.pid))
+    begins = "more.out -> sum.numbers stalls: more has had no room to send for "
+    with operator_session(Network(connect=tuple(room.endpoints.values()))) as session:
+        tokens = [str(reply.ok.key_expr) for reply in session.liveliness().get("followspot/**") if reply.ok]
+        (reader,) = (token for token in tokens if f"/{run.run}/pc-left/more/out/.reader/" in f"/{token}")
+        forged = session.liveliness().declare_token(f"{reader.rpartition('/')[0]}/7")
+        assert wait_until(lambda: any(line.startswith(begins) for line in run.status().faults()))
+        forged.undeclare()
+    assert wait_until(lambda: "more.out -> sum.numbers moves again" in run.status().news)
+    finished = ended(process, out)
+    assert f"warning: {begins}" in finished.errors
+
+
 def killed(room: Room) -> Started:
     """A run whose operator was killed; both agents keep it running."""
     process = room.begin()

@@ -94,18 +94,3 @@ def _edges_between(plan: Plan, origin: str, end: str) -> Mapping[str, list[Plann
 def _work(stage: StageStatus) -> float:
     """Mean work of a firing, ms."""
     return stage.busy_ms / stage.fired if stage.fired else 0.0
-
-
-class BudgetWatch:
-    """Tells when a path begins to miss its budget, and when it keeps it again."""
-
-    def __init__(self) -> None:
-        self._missed: dict[str, str] = {}
-
-    def look(self, lines: Iterable[str]) -> Iterator[tuple[str, bool]]:
-        """New lines for the log, and whether each tells of a miss. lines: as `missed` gives them."""
-        now = {line.partition(":")[0]: line for line in lines}
-        before, self._missed = self._missed, now
-        yield from ((line, True) for path, line in now.items() if path not in before)
-        for path in before.keys() - now.keys():
-            yield f"{path.replace(' misses its', ' keeps its')} again", False

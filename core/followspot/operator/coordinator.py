@@ -22,7 +22,7 @@ from followspot.host.clocks.host import reference
 from followspot.log.merged import MergedLog
 from followspot.log.record import Level, LogPage
 from followspot.log.run_log import OnLog
-from followspot.operator.budgets import BudgetWatch
+from followspot.operator.fault_watch import FaultWatch
 from followspot.operator.order_relay import OrderRelay
 from followspot.operator.reporting.report import RunReport
 from followspot.operator.run_status import RunStatus
@@ -89,7 +89,8 @@ class Coordinator:
         self._begun = begun
         self._age_s = age_s
         self._order_relay = OrderRelay(hosts if begun else ())
-        self._budgets = BudgetWatch()
+        self._budgets = FaultWatch(" misses its", " keeps its")
+        self._stalls = FaultWatch(" stalls", " moves")
 
     def stop(self) -> None:
         """End all sources; workers finish the messages in flight. Safe in a signal handler."""
@@ -239,6 +240,8 @@ class Coordinator:
                 if self._stop_deadline is None and self._ends_run(host):
                     self._cut_short = f"{error}: the run, which has no --restart, ended early"
         self._watch_budgets()
+        for line, begins in self._stalls.look(self._view().stalled()):
+            self._report_event(line, "warning" if begins else "info")
         self._tell_awaited()
         self.log.gather()
         if on_progress is not None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from followspot.control.clock_status import ClockStatus
 from followspot.control.host import WorkerStatus
 from followspot.graph.plan import Plan, PlannedEdge
+from followspot.operator.stalls import stalled
 from followspot.ranges import Age, Count
 from followspot.worker.ledger import COLUMNS, EdgeCount, tally
 
@@ -50,7 +51,7 @@ class RunStatus:
         return replace(self, workers=tuple(workers), hosts=tuple(hosts))
 
     def faults(self) -> tuple[str, ...]:
-        """A line for each host or worker that is absent or old, and for each path that misses its budget.
+        """A line for each absent or old host or worker, each edge that stalls, path that misses its budget.
 
         A faulty host's workers have no line of their own.
         """
@@ -65,10 +66,11 @@ class RunStatus:
 
 
 def faults(hosts: Iterable[SeenHost], workers: Iterable[WorkerStatus]) -> tuple[str, ...]:
-    """A line for each host or worker that is absent or old: see `RunStatus.faults`."""
+    """A line for each host or worker that is absent or old, and each edge that stalls: see `RunStatus`."""
+    workers = tuple(workers)
     found = {host.name: line for host in hosts if (line := _host_fault(host))}
     others = (_worker_fault(worker) for worker in workers if worker.host not in found)
-    return (*found.values(), *(line for line in others if line))
+    return (*found.values(), *(line for line in others if line), *stalled(workers))
 
 
 def is_old(worker: WorkerStatus) -> bool:

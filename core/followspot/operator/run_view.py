@@ -16,6 +16,7 @@ from followspot.operator.budgets import missed, overruns
 from followspot.operator.reporting.report import RunReport, merge, summed
 from followspot.operator.run_status import RunStatus, SeenHost, faults
 from followspot.operator.sensor_end import ended_stages
+from followspot.operator.stalls import stalled
 from followspot.worker.ledger import COLUMNS, Ledger
 
 
@@ -83,6 +84,10 @@ class RunView:
     def late(self) -> tuple[str, ...]:
         """A line for each path that misses its budget."""
         return tuple(missed(self.plan, self._worker_statuses())) if self.plan.budgets else ()
+
+    def stalled(self) -> tuple[str, ...]:
+        """A line for each edge that stalls."""
+        return tuple(stalled(self._worker_statuses()))
 
     def _host_statuses(self) -> Iterator[SeenHost]:
         """The remote hosts that should answer: all whose workers have not ended."""

@@ -8,7 +8,8 @@ from followspot.control.host import HostStatus, WorkerStatus
 from followspot.control.stage_status import EdgeAge, PathStatus, StageStatus
 from followspot.graph.budget import Budget
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker
-from followspot.operator.budgets import BudgetWatch, largest_part, missed, overruns
+from followspot.operator.budgets import largest_part, missed, overruns
+from followspot.operator.fault_watch import FaultWatch
 from followspot.operator.run_view import RunView
 from followspot.room import Room
 
@@ -104,7 +105,7 @@ def test_status_progress_and_faults_tell_it() -> None:
 
 
 def test_a_miss_is_told_when_it_begins_and_when_it_ends() -> None:
-    watch = BudgetWatch()
+    watch = FaultWatch(" misses its", " keeps its")
     assert not list(watch.look([]))
     assert list(watch.look(["a -> b misses its budget of 2 ms: 95 % up to 3 ms"])) == [
         ("a -> b misses its budget of 2 ms: 95 % up to 3 ms", True)
