@@ -25,7 +25,7 @@ from followspot.operator.reporting.report import RunReport
 from followspot.operator.run_dispatcher import run_dispatcher
 from followspot.operator.run_handle import RunHandle
 from followspot.operator.run_requests import Surroundings
-from followspot.transport.zenoh.network import Network
+from followspot.transport.zenoh.network import AGENT, Network, secured
 from followspot.worker.wiring import RunOptions
 
 
@@ -84,7 +84,8 @@ def find_runs(client: RpcClient, network: Network, on_gap: Callable[[str], None]
     """
     by_run: dict[str, dict[str, ListedRun]] = {}
     heard = sorted(agents(client.session))
-    if len(heard) < max(len(network.connect), bool(network.router), network.discover):
+    named = () if network.connect in (AGENT, secured(AGENT)) else network.connect  # many have no agent here
+    if len(heard) < max(len(named), bool(network.router), network.discover):
         on_gap(f"{f'only {len(heard)}' if heard else 'no'} agent is heard at {reached(network)}")
     for agent in heard:
         try:

@@ -101,7 +101,7 @@ def await_agents(session: zenoh.Session, names: Sequence[str], network: Network)
 
 def reached(network: Network) -> str:
     """Where a network looks for agents, in words."""
-    found = ("on the local network",) * network.discover
+    found = ("any address of the local network",) * network.discover
     return network.router or ", ".join((*network.connect, *found)) or "any endpoint"
 
 

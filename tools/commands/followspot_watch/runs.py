@@ -44,9 +44,7 @@ def runs(args: argparse.Namespace) -> int:
     """Print the list."""
     here = [listed_here(run) for run in runs_here()]
     known = {run.run for run in here}
-    named = args.connect or args.router or args.discover  # else many a user has no agent, and needs none
-    under = runs_under(network_of(args), _warn if named else lambda gap: None)
-    there = [listed_there(run) for run in under if run.run not in known]
+    there = [listed_there(run) for run in runs_under(network_of(args), _warn) if run.run not in known]
     found = [*here, *there]
     if args.json:
         print(json.dumps([asdict(run) for run in found]))
