@@ -72,8 +72,16 @@ class WorkerStatus:
     paths: tuple[PathStatus, ...] = ()
     age_s: Age | None = None
     host: str = ""
+    stages_age_s: Age | None = None
+    """Time since the worker told `stages`, s, which it does less often than that it lives."""
     last_times: dict[str, Nanoseconds] = field(default_factory=dict)
     """Capture times, ns, of the last frames of a limited run, by source, as far as sources know them."""
+
+    def later(self, seconds: float) -> WorkerStatus:
+        """The same status, older by `seconds`."""
+        heard = None if self.age_s is None else self.age_s + seconds
+        told = None if self.stages_age_s is None else self.stages_age_s + seconds
+        return replace(self, age_s=heard, stages_age_s=told)
 
 
 @dataclass(frozen=True)

@@ -84,6 +84,8 @@ class WorkerProcess:
         self.report: WorkerReport | None = None
         self.stages: tuple[StageStatus, ...] = ()
         self.paths: tuple[PathStatus, ...] = ()
+        self.stages_told: float | None = None
+        """Monotonic time of the newest statuses of stages, s."""
         self.heard = time.monotonic()
         self.killed = ""
         """Why the host killed the worker, "" if it did not."""
@@ -141,7 +143,7 @@ class WorkerProcess:
         self.fired, self.time = message.fired, message.time
 
     def _stages(self, message: Stages) -> None:
-        self.stages, self.paths = message.stages, message.paths
+        self.stages, self.paths, self.stages_told = message.stages, message.paths, time.monotonic()
 
     def _done(self, message: Done) -> None:
         self.report = message.report
@@ -162,6 +164,7 @@ class WorkerProcess:
             stages=self.stages,
             paths=self.paths,
             age_s=time.monotonic() - self.heard,
+            stages_age_s=None if self.stages_told is None else time.monotonic() - self.stages_told,
             last_times=self.last_times,
         )
 

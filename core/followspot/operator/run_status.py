@@ -46,7 +46,7 @@ class RunStatus:
 
     def later(self, seconds: float) -> RunStatus:
         """The same status, older by `seconds`."""
-        workers = (w if w.age_s is None else replace(w, age_s=w.age_s + seconds) for w in self.workers)
+        workers = (w.later(seconds) for w in self.workers)
         hosts = (h if h.age_s is None else replace(h, age_s=h.age_s + seconds) for h in self.hosts)
         return replace(self, workers=tuple(workers), hosts=tuple(hosts))
 

@@ -110,7 +110,7 @@ class RunView:
                     yield replace(worker, host=host)
                     continue
                 phase = "absent" if age > SILENCE else worker.phase
-                yield replace(worker, host=host, phase=phase, age_s=age + (worker.age_s or 0.0))
+                yield replace(worker, host=host, phase=phase, age_s=worker.age_s or 0.0).later(age)
         for missing in self.plan.workers:
             if missing.name not in known and missing.host in self.hosts:  # else another operator watches it
                 never = self.begun and self.hosts[missing.host].age_s is None

@@ -18,7 +18,7 @@ from followspot.operator.run_status import RunStatus, SeenHost
 from followspot.operator.run_view import RunView
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
-LEFT = WorkerStatus("left", "running", 7, age_s=0.25)
+LEFT = WorkerStatus("left", "running", 7, age_s=0.25, stages_age_s=0.5)
 
 
 @pytest.fixture
@@ -40,14 +40,14 @@ def worker(status: RunStatus, name: str = "left") -> WorkerStatus:
 
 def test_the_age_of_a_worker_includes_the_age_of_its_hosts_status(plan: Plan) -> None:
     status = seen(plan, 0.5, LEFT)
-    assert worker(status) == replace(LEFT, age_s=0.75, host="pc-left")
+    assert worker(status) == replace(LEFT, age_s=0.75, stages_age_s=1.0, host="pc-left")
     assert status.hosts == (SeenHost("pc-left", 0.5, absent=False),)
     assert status.faults() == ()
 
 
 def test_workers_of_a_silent_host_are_absent_and_keep_their_figures(plan: Plan) -> None:
     status = seen(plan, 12.0, LEFT)
-    assert worker(status) == replace(LEFT, phase="absent", age_s=12.25, host="pc-left")
+    assert worker(status) == replace(LEFT, phase="absent", age_s=12.25, stages_age_s=12.5, host="pc-left")
     assert status.hosts == (SeenHost("pc-left", 12.0, absent=True),)
     assert status.faults() == ("host pc-left is absent: last heard 12 s ago",)
 
@@ -113,7 +113,7 @@ def test_a_run_that_would_end_waits_for_silent_hosts_alone_once_other_sources_ha
 def test_later_changes_only_the_ages_of_a_status(plan: Plan) -> None:
     now = seen(plan, 0.5, LEFT)
     later = now.later(1.5)
-    assert worker(later) == replace(worker(now), age_s=2.25)
+    assert worker(later) == replace(worker(now), age_s=2.25, stages_age_s=2.5)
     assert later.hosts == (SeenHost("pc-left", 2.0, absent=False),)  # only its age has changed
     assert answer_from_wire(GetStatus, answer_to_wire(GetStatus, later)) == later
 

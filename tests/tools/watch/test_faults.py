@@ -70,6 +70,20 @@ def run(status: Callable[[], RunStatus]) -> RunHandle:
     return RunHandle("run", PLAN.graph, ask)
 
 
+def test_the_rate_of_a_stage_counts_the_seconds_between_its_own_reports() -> None:
+    """Workers tell their stages every 0.6 s: two statuses a second apart hold 0.6 or 1.2 s of work."""
+
+    def told(fired: int, ago: float) -> RunStatus:
+        stages = (StageStatus("fuse", "processing", fired=fired, busy_ms=fired * 5.0),)
+        return replace(WELL, workers=(replace(FUSE, stages=stages, stages_age_s=ago), SAVE))
+
+    for fired, ago in ((60, 0.1), (30, 0.7)):
+        seen = stage(picture(told(0, 0.3), told(fired, ago)))
+        assert (seen["rate"], seen["load"]) == pytest.approx((50.0, 0.25), abs=1e-3)
+    untold = stage(picture(told(30, 0.1), told(30, 1.1)))
+    assert (untold["rate"], untold["load"]) == (0.0, 0.0)
+
+
 def test_a_stage_whose_worker_is_absent_is_absent_and_nobody_knows_its_rate() -> None:
     well, gone = stage(picture(WELL, WELL)), stage(picture(WELL, GONE))
     assert (well["state"], well["age_s"], well["rate"], well["load"]) == ("processing", None, 0.0, 0.0)

@@ -6,7 +6,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Container, Mapping
 from dataclasses import asdict, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan, PlannedEdge
@@ -45,7 +45,7 @@ class RunMonitor:
         self._clock = monotonic
         self._taken = monotonic()
         self.ended = False
-        self._past: deque[tuple[float, dict[str, float]]] = deque()
+        self._past: deque[tuple[float, Mapping[str, _Count]]] = deque()
         targets = {edge.to_stage for edge in plan.edges}
         self.sources = tuple(stage.name for stage in plan.stages if stage.name not in targets)
 
@@ -53,7 +53,7 @@ class RunMonitor:
         """Keep a newer status."""
         self._status, self._taken = status, self._clock()
         now = self._taken
-        self._past.append((now, self._growing(status)))
+        self._past.append((now, self._growing(status, now)))
         while len(self._past) > 2 and now - self._past[1][0] >= _WINDOW:
             self._past.popleft()
 
@@ -135,22 +135,34 @@ class RunMonitor:
             "clocks": [_clock(host, clock) for host, clock in status.clocks.items()] if status else [],
         }
 
-    def _growing(self, status: RunStatus) -> dict[str, float]:
-        """Values of all counters by name."""
-        stages = [stage for worker in status.workers for stage in worker.stages]
-        return {
-            **{f"fired {stage.stage}": float(stage.fired) for stage in stages},
-            **{f"busy {stage.stage}": stage.busy_ms for stage in stages},
-            **{edge.name: float(count.sent) for edge, count in status.edges(self.plan)},
-        }
+    def _growing(self, status: RunStatus, now: float) -> Mapping[str, _Count]:
+        """All counters by name. now: when the status was taken; those of stages are older."""
+        found = {edge.name: _Count(float(count.sent), now) for edge, count in status.edges(self.plan)}
+        for worker in status.workers:
+            told = now - (worker.stages_age_s or 0.0)
+            for stage in worker.stages:
+                found[f"fired {stage.stage}"] = _Count(float(stage.fired), told)
+                found[f"busy {stage.stage}"] = _Count(stage.busy_ms, told)
+        return found
 
     def _rates(self) -> Mapping[str, float]:
         """Growth of each counter, 1/s."""
         if len(self._past) < 2:
             return {}
-        (start, old), (end, new) = self._past[0], self._past[-1]
-        grown = {name: max(0.0, value - old.get(name, value)) for name, value in new.items()}
-        return {name: round(growth / (end - start), 3) for name, growth in grown.items()}
+        (_, old), (_, new) = self._past[0], self._past[-1]
+        return {name: round(count.rate_since(old.get(name, count)), 3) for name, count in new.items()}
+
+
+class _Count(NamedTuple):
+    """A counter at one moment. at: on the clock of the monitor, s."""
+
+    value: float
+    at: float
+
+    def rate_since(self, before: _Count) -> float:
+        """Growth, 1/s; 0 for a counter that nobody has told anew, or that began again."""
+        seconds = self.at - before.at
+        return max(0.0, self.value - before.value) / seconds if seconds > 0.0 else 0.0
 
 
 def _clock(host: str, clock: ClockStatus) -> dict[str, Any]:
