@@ -307,6 +307,19 @@ def test_ports_become_tables_and_lines(
     assert not list(tmp_path.glob("camera*"))
 
 
+def test_an_export_replaces_no_file(show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    edited = tmp_path / "track.tracks.csv"
+    edited.write_text("edited by hand\n")
+    words = ["export", str(show), str(tmp_path), "--to", "csv", "--ports"]
+    assert main([*words, "track"]) == 2
+    said = capsys.readouterr().err
+    assert f"{edited} exists already" in said
+    assert "name another folder, or remove it" in said
+    assert [path.name for path in tmp_path.iterdir()] == [edited.name], "nothing is written then"
+    assert edited.read_text() == "edited by hand\n"
+    assert main([*words, "track.forecast"]) == 0
+
+
 def test_parquet_has_the_rows_of_the_table_with_their_types(show: Path, tmp_path: Path) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
     for form in ("csv", "parquet"):

@@ -6,6 +6,7 @@ import argparse
 import importlib.util
 import json
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 from followspot import Room
@@ -42,13 +43,14 @@ def export_command(args: argparse.Namespace) -> int:
         if not names:
             remedy = recording.problem or f"recorded: {', '.join(recording.ports) or 'none'}"
             raise InputError.of(f"{recording.path} has no such ports", remedy)
+        paths = {name: folder / f"{name.replace('/', '.')}.{form.suffix}" for name in names}
+        _refuse_existing(paths.values())
         with writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
         room = recorded_room(recording)
         counts = {}
-        for name in names:
+        for name, path in paths.items():
             kind = type_of(recording.ports[name])
-            path = folder / f"{name.replace('/', '.')}.{form.suffix}"
             with writing(path):
                 counts[str(path)] = form.write(path, Port(name, kind, decoded(recording, name, kind), room))
             if not args.json:
@@ -59,6 +61,14 @@ def export_command(args: argparse.Namespace) -> int:
     if args.json:
         print(json.dumps({"files": counts, "problem": problem}))
     return 0
+
+
+def _refuse_existing(paths: Iterable[Path]) -> None:
+    """Raises InputError if a file would be replaced."""
+    there = [str(path) for path in paths if path.exists()]
+    if there:
+        more = f" and {len(there) - 1} more" if len(there) > 1 else ""
+        raise InputError.of(f"{there[0]}{more} exists already", "name another folder, or remove it")
 
 
 def recorded_room(recording: Recording) -> Room:
