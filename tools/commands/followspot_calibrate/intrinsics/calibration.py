@@ -60,7 +60,7 @@ def calibrate_lens(
     """The lens from sharp and diverse views that agree with each other. Raises NoFit."""
     usable = sharp(views)
     found, rejected = agreeing(diverse(usable, board, size), board, size, model)
-    check_plausible(found, size)
+    check_plausible(found, size, model)
     covered = coverage(usable, size)
     tilt = tilt_of(found)
     return LensCalibration(
@@ -92,14 +92,15 @@ def agreeing(
     return found, tuple(view.frame for view in views if view.frame not in kept)
 
 
-def check_plausible(found: Fit, size: tuple[int, int]) -> None:
+def check_plausible(found: Fit, size: tuple[int, int], model: Lens) -> None:
     """Raises NoFit if the search ran away to numbers that a room file does not take, or the error is huge."""
     largest = float(np.abs(found.distortion).max())
     bounded = largest <= MOST_DISTORTION and np.abs(found.matrix).max() <= MOST_FOCAL
     if not bounded or found.rms > WRONG * size[0]:
         raise NoFit(
             f"no lens explains the views: the best has a focal length of {found.matrix[0, 0]:.3g} px, "
-            f"distortion coefficients up to {largest:.2g} and an error of {found.rms:.0f} px"
+            f"distortion coefficients up to {largest:.2g} and an error of {found.rms:.0f} px; "
+            f"is --model {model} right?"
         )
 
 
