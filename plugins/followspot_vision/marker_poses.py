@@ -68,6 +68,8 @@ class FindMarkerPoses(Stage):
         )
 
     params: Params
+    seen: frozenset[str] = frozenset()
+    """Names of the markers seen so far."""
 
     def setup(self) -> None:
         self.sides: dict[str, Sides] = {}
@@ -77,6 +79,7 @@ class FindMarkerPoses(Stage):
         for one in markers:
             for row, index in enumerate(one.marker.tolist()):
                 seen.setdefault(one.names[index], []).append((one.camera, one.xy[row]))
+        self.seen |= seen.keys()
         time = max((one.header.time for one in markers), default=0)
         self.sides = {name: s for name, s in self.sides.items() if not self.forgotten(s, time)}
         found = {name: self.pose(name, views, time) for name, views in sorted(seen.items())}
@@ -109,6 +112,13 @@ class FindMarkerPoses(Stage):
                 score=np.ones(count),
             ),
         )
+
+    def close(self) -> None:
+        """Warn of sizes whose markers were never seen: their names may be misspelt."""
+        missed = sorted(self.params.sizes.keys() - self.seen)
+        if missed:
+            among = ", ".join(sorted(self.seen)) or "none"
+            self.log.warning("sizes names %s, never seen; markers seen: %s", ", ".join(missed), among)
 
     def pose(self, name: str, views: list[tuple[str, Array]], time: int) -> tuple[Pose, float] | None:
         """The pose of a marker and its ambiguity; None if its corners do not fit a square of its size."""

@@ -294,6 +294,16 @@ def test_markers_of_other_sizes_and_false_corners() -> None:
     assert abs(far / near - 2) < 1e-3
 
 
+def test_a_size_of_a_marker_that_was_never_seen_is_told_at_the_end(caplog: pytest.LogCaptureFixture) -> None:
+    corners = seen(ROOM.cameras["left"], leaning(0.3), [0.1, 0.2, 1.0])
+    for size, said in (("hta", ["sizes names hta, never seen; markers seen: big, hat"]), ("hat", [])):
+        stage = finder(sizes={size: 2 * SIZE})
+        stage.process((markers("left", hat=corners, big=corners),))
+        stage.close()
+        assert [record.getMessage() for record in caplog.records] == said
+        caplog.clear()
+
+
 def test_they_keep_the_promises_of_stages() -> None:
     check_stage(FindMarkerPoses, messages=200)
     check_stage(Aruco, messages=200)
