@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import resource
 import signal
 import subprocess
 from collections.abc import Callable, Iterator
@@ -365,6 +367,16 @@ def test_a_host_without_an_agent_is_named_with_the_command_to_start_it(tmp_path:
     assert finished.code == 2
     assert 'there is no agent for host "pc-left"' in finished.errors
     assert "followspot agent --name pc-right" in finished.errors
+
+
+def test_a_host_whose_disk_is_full_says_where_the_outputs_were_to_go(room: Room) -> None:
+    process = room.agents["pc-right"].process
+    resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))
+    finished = finish(room.begin(), room.folder / "out")
+    assert finished.code == 1
+    folder = re.escape(str(room.folder / "pc-right" / "runs"))
+    why = rf"host pc-right: the run cannot begin: File too large \(outputs go to {folder}/\S+-pc-right\)"
+    assert re.search(why, finished.errors), finished.errors
 
 
 def test_an_agent_beyond_loopback_needs_consent_and_says_what_it_means(tmp_path: Path) -> None:

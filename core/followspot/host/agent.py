@@ -187,7 +187,11 @@ class Agent:
         self.agent_runs.add(AgentRun(graph, order, run, self.options.operator_timeout))
         try:
             run.prepare(order.here(plan, str(out)), out / ".ledger")
-        except BaseException:  # a full disk, for example: the other runs here go on
+        except OSError as error:  # a full disk, for example: the other runs here go on
+            self.agent_runs.close(order.run)
+            text = f"the run cannot begin: {error.strerror} (outputs go to {out.absolute()})"
+            raise FollowspotError(text) from None
+        except BaseException:
             self.agent_runs.close(order.run)
             raise
         self.tell(f"run {order.run[:8]} of {graph}: {len(run.workers)} workers, outputs in {out}")
