@@ -138,11 +138,11 @@ class Supervisor:
             why = f"{_gone(worker.name)}: {why}" if worker.name in self._dead_at_stop else why
             self._end_without_report(worker, error="" if worker.name in self._leaving else why)
             return
-        worker.phase = "absent"
         if worker.name not in self._leaving:
             self._dead.add(worker.name)
             wait = self._restarts.after_death(worker.name, now)
             self._tell("warning", self._notes.of(worker.name, why, wait), worker.name)
+        worker.phase = "absent"  # last: who sees it finds the reason among the news
 
     def _end_without_report(self, worker: WorkerProcess, error: str) -> None:
         """Mark a worker as ended for good, with a report in its place."""

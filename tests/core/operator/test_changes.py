@@ -168,7 +168,12 @@ class WorkerPool:
         self.workers = there
 
     def status(self) -> HostStatus:
-        return HostStatus(tuple(self.workers.values()), ())
+        absent = [name for name in self.began if self.workers[name].phase == "absent"]
+        news = (
+            "stage a failed before the move",
+            *(f"stage of {name} failed: no space\nat line 1" for name in absent),
+        )
+        return HostStatus(tuple(self.workers.values()), (), news=news)
 
 
 def test_a_host_refuses_a_stage_before_any_worker_leaves(tmp_path: Path) -> None:
@@ -182,7 +187,8 @@ def test_a_host_refuses_a_stage_before_any_worker_leaves(tmp_path: Path) -> None
 def test_a_stage_that_cannot_begin_at_its_new_place_goes_back_to_its_old_one(tmp_path: Path) -> None:
     plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
     pools = [WorkerPool("", plan), WorkerPool("pc-left", plan), WorkerPool("pc-right", plan, unable="b")]
-    with pytest.raises(FollowspotError, match="worker right cannot begin at its new place"):
+    why = r"worker right cannot begin at its new place\n    pc-right: stage of right failed: no space$"
+    with pytest.raises(FollowspotError, match=why):
         move_hosts(plan, moved(plan, ["b"], "pc-right"), pools)  # type: ignore[arg-type]
     assert [pool.began for pool in pools] == [["main", "main"], ["left"], ["right", "right"]]
     assert {worker.phase for pool in pools for worker in pool.workers.values()} == {"running"}

@@ -66,10 +66,14 @@ def _replace(new: Plan, hosts: Sequence[Host], leaving: set[str]) -> None:
     _await_absent(leaving, hosts)
     states = {stage: state for host in hosts for stage, state in host.ask(GetStates()).items()}
     before = {worker.name: worker.restarts for worker in _workers(hosts)}
+    told = {host.name: frozenset(host.status().news) for host in hosts}
     for host in hosts:
         own = {stage: state for stage, state in states.items() if new.host_of_stage(stage) == host.name}
         host.ask(MoveOrder(plan=plan_to_data(new), states=own))
-    _await_running(leaving & {worker.name for worker in new.workers}, hosts, before)
+    try:
+        _await_running(leaving & {worker.name for worker in new.workers}, hosts, before)
+    except FollowspotError as error:
+        raise FollowspotError("\n    ".join((str(error), *_faults_since(told, hosts)))) from None
 
 
 def _await_absent(workers: set[str], hosts: Sequence[Host]) -> None:
@@ -91,10 +95,18 @@ def _await_running(workers: set[str], hosts: Sequence[Host], before: Mapping[str
         for worker in fresh:
             again = worker.restarts > begun.setdefault(worker.name, worker.restarts)
             if again or worker.phase in ("absent", "over"):
-                why = worker.report.error if worker.report is not None else "it dies"
-                raise FollowspotError(f"worker {worker.name} cannot begin at its new place: {why}")
+                why = f": {worker.report.error}" if worker.report is not None else ""
+                raise FollowspotError(f"worker {worker.name} cannot begin at its new place{why}")
         if len(fresh) == len(workers) and all(worker.phase == "running" for worker in fresh):
             return
+
+
+def _faults_since(told: Mapping[str, frozenset[str]], hosts: Sequence[Host]) -> Iterator[str]:
+    """The first line of each new fault on a host, with the host. told: the earlier news of each."""
+    for host in hosts:
+        for line in host.status().news:
+            if line not in told[host.name] and not line.endswith(" is back"):
+                yield f"{host.name or 'this host'}: {line.splitlines()[0]}"
 
 
 def _workers(hosts: Sequence[Host]) -> Iterator[WorkerStatus]:
