@@ -113,6 +113,19 @@ def test_a_camera_that_is_killed_comes_back_and_the_rest_goes_on(tmp_path: Path,
     assert wait_until(lambda: not any(alive(pid) for pid in [*first, new]))
 
 
+def test_the_frames_of_a_run_are_counted_through_the_restarts_of_its_sources(tmp_path: Path) -> None:
+    run = Live(tmp_path)
+    run.go_on(50)
+    first = run.workers()
+    for pid in first[:2]:
+        os.kill(pid, signal.SIGKILL)
+    assert wait_until(lambda: len(run.workers()) == 3 and first[2] in run.workers()), "not started again"
+    run.go_on()
+    finished = run.end()
+    sent = [finished.edge(*ends)["produced"] for ends in (("a.", "more."), ("b.", "less."))]
+    assert finished.summary["frames"] == max(sent)
+
+
 def joined(out: Path, after: int) -> bool:
     """True if a line after the first `after` is a sum of both sources, or of the left one alone."""
     lines = [line.split(",") for line in (out / "ticks.csv").read_text().splitlines()[after:]]
