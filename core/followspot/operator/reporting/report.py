@@ -10,7 +10,7 @@ import numpy as np
 
 from followspot.control.clock_status import ClockStatus
 from followspot.control.worker_report import RUN_AGAIN, WorkerReport
-from followspot.graph.frame_count import sources
+from followspot.graph.frame_count import counted_sources
 from followspot.graph.plan import Plan, PlannedEdge
 from followspot.operator.reporting.silence import Silence, silences
 from followspot.operator.reporting.unused import unused
@@ -37,11 +37,11 @@ class RunReport:
 
     @property
     def frames(self) -> int:
-        """The largest number of messages that a source sent.
+        """The largest number of messages that a source of frames sent.
 
         A worker counts them since it began, an edge through all restarts of its ends.
         """
-        own = sources(self.plan)
+        own = counted_sources(self.plan)
         sent = (count.produced for edge, count in self.edges if edge.from_stage in own)
         return max((*sent, *(worker.frames for worker in self.workers)), default=0)
 
