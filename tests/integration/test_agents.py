@@ -246,12 +246,9 @@ def test_an_agent_that_does_not_answer_keeps_nobody_from_the_runs_of_others(room
         token = session.liveliness().declare_token(agent_key("pc-aside"))
         assert wait_until(lambda: len(agents(session)) == 3)
         listed = command("runs", "--json", *room.connect)
-        missed = command("attach", "--run", "opera", *room.connect)
         stopped = command("attach", "--stop", "--json", *room.connect)
         token.undeclare()
     assert run in [found["run"] for found in json.loads(listed.stdout)], listed.stderr
-    assert "warning: host pc-aside does not answer: the list may lack runs" in listed.stderr
-    assert "runs in reach, though host pc-aside does not answer: graph" in missed.stderr
     assert stopped.returncode == 0, stopped.stderr
 
 

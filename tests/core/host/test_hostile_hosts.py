@@ -18,7 +18,7 @@ from zenoh.handlers import Callback
 from followspot.control.dispatch import answer_from_wire, answer_to_wire
 from followspot.control.host import HostLost, HostStatus, RunOrder, WorkerStatus
 from followspot.control.observation import GetHostStatus, GetLog
-from followspot.control.zenoh_rpc import MAX_ANSWER, RpcClient
+from followspot.control.zenoh_rpc import MAX_ANSWER, RpcClient, agents
 from followspot.errors import FollowspotError
 from followspot.host.clocks.host import HostClock
 from followspot.log.record import LogPage, LogRecord
@@ -215,3 +215,14 @@ def test_an_invalid_listing_of_runs_is_an_error_that_names_the_host(
     there.say("list_runs", runs)
     with pytest.raises(FollowspotError, match=f"host {HOST}: its answer to list_runs is invalid"):
         find_runs(client, Network(), print)
+
+
+def test_a_listing_goes_on_without_an_agent_that_does_not_answer(agent: tuple[Agent, RpcClient]) -> None:
+    there, client = agent
+    there.say("list_runs", [{"run": "feedc0de", "graph": "show", "over": False}])
+    token = client.session.liveliness().declare_token(agent_key("aside"))
+    until(lambda: len(agents(client.session)) == 2)
+    gaps: list[str] = []
+    assert [run.run for run in find_runs(client, Network(), gaps.append)] == ["feedc0de"]
+    assert gaps == ["host aside does not answer"]
+    token.undeclare()  # type: ignore[no-untyped-call]
