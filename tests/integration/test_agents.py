@@ -15,6 +15,7 @@ from typing import Any
 from urllib.request import urlopen
 
 import pytest
+import zenoh
 from tests.commands import Started, command, launch
 from tests.integration.hosts import Agent, free_port, near_agent
 from tests.integration.running import (
@@ -263,6 +264,12 @@ def test_endpoints_without_an_agent_are_told_to_whoever_looks_for_runs(tmp_path:
     assert "warning" not in command("runs").stderr
 
 
+def readers_of(session: zenoh.Session, port: str) -> list[str]:
+    """The tokens of the readers of a port, as far as a session has heard of them."""
+    heard = (str(reply.ok.key_expr) for reply in session.liveliness().get("followspot/**") if reply.ok)
+    return [token for token in heard if f"/{port}/.reader/" in token]
+
+
 def test_a_run_says_which_edge_stalls_because_somebody_else_speaks_for_its_reader(room: Room) -> None:
     process = room.begin()
     out = room.folder / "out"
@@ -270,8 +277,10 @@ def test_a_run_says_which_edge_stalls_because_somebody_else_speaks_for_its_reade
     run = run_here(str(process.pid))
     begins = "more.out -> sum.numbers stalls: more has had no room to send for "
     with operator_session(Network(connect=tuple(room.endpoints.values()))) as session:
-        tokens = [str(reply.ok.key_expr) for reply in session.liveliness().get("followspot/**") if reply.ok]
-        (reader,) = (token for token in tokens if f"/{run.run}/pc-left/more/out/.reader/" in f"/{token}")
+        assert wait_until(lambda: readers_of(session, f"{run.run}/pc-left/more/out")), (
+            "nobody knows its reader"
+        )
+        (reader,) = readers_of(session, f"{run.run}/pc-left/more/out")
         forged = session.liveliness().declare_token(f"{reader.rpartition('/')[0]}/7")
         assert wait_until(lambda: any(line.startswith(begins) for line in run.status().faults()))
         forged.undeclare()
