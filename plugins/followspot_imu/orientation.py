@@ -14,8 +14,10 @@ from followspot.rotation import canonical
 from followspot_imu.attitude import GRAVITY, AttitudeFilter, Complementary
 from followspot_imu.versatile import Versatile
 
-COUNTED = 32
-"""Readings over which the rate is measured if the room does not say it."""
+COUNTED, COUNTED_TIME = 32, 0.2
+"""Least readings, and the least time, s, over which their rate is measured."""
+RATE_ERROR = 1.25
+"""Factor by which the rate that was said may differ from the measured one."""
 FIRST_SPEED = 3.0
 """Sigma of the velocity that a sensor gains while its first readings are averaged, m/s."""
 STEEPEST = 1.0
@@ -28,7 +30,8 @@ class FindOrientation(Stage):
     """Find the orientation of a sensor from its readings; z is upward, the heading is arbitrary.
 
     Readings are taken to come at the rate that the room says of the sensor, or else at that of the first
-    ones. Missing readings are interpolated; after a longer gap the filter begins anew.
+    ones; a rate that is not that of the readings is warned of. Missing readings are interpolated; after a
+    longer gap the filter begins anew.
     """
 
     class Params(StageParams):
@@ -74,6 +77,8 @@ class FindOrientation(Stage):
         sensor = self.room.sensors.get(served.name) if served and served.set == "sensors" else None
         self.rate = self.params.rate or ((sensor.rate or 0.0) if sensor else 0.0)
         self.filter_of(1 / COUNTED)
+        self.unchecked: Array | None = np.zeros(0, np.int64) if self.rate else None
+        """Times of the readings that do not yet tell whether the rate is right, ns."""
         self.begin_anew()
 
     def begin_anew(self) -> None:
@@ -94,21 +99,38 @@ class FindOrientation(Stage):
             time, values = time[new], values[new]
         if not len(time):
             return None
+        self.check_rate(time)
         if len(self.time) and (time[0] - self.time[-1]) * NANOSECOND > self.params.maximum_gap:
             self.begin_anew()
         self.time, self.values = np.concatenate([self.time, time]), np.concatenate([self.values, values])
         first = len(self.time) - len(time)
         if self.filter is None:
-            if not self.rate and len(self.time) < COUNTED:
+            period = 1 / self.rate if self.rate else usual_period(self.time)
+            if period is None:
                 return None
-            first = self.begin()
+            first = self.begin(period)
         message = self.filtered(readings.sensor, first)
         self.time, self.values = self.time[-1:], self.values[-1:]
         return message
 
-    def begin(self) -> int:
-        """Make the filter for the readings so far; the first of them is number 0."""
-        self.period = 1 / self.rate if self.rate else float(np.median(np.diff(self.time))) * NANOSECOND
+    def check_rate(self, time: Array) -> None:
+        """Warn, once, if the rate that was said is not that of the first readings. time: (N,) ns."""
+        if self.unchecked is None:
+            return
+        self.unchecked = np.concatenate([self.unchecked, time])
+        period = usual_period(self.unchecked)
+        if period is None:
+            return
+        self.unchecked = None
+        if not 1 / RATE_ERROR <= period * self.rate <= RATE_ERROR:
+            self.context.warn(
+                f"{1 / period:.4g} readings come a second where {self.rate:g} are said: orientations will be "
+                "wrong; correct the sensor's `rate`, or leave it out"
+            )
+
+    def begin(self, period: float) -> int:
+        """Make the filter for the readings so far; the first of them is number 0. period: s."""
+        self.period = period
         self.filter = self.filter_of(self.period)
         self.magnetic = self.params.magnetometer and bool(np.isfinite(self.values[0, 6:]).all())
         if self.params.magnetometer and not self.magnetic:
@@ -146,6 +168,20 @@ class FindOrientation(Stage):
         if state["filter"]:
             self.filter = self.filter_of(self.period)
             self.filter.restore(state["filter"])
+
+
+def usual_period(time: Array) -> float | None:
+    """The period of readings, s; None if they are too few to tell. time: (N,) rising, ns.
+
+    The median interval, for readings may be missing, of the later half of the time, for the first ones may
+    have waited to be read; the mean interval of readings that come in bursts.
+    """
+    span = int(time[-1] - time[0]) if len(time) else 0
+    later = np.diff(time[time - time[:1] >= span / 2])
+    if len(time) < COUNTED or len(later) < COUNTED // 4 or span * NANOSECOND < COUNTED_TIME:
+        return None
+    median, mean = float(np.median(later)), span / (len(time) - 1)
+    return NANOSECOND * (median if 2 * median >= mean else mean)
 
 
 def first_inclination(age: Array, time_constant: float) -> Array:

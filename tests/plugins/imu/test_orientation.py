@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -13,7 +14,8 @@ from followspot.inertial import Inertial, Orientation
 from followspot.messages import identical
 from followspot.rotation import from_rotation_vector, inverse, multiply, rotation_vector, turned
 from followspot.sealing import seal
-from followspot_imu.orientation import FindOrientation, first_inclination
+from followspot_imu.attitude import Complementary
+from followspot_imu.orientation import FindOrientation, first_inclination, usual_period
 
 RATE = 100.0
 METHODS = ["vqf", "complementary"]
@@ -44,9 +46,11 @@ def messages(seconds: float, bias: float = 0.0, count: int = 5, rate: float = RA
     ]
 
 
-def stage(rate: float | None = RATE, **params: object) -> FindOrientation:
+def stage(
+    rate: float | None = RATE, warn: Callable[[str], None] = lambda text: None, **params: object
+) -> FindOrientation:
     room = Room(sensors={"imu0": Sensor("imu0", "imu", rate=rate)})
-    made = FindOrientation(Context(room=room, member=Member("sensors", "imu0")), **params)
+    made = FindOrientation(Context(room=room, member=Member("sensors", "imu0"), warn=warn), **params)
     made.setup()
     return made
 
@@ -144,3 +148,52 @@ def test_first_inclination_is_as_vague_as_the_speed_that_may_be_gained_meanwhile
     assert sigma[0] == pytest.approx(1.0, abs=0.01)
     assert sigma[1:3] == pytest.approx(3.0 / (9.81 * age[1:3]) * np.exp(-age[1:3] / 6.0))
     assert sigma[3] < 1e-6
+
+
+@pytest.mark.parametrize("burst", [1, 2, 5, 20, 40])
+def test_period_of_readings_that_come_in_bursts_is_that_of_all(burst: int) -> None:
+    number = np.arange(200)
+    time = 10_000_000 * burst * (number // burst) + 1000 * (number % burst)
+    assert usual_period(time) == pytest.approx(0.01, rel=0.25)
+
+
+def test_period_is_that_of_readings_that_did_not_wait_nor_are_missing() -> None:
+    time = 5_000_000 * np.arange(100)
+    waited = np.concatenate([-40_000 + 1000 * np.arange(40), time])
+    assert [usual_period(waited[: 40 + n]) for n in (0, 8, 60)] == [None, None, pytest.approx(0.005)]
+    kept = np.random.default_rng(0).random(100) < 0.7
+    assert usual_period(time[kept]) == pytest.approx(0.005)
+
+
+def test_bursts_without_a_rate_are_not_filled_up_with_readings() -> None:
+    made = stage(None, method="complementary")
+    rows = []
+    made.filter_of = lambda period: Counted(rows)  # type: ignore[method-assign]
+    for n, m in enumerate(messages(4.0, count=5)):
+        stamp = 50_000_000 * n + 1000 * np.arange(5)
+        made.process(
+            seal(at(int(stamp[-1]), Inertial("imu0", stamp, m.turn_rate, m.specific_force, m.field)))
+        )
+    assert 0 < sum(rows) < 1000
+
+
+class Counted(Complementary):
+    """A filter that counts the readings that it is given."""
+
+    def __init__(self, rows: list[int]) -> None:
+        super().__init__(0.01, 3.0)
+        self.rows = rows
+
+    def update(self, turn_rate: Array, specific_force: Array, field: Array | None) -> Array:
+        self.rows.append(len(turn_rate))
+        return super().update(turn_rate, specific_force, field)
+
+
+@pytest.mark.parametrize(("said", "warned"), [(100.0, False), (110.0, False), (50.0, True), (400.0, True)])
+def test_a_rate_that_is_not_that_of_the_readings_is_told_once(said: float, warned: bool) -> None:
+    told: list[str] = []
+    made = stage(said, told.append, method="complementary")
+    for m in messages(3.0):
+        made.process(m)
+    assert len(told) == warned
+    assert all(f"100 readings come a second where {said:g} are said" in text for text in told)
