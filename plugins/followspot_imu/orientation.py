@@ -11,6 +11,7 @@ from followspot.frame_times import NANOSECOND
 from followspot.inertial import Inertial, Orientation
 from followspot.messages import MAX_TIME
 from followspot.rotation import canonical
+from followspot.stuck_readings import REMEDY, runs, stuck
 from followspot_imu.attitude import GRAVITY, AttitudeFilter, Complementary
 from followspot_imu.versatile import Versatile
 
@@ -79,6 +80,9 @@ class FindOrientation(Stage):
         self.filter_of(1 / COUNTED)
         self.unchecked: Array | None = np.zeros(0, np.int64) if self.rate else None
         """Times of the readings that do not yet tell whether the rate is right, ns."""
+        self.latest = np.zeros(0, np.int64), np.zeros((0, 6))
+        """The latest reading, (1, 6), and the time since when it has been the same, (1,) ns."""
+        self.told = False
         self.begin_anew()
 
     def begin_anew(self) -> None:
@@ -93,7 +97,7 @@ class FindOrientation(Stage):
         return kind(period, self.params.time_constant)
 
     def process(self, readings: Inertial) -> Orientation | None:
-        time, values = believed(readings)
+        time, values = self.changing(*believed(readings))
         if len(self.time):
             new = time > self.time[-1]
             time, values = time[new], values[new]
@@ -112,6 +116,17 @@ class FindOrientation(Stage):
         message = self.filtered(readings.sensor, first)
         self.time, self.values = self.time[-1:], self.values[-1:]
         return message
+
+    def changing(self, time: Array, values: Array) -> tuple[Array, Array]:
+        """Readings, (N,) ns and (N, 9), without those of a sensor that is stuck; tell the user."""
+        since, latest = self.latest
+        times, readings = np.concatenate([since, time]), np.concatenate([latest, values[:, :6]])
+        repeated = stuck(times, readings)[len(since) :]
+        self.latest = times[runs(readings)[-1:]], readings[-1:]
+        if repeated.any() and not self.told:
+            self.told = True
+            self.context.warn(f"readings do not change although the sensor moves, and are left out: {REMEDY}")
+        return time[~repeated], values[~repeated]
 
     def check_rate(self, time: Array) -> None:
         """Warn, once, if the rate that was said is not that of the first readings. time: (N,) ns."""
@@ -159,12 +174,15 @@ class FindOrientation(Stage):
             "magnetic": self.magnetic,
             "time": self.time,
             "values": self.values,
+            "since": self.latest[0],
+            "latest": self.latest[1],
         }
 
     def restore(self, state: Any) -> None:
         self.period, self.count = float(state["period"]), int(state["count"])
         self.magnetic = bool(state["magnetic"])
         self.time, self.values = np.array(state["time"]), np.array(state["values"])
+        self.latest = np.array(state["since"]), np.array(state["latest"])
         if state["filter"]:
             self.filter = self.filter_of(self.period)
             self.filter.restore(state["filter"])

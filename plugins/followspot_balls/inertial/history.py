@@ -10,6 +10,7 @@ import numpy as np
 from followspot import Array
 from followspot.inertial import Inertial, Orientation
 from followspot.messages import MAX_TIME
+from followspot.stuck_readings import stuck
 
 MOST_ROWS = 8192
 """Rows that are kept at most, whatever the rate."""
@@ -74,6 +75,12 @@ def orientations_of(messages: Sequence[Orientation], sensor: str) -> Rows:
             kept = _in_time(message.time) & (np.abs(length - 1) < 1e-3) & (values[:, 4] >= 0)
             rows = rows.with_rows(Rows(message.time[kept], values[kept]))
     return rows
+
+
+def changing(readings: Rows) -> Rows:
+    """The readings, (N, 6), without those of a sensor that is stuck."""
+    repeated = stuck(*readings)
+    return Rows(readings.time[~repeated], readings.values[~repeated]) if repeated.any() else readings
 
 
 def _in_time(time: Array) -> Array:

@@ -16,7 +16,7 @@ from followspot.frame_times import NANOSECOND
 from followspot_balls.inertial.beginning import doubted, is_lost
 from followspot_balls.inertial.checkpoint import CONTRADICTIONS, GATE, Checkpoint, Frame
 from followspot_balls.inertial.heading import HeadingSearch
-from followspot_balls.inertial.history import Rows, levelled
+from followspot_balls.inertial.history import Rows, changing, levelled
 from followspot_balls.inertial.learning import navigated, search_from, searched
 from followspot_balls.inertial.navigation import Navigation, carried, coasted, corrected, sighted
 from followspot_balls.inertial.sensor_errors import SensorErrors
@@ -37,6 +37,7 @@ class Navigator:
         self.history = round(history / NANOSECOND)
         self.gap = maximum_gap
         self.readings, self.orientations = Rows.none(6), Rows.none(5)
+        self.believed = self.readings
         self.checkpoints: list[Checkpoint] = []
         self.late = 0
         self.doubts: tuple[int, ...] = ()
@@ -49,6 +50,7 @@ class Navigator:
             self.late += int(np.count_nonzero(readings.time <= min(oldest, newest - self.history)))
             readings, orientations = readings.since(oldest), orientations.since(oldest)
         self.readings = self.readings.with_rows(readings)
+        self.believed = changing(self.readings)
         self.orientations = self.orientations.with_rows(orientations)
         self.ahead = None
         new = [int(rows.time[0]) for rows in (readings, orientations) if len(rows.time)]
@@ -83,6 +85,11 @@ class Navigator:
         target's.
         """
         return sum(time - LATELY < doubt <= time for doubt in self.doubts) >= OFTEN
+
+    @property
+    def stuck(self) -> bool:
+        """Whether the newest reading only repeats those before it, while the sensor moves."""
+        return bool((self.readings.time[-1:] > self.believed.time[-1:]).any())
 
     def _process_again_from(self, time: int) -> None:
         """Process the frames at and after a capture time again."""
@@ -136,13 +143,13 @@ class Navigator:
 
     def _levelled(self, after: int, until: int) -> Rows:
         """The readings with orientations later than one capture time, up to another, ns."""
-        return levelled(self.readings.between(after, until), self.orientations.between(after, until))
+        return levelled(self.believed.between(after, until), self.orientations.between(after, until))
 
     def _carried(self, checkpoint: Checkpoint, time: int) -> Checkpoint:
         """A checkpoint with the readings up to a capture time; over gaps without readings it coasts."""
         nav = checkpoint.nav
         assert nav is not None
-        new = self.readings.between(checkpoint.read, time)
+        new = self.believed.between(checkpoint.read, time)
         times = np.concatenate([[checkpoint.read], new.time])
         values = np.concatenate([checkpoint.last[None], new.values])
         seconds = np.diff(times) * NANOSECOND
@@ -182,6 +189,7 @@ class Navigator:
     def restore(self, state: Mapping[str, Any]) -> None:
         """Carry on from a checkpoint."""
         self.readings = Rows(*(np.array(state["readings"][name]) for name in Rows._fields))
+        self.believed = changing(self.readings)
         self.orientations = Rows(*(np.array(state["orientations"][name]) for name in Rows._fields))
         self.late = int(state["late"])
         self.doubts = tuple(np.array(state["doubts"], np.int64).tolist())

@@ -11,6 +11,7 @@ import numpy as np
 from followspot import Camera, Mistake, Room, Window
 from followspot.inertial import Inertial, Orientation, PosedTracks
 from followspot.messages import stamped
+from followspot.stuck_readings import REMEDY
 from followspot.tracking import PREDICTED, TRACKED, Forecast, Positions, Tracks
 from followspot_balls.inertial.checkpoint import Frame
 from followspot_balls.inertial.fix import Fix, fix_at
@@ -170,6 +171,11 @@ class InertialFilter(Kalman):
                 sensor,
                 f"come more than {self.params.history:g} s late and are left out: raise `history`, or "
                 "compare the clocks",
+            )
+        if navigator.stuck:
+            self.tell_once(
+                sensor,
+                f"do not change although it moves, and are left out meanwhile: {REMEDY}",
             )
         if navigator.contradicted(time):
             self.tell_once(

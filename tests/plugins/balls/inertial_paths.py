@@ -61,12 +61,20 @@ class Errors:
     accelerometer_noise: float = 2e-3
     position_noise: float = 0.003
     delay: float = 0.0
+    drift: float = 0.0
 
 
-def readings(motion: Motion, seconds: float, errors: Errors = Errors(), seed: int = 0) -> list[Inertial]:
-    """Messages of two readings each."""
+def readings(
+    motion: Motion,
+    seconds: float,
+    errors: Errors = Errors(),
+    seed: int = 0,
+    read_at: Callable[[Array], Array] = lambda time: time,
+) -> list[Inertial]:
+    """Messages of two readings each. read_at: when that is read which is sent at a time, s."""
     rng = np.random.default_rng(seed)
-    time = np.arange(round(seconds * RATE)) / RATE
+    sent = np.arange(round(seconds * RATE)) / RATE
+    time = read_at(sent)
     q, later, before = (motion.quaternion(time + shift) for shift in (0.0, FINE, -FINE))
     rate = rotation_vector(multiply(inverse(before), later)) / (2 * FINE)
     bend = motion.sensor(time + FINE) - 2 * motion.sensor(time) + motion.sensor(time - FINE)
@@ -76,7 +84,9 @@ def readings(motion: Motion, seconds: float, errors: Errors = Errors(), seed: in
     )
     force += np.array(errors.accelerometer_bias)
     force += errors.accelerometer_noise * np.sqrt(RATE) * rng.normal(size=rate.shape)
-    stamp = np.rint((time + errors.delay) * NANOSECONDS).astype(np.int64)
+    once = np.maximum.accumulate(np.where(np.diff(time, prepend=-1.0) > 0, np.arange(len(time)), 0))
+    rate, force = rate[once], force[once]
+    stamp = np.rint((sent * (1 + errors.drift) + errors.delay) * NANOSECONDS).astype(np.int64)
     parts = [slice(i, i + 2) for i in range(0, len(time), 2)]
     unknown = np.full((2, 3), np.nan)
     return [
@@ -149,6 +159,7 @@ def tracked(
     hidden: Callable[[float], bool] = lambda t: False,
     late: Callable[[float], float] = lambda t: 0.0,
     lost: Callable[[float], bool] = lambda t: False,
+    read_at: Callable[[Array], Array] = lambda time: time,
     moved: Callable[[float], Array] = lambda t: np.zeros(3),
     seed: int = 0,
     before: Callable[[int, InertialFilter], InertialFilter] = lambda n, stage: stage,
@@ -156,11 +167,11 @@ def tracked(
     """Run the filter.
 
     hidden: frames without a position; late: s by which readings of a time arrive late; lost: readings that
-    never arrive; moved: added to the positions, (3,) m; before: called before each frame, may replace the
-    stage.
+    never arrive; read_at: when that is read which is sent at a time, s; moved: added to the positions, (3,)
+    m; before: called before each frame, may replace the stage.
     """
     rng = np.random.default_rng((seed, 7))
-    sent = readings(motion, seconds, errors, seed)
+    sent = readings(motion, seconds, errors, seed, read_at)
     turns = orientations(motion, sent)
     arriving = sorted(
         (m.header.time / NANOSECONDS + late(m.header.time / NANOSECONDS), n)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from tests.plugins.balls.inertial_paths import ROOM, SENSOR, Errors, Motion, Run, filter_of, position, tracked
 
-from followspot import Context, Room, Sensor
+from followspot import Array, Context, Room, Sensor
 from followspot.messages import identical
 from followspot.tracking import LOST, PREDICTED, TRACKED
 from followspot_balls.inertial.stage import InertialFilter
@@ -138,6 +138,22 @@ def test_readings_that_never_come_cost_no_more_than_they_must() -> None:
     run = tracked(filter_of(), Motion(2, arm=ARM), 6.0, errors=REAL, lost=lambda t: 3.5 < t < 3.7)
     assert run.error.max() < 0.08
     assert run.turn_error[run.time > 5.5].max() < 1.5
+
+
+@pytest.mark.parametrize("moving", [True, False])
+def test_a_sensor_that_is_stuck_in_motion_is_told_and_not_believed(moving: bool) -> None:
+    told: list[str] = []
+    stage = InertialFilter(Context(name="track", room=ROOM, warn=told.append))
+    stage.setup()
+    begin = 3.5 if moving else 0.3
+
+    def stuck(t: Array) -> Array:
+        return np.where((begin <= t) & (t < begin + 0.6), begin, t)
+
+    run = tracked(stage, Motion(1, arm=ARM), 6.0, errors=REAL, hidden=lambda t: 3.9 < t < 4.0, read_at=stuck)
+    assert len(told) == moving
+    assert all("readings of imu do not change although it moves" in text for text in told)
+    assert np.nanmax(run.error[run.time > 0.5]) < 0.2
 
 
 def test_false_positions_are_rejected_until_they_persist() -> None:

@@ -197,3 +197,31 @@ def test_a_rate_that_is_not_that_of_the_readings_is_told_once(said: float, warne
         made.process(m)
     assert len(told) == warned
     assert all(f"100 readings come a second where {said:g} are said" in text for text in told)
+
+
+def test_a_sensor_that_is_stuck_in_motion_is_told_once_and_begins_anew() -> None:
+    told: list[str] = []
+    made = stage(warn=told.append, method="complementary")
+    found, last = [], None
+    for n, m in enumerate(messages(8.0)):
+        last = m if n <= 80 else last  # 4.0 s
+        if last is not None and 80 < n <= 110:
+            values = (np.repeat(each[-1:], 5, axis=0) for each in (last.turn_rate, last.specific_force))
+            m = seal(at(m.header.time, Inertial("imu0", m.time, *values, m.field)))
+        if n == 95:
+            other = stage(warn=told.append, method="complementary")
+            other.restore(made.state())
+            made = other
+        found.append(made.process(m))
+    assert len([text for text in told if "do not change although the sensor moves" in text]) == 2
+    given = [n for n, m in enumerate(found) if m is not None]
+    assert set(range(160)) - set(given) == set(range(82, 111))
+    assert found[111] is not None
+    assert found[111].inclination_sigma[0] > 0.2
+
+
+def test_a_sensor_without_noise_may_repeat_its_reading_at_rest() -> None:
+    told: list[str] = []
+    made = stage(warn=told.append, method="complementary")
+    assert all(made.process(m) is not None for m in messages(2.0))
+    assert not told
