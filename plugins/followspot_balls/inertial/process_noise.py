@@ -21,6 +21,9 @@ GYROSCOPE_WALK = 2e-5
 ACCELEROMETER_WALK = 2e-4
 """Density of the walk of the accelerometer's bias, m/s^3/sqrt(Hz)."""
 
+DELAY_WALK = 1e-4
+"""Density of the walk of the delay, s/sqrt(s); drifts of 200 ppm are followed within a millisecond."""
+
 
 class Densities(NamedTuple):
     """Spectral densities of white noise."""
@@ -66,6 +69,7 @@ def add_noise(covariance: Array, densities: Densities, seconds: float) -> None:
     diagonal[6:9] += densities.force * (seconds**3 / 3)
     diagonal[9:12] += densities.gyroscope_bias * seconds
     diagonal[12:15] += densities.accelerometer_bias * seconds
+    diagonal[18] += DELAY_WALK**2 * seconds
     both = densities.force * (seconds**2 / 2)
     for row, column in ((3, 6), (6, 3)):  # velocity and position
         first = row * size + column

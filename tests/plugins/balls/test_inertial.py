@@ -156,6 +156,18 @@ def test_a_sensor_that_is_stuck_in_motion_is_told_and_not_believed(moving: bool)
     assert np.nanmax(run.error[run.time > 0.5]) < 0.2
 
 
+def test_a_clock_that_drifts_is_followed() -> None:
+    stage = filter_of()
+    motion = Motion(1, arm=ARM)
+    run = tracked(stage, motion, 30.0, errors=Errors(drift=1e-3), hidden=lambda t: t > 5 and t % 3 > 2.5)
+    later = run.time > 5.0
+    assert run.error[later].max() < 0.08
+    assert run.turn_error[later].max() < 6.0
+    nav = stage.navigators["imu"].checkpoints[-1].nav
+    assert nav is not None
+    assert abs(nav.delay - 0.03) < 0.01
+
+
 def test_false_positions_are_rejected_until_they_persist() -> None:
     motion, aside = Motion(3), np.array([0.3, 0.0, 0.0])
     stage = filter_of()
