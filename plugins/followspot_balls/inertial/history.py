@@ -59,10 +59,21 @@ def readings_of(messages: Sequence[Inertial], sensor: str) -> Rows:
     for message in messages:
         if message.sensor == sensor:
             values = np.concatenate([message.turn_rate, message.specific_force], axis=1)
-            kept = _in_time(message.time) & np.isfinite(values).all(axis=1)
-            kept &= (np.abs(values) <= [FASTEST] * 3 + [STRONGEST] * 3).all(axis=1)
+            kept = _usable(message)
             rows = rows.with_rows(Rows(message.time[kept], values[kept]))
     return rows
+
+
+def unusable(messages: Sequence[Inertial], sensor: str) -> int:
+    """Number of readings of one sensor that no sensor can give."""
+    return sum(int(np.count_nonzero(~_usable(m))) for m in messages if m.sensor == sensor)
+
+
+def _usable(message: Inertial) -> Array:
+    """Which readings, (N,), a sensor can give; NaN is beyond every limit."""
+    turning = (np.abs(message.turn_rate) <= FASTEST).all(axis=1)
+    pushed = (np.abs(message.specific_force) <= STRONGEST).all(axis=1)
+    return np.asarray(_in_time(message.time) & turning & pushed)
 
 
 def orientations_of(messages: Sequence[Orientation], sensor: str) -> Rows:

@@ -24,6 +24,9 @@ from followspot_balls.inertial.sensor_errors import SensorErrors
 OFTEN, LATELY = 3, 10_000_000_000
 """How often the positions contradict a navigation within how long, ns, until it is not believed."""
 
+MANY = 4
+"""Long intervals between readings that are no single gap."""
+
 
 class Navigator:
     """The navigation of one target with its history.
@@ -85,6 +88,13 @@ class Navigator:
         target's.
         """
         return sum(time - LATELY < doubt <= time for doubt in self.doubts) >= OFTEN
+
+    @property
+    def sparse(self) -> bool:
+        """Whether the readings come so slowly that the motion between them is mostly not known."""
+        intervals = np.diff(self.readings.time) * NANOSECOND
+        long = intervals[intervals > self.gap]
+        return len(long) >= MANY and bool(2 * long.sum() > intervals.sum())
 
     @property
     def stuck(self) -> bool:

@@ -15,7 +15,7 @@ from followspot.stuck_readings import REMEDY
 from followspot.tracking import PREDICTED, TRACKED, Forecast, Positions, Tracks
 from followspot_balls.inertial.checkpoint import Frame
 from followspot_balls.inertial.fix import Fix, fix_at
-from followspot_balls.inertial.history import orientations_of, readings_of
+from followspot_balls.inertial.history import orientations_of, readings_of, unusable
 from followspot_balls.inertial.messages import Fixes, foreseen, posed, unplaced
 from followspot_balls.inertial.navigator import Navigator
 from followspot_balls.inertial.parameters import InertialParams
@@ -83,6 +83,11 @@ class InertialFilter(Kalman):
         time = positions.header.time
         for sensor, navigator in self.navigators.items():
             rows = readings_of(readings, sensor)
+            if unusable(readings, sensor):
+                self.tell_once(
+                    sensor,
+                    "are left out that are no numbers or beyond what sensors can read: look at its units",
+                )
             navigator.receive(rows, orientations_of(orientations, sensor))
             self.newest[sensor] = max(self.newest.get(sensor, time), rows.time.max(initial=0))
             self.tell(sensor, navigator, time)
@@ -172,6 +177,12 @@ class InertialFilter(Kalman):
                 f"come more than {self.params.history:g} s late and are left out: raise `history`, or "
                 "compare the clocks",
             )
+        if navigator.sparse:
+            self.tell_once(
+                sensor,
+                f"come more than {self.params.maximum_reading_gap:g} s apart, so the motion between them is "
+                "not known: let the sensor read more often, or raise `maximum_reading_gap`",
+            )
         if navigator.stuck:
             self.tell_once(
                 sensor,
@@ -181,7 +192,8 @@ class InertialFilter(Kalman):
             self.tell_once(
                 sensor,
                 "contradict the positions again and again and are left out meanwhile: compare the clocks, "
-                "look how the sensor is fixed, and whether it is on the target that `mount` names",
+                "look how the sensor is fixed, whether it is on the target that `mount` names, and at the "
+                "units, `axes` and `at_rest` of its source",
             )
 
     def tell_once(self, sensor: str, trouble: str) -> None:

@@ -6,10 +6,23 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from tests.plugins.balls.inertial_paths import ROOM, SENSOR, Errors, Motion, Run, filter_of, position, tracked
+from tests.plugins.balls.inertial_paths import (
+    RATE,
+    ROOM,
+    SENSOR,
+    Errors,
+    Motion,
+    Run,
+    filter_of,
+    position,
+    readings,
+    tracked,
+)
 
-from followspot import Array, Context, Room, Sensor
+from followspot import Array, Context, Room, Sensor, at
+from followspot.inertial import Inertial
 from followspot.messages import identical
+from followspot.sealing import seal
 from followspot.tracking import LOST, PREDICTED, TRACKED
 from followspot_balls.inertial.stage import InertialFilter
 from followspot_balls.kalman import Kalman
@@ -154,6 +167,22 @@ def test_a_sensor_that_is_stuck_in_motion_is_told_and_not_believed(moving: bool)
     assert len(told) == moving
     assert all("readings of imu do not change although it moves" in text for text in told)
     assert np.nanmax(run.error[run.time > 0.5]) < 0.2
+
+
+def test_readings_that_come_too_slowly_or_are_no_numbers_are_told() -> None:
+    told: list[str] = []
+    stage = InertialFilter(Context(name="track", room=ROOM, warn=told.append))
+    stage.setup()
+    run = tracked(stage, Motion(1), 3.0, lost=lambda t: round(t * RATE) % 14 > 1)
+    assert np.isnan(run.turn_error).all()
+    (slow,) = told
+    assert "come more than 0.05 s apart" in slow
+    (first,) = readings(Motion(1), 2 / RATE)
+    broken = Inertial("imu", first.time, first.turn_rate * np.nan, first.specific_force, first.field)
+    for t in (3.0, 3.1):
+        stage.process(position(None, t), (seal(at(round(t * 1e9), broken)),))
+    assert len(told) == 2
+    assert "no numbers or beyond what sensors can read" in told[1]
 
 
 def test_a_clock_that_drifts_is_followed() -> None:
