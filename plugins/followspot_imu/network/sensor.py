@@ -15,6 +15,7 @@ from followspot.batches import BatchParams
 from followspot.device_clock import DeviceClock
 from followspot.inertial import Inertial
 from followspot_imu.network.collection import Collection
+from followspot_imu.network.first_readings import FirstReadings
 from followspot_imu.network.listener import Datagram, datagrams, opened
 from followspot_imu.network.losses import Losses
 from followspot_imu.network.tally import Tally
@@ -22,6 +23,8 @@ from followspot_imu.units import MOST, AxesParams, converted
 
 SILENCE = 3_000_000_000
 """Time without readings after which the user is told, ns."""
+TOGETHER = 200_000
+"""Readings without a time that arrive within this of each other were read apart, ns."""
 LONGEST_WAIT = 0.2
 """Longest wait for a datagram before the stage looks whether the run ends, s."""
 
@@ -76,6 +79,8 @@ class NetworkSensor(Stage, ABC):
         p = self.params
         self._clock, self._pending = DeviceClock(), Collection(p)
         self._losses = Losses(self.sensor.rate)
+        self._first = FirstReadings()
+        self._arrival = 0
         self._most = MOST / np.abs(self.scale)
         own = opened(p.host, p.port)
         heard, silent = 0, False
@@ -106,8 +111,15 @@ class NetworkSensor(Stage, ABC):
     def _added(self, reading: Reading, arrival: int) -> bool:
         """Collect a reading; whether the message is complete."""
         if (np.abs(reading.values) > self._most).any():
-            self.tally.add("readings out of range")
+            self.tally.add("readings out of range", why="check the units that the sensor sends")
             return False
+        together = reading.device_time is None and arrival - self._arrival < TOGETHER
+        self._arrival = arrival
+        self.tally.add(
+            "readings without a time that arrived with the one before",
+            int(together),
+            "their motion is blurred; let the sender send its time, or each reading by itself",
+        )
         before = self._clock.restarts
         time = self._clock.capture_time(reading.device_time, arrival)
         self.tally.add("restarts of the device", self._clock.restarts - before)
@@ -131,9 +143,13 @@ class NetworkSensor(Stage, ABC):
 
     def _message(self) -> Inertial:
         time, values = self._pending.taken()
-        return at(
-            int(time[-1]), Inertial(self.sensor.name, time, *converted(values, self.scale, self.params.axes))
-        )
+        turn_rate, force, field = converted(values, self.scale, self.params.axes)
+        for parameter, doubt in self._first.doubts(turn_rate, force).items():
+            unit = getattr(self.params, parameter, None)
+            self.context.warn(
+                f"{self.sensor.name}: {doubt}{f'; is {parameter} {unit} right?' if unit else ''}"
+            )
+        return at(int(time[-1]), Inertial(self.sensor.name, time, turn_rate, force, field))
 
     def close(self) -> None:
         """End the listening, also from another thread."""

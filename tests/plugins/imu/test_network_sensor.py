@@ -8,6 +8,7 @@ from itertools import count
 import numpy as np
 import pytest
 from tests.plugins.imu.network import AtWork
+from tests.plugins.imu.test_osc import bundle, osc
 from tests.plugins.imu.test_ximu3 import binary
 
 from followspot import Context, InputError, Member
@@ -16,6 +17,8 @@ from followspot.testing import tiny_room
 from followspot_imu.network import sensor
 from followspot_imu.network.listener import Datagram
 from followspot_imu.network.losses import Losses
+from followspot_imu.network.osc import Osc
+from followspot_imu.network.sensor import NetworkSensor
 from followspot_imu.network.ximu3 import Ximu3
 
 MS = 1_000_000
@@ -133,3 +136,48 @@ def test_a_port_that_is_taken_is_refused_with_a_remedy() -> None:
         stage = Ximu3(context, port=other.getsockname()[1])
         with pytest.raises(InputError, match="one that no other sensor uses"):
             next(stage.process())
+
+
+def played(
+    kind: type[NetworkSensor], datagrams: list[Datagram], monkeypatch: pytest.MonkeyPatch
+) -> list[str]:
+    """What the stage tells of datagrams that arrive at their times."""
+    monkeypatch.setattr(sensor, "opened", lambda *_: socket.socket())
+    monkeypatch.setattr(sensor, "datagrams", lambda *_: iter(datagrams))
+    told: list[str] = []
+    stage = kind(Context("imu", tiny_room(), Member("sensors", "imu0"), warn=told.append))
+    assert list(stage.process())
+    return told
+
+
+@pytest.mark.parametrize(
+    ("turning", "force", "doubts"),
+    [
+        (0.5, 9.8, []),
+        (0.5, 1.0, ["accelerometer reads 1 m/s^2 at the median"]),
+        (60.0, 9.8, ["gyroscope reads 60 rad/s"]),
+    ],
+)
+def test_units_that_are_hardly_right_are_told_once(
+    turning: float, force: float, doubts: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    values = (turning, 0.0, 0.0, 0.0, 0.0, force, 0.0, 0.0, 0.0)
+    whole = [Datagram(osc("/sensors", *values), k * 5 * MS, "127.0.0.1") for k in range(1, 301)]
+    told = played(Osc, whole, monkeypatch)
+    assert len(told) == len(doubts)
+    assert all(doubt in text and "right?" in text for doubt, text in zip(doubts, told, strict=True))
+    still = [Datagram(binary("I", 5000 * k, 0, 0, 0, 0, 0, 0.1), k * 5 * MS, "a") for k in range(1, 301)]
+    (told_of_device,) = played(Ximu3, still, monkeypatch)
+    assert told_of_device.endswith("where a sensor at rest reads 9.8")
+
+
+def test_readings_without_a_time_that_arrive_together_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    values = (0.1, 0.0, 0.0, 0.0, 0.0, 9.8, 0.0, 0.0, 0.0)
+    five = bundle(*[osc("/sensors", *values)] * 5)
+    told = played(Osc, [Datagram(five, k * 25 * MS, "127.0.0.1") for k in range(1, 11)], monkeypatch)
+    assert "let the sender send its time" in told[0]
+    assert told[1] == "imu0: 40 readings without a time that arrived with the one before"
+    timed = [
+        Datagram(binary("I", 5000 * k, *REST), 25 * MS * (k // 5) + k, "127.0.0.1") for k in range(1, 50)
+    ]
+    assert not played(Ximu3, timed, monkeypatch)
