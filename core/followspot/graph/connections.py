@@ -133,8 +133,9 @@ def _check_multiplicity(members: Sequence[Wire], port: InputSpec, mistakes: list
     text = (
         f'input "{port.name}" of stage "{first.target.declared.name}" takes one message, {len(members)} come'
     )
+    each = first.source.declared.each.set if first.source.declared.each else "cameras"
     remedy = (
-        f"from {senders}: give the stage each: cameras, or declare the input as Joined[{port.type.__name__}]"
+        f"from {senders}: give the stage each: {each}, or declare the input as Joined[{port.type.__name__}]"
     )
     mistakes.append(Mistake(first.port_place, text, remedy))
 

@@ -177,6 +177,7 @@ def test_a_mistake_of_many_instances_is_told_once(tmp_path: Path) -> None:
     )
     assert len(told) == 1
     assert 'input "blobs" of stage "own" takes one message, 2 come' in told[0]
+    assert "give the stage each: zones, or declare" in told[0]
 
 
 def test_a_stage_outside_its_set_says_what_to_write() -> None:
