@@ -51,13 +51,22 @@ def read_readings(
             continue
         times.append(_time(row, given, len(times)))
         if len(times) > 1 and times[-1] <= times[-2]:
-            now, before = (f"{to_seconds(time):g} s" for time in (times[-1], times[-2]))
-            text = f"time {now} comes after {before}"
-            raise InputError(
-                [Mistake(Place(row.file, row.line, 1), text, "sort the rows of a sensor by time")]
-            )
+            raise _not_rising(row, times[-1], times[-2])
         values.append(list(_values(row, most)))
     return np.array(times, "i8"), np.array(values, "f8").reshape(-1, len(VALUES))
+
+
+def _not_rising(row: Row, time: int, before: int) -> InputError:
+    """The mistake of a row whose time is not later than that of the row before it. Times: ns."""
+    text = f"time {to_seconds(time):.15g} s comes after {to_seconds(before):.15g} s"
+    remedy = "sort the rows of a sensor by time"
+    if time == before:
+        text = f"time {to_seconds(time):.15g} s comes twice"
+        remedy = (
+            "remove one of the rows; if times have too few digits, give their column another name and say "
+            "the rate, for example with: {rate: 100}"
+        )
+    return InputError([Mistake(Place(row.file, row.line, 1), text, remedy)])
 
 
 def _check_head(given: FileParams) -> None:

@@ -168,8 +168,8 @@ class InertialFilter(Kalman):
         if time - self.newest[sensor] > SILENT:
             self.tell_once(
                 sensor,
-                "are missing for 3 s: look whether the sensor sends, and compare its clock, or `start_time`, "
-                "with the cameras'",
+                "are missing for 3 s: look whether the sensor sends, and compare its clock, or `start_time` "
+                "and `time_unit`, with the cameras'",
             )
         if navigator.late:
             self.tell_once(

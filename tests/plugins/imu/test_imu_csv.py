@@ -107,7 +107,8 @@ WRONG = {
         r"a\.csv:3:13: .*within 10000; check the units",
     ),
     "degrees": (f"{HEAD}\n0,6000,2,3,4,5,6\n", {"turn_unit": "deg/s"}, r"within 5729\.58; check"),
-    "order": (f"{HEAD}\n1,1,2,3,4,5,6\n1,1,2,3,4,5,6\n", {}, r"a\.csv:3:1: time 1 s comes after 1 s.*sort"),
+    "order": (f"{HEAD}\n1,1,2,3,4,5,6\n0,1,2,3,4,5,6\n", {}, r"a\.csv:3:1: time 0 s comes after 1 s.*sort"),
+    "twice": (f"{HEAD}\n1,1,2,3,4,5,6\n1,1,2,3,4,5,6\n", {}, r"a\.csv:3:1: time 1 s comes twice.*remove"),
     "time": (f"{HEAD}\n1e99,1,2,3,4,5,6\n", {}, r'a\.csv:2:1: "1e99" in column time.*a time in s'),
     "sensor": (f"{HEAD},sensor\n1,1,2,3,4,5,6,imu1\n", {}, r'a\.csv:2:15: "imu1" in column sensor.*"imu0"'),
     "column twice": (
