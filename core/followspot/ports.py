@@ -113,6 +113,7 @@ def _ports(stage: Any) -> Ports:
     process = getattr(stage, "process", None)
     if not inspect.isfunction(process):
         raise SignatureError(f"{stage.__name__} has no method `process`: define process(self, ...) -> ...")
+    _check_callable(stage, process)
     hints = _hints(stage, process)
     signature = inspect.signature(process)
     inputs = tuple(_input(stage, p, hints) for p in list(signature.parameters.values())[1:])
@@ -130,6 +131,10 @@ def _ports(stage: Any) -> Ports:
             " declare the one for whose messages it is to fire as MessageType or Joined[MessageType]"
         )
     gives, returned = _giving(stage, get_args(returned)[0] if source else returned)
+    if gives == "one" and not source and inspect.isgeneratorfunction(process):
+        raise SignatureError(
+            f"{stage.__name__}.process yields: return the message, or declare Outputs[MessageType]"
+        )
     if gives != "one" and source:
         raise SignatureError(f"{stage.__name__}.process yields already: a source returns Source[MessageType]")
     return Ports(inputs, _outputs(stage, returned), source, gives)
@@ -138,6 +143,36 @@ def _ports(stage: Any) -> Ports:
 def accepts(wanted: type[Message], offered: type[Message]) -> bool:
     """True if an input of one type takes messages of another: the same type, or a subclass."""
     return issubclass(offered, wanted)
+
+
+def _check_callable(stage: type[Stage], process: Callable[..., Any]) -> None:
+    """Raises SignatureError unless the runtime can call `process` of a stage with inputs alone."""
+    if not issubclass(stage, Stage):
+        raise SignatureError(f"{stage.__name__} is no stage: write class {stage.__name__}(Stage)")
+    own = next(iter(inspect.signature(process).parameters.values()), None)
+    if own is None or (own.name != "self" and own.annotation is not own.empty):
+        raise SignatureError(f"{stage.__name__}.process has no self: define process(self, ...) -> ...")
+    if inspect.iscoroutinefunction(process) or inspect.isasyncgenfunction(process):
+        raise SignatureError(
+            f"{stage.__name__}.process is async: write `def process`, and return Deferred[MessageType] for"
+            " what takes long"
+        )
+
+
+def check_init(stage: type[Stage]) -> None:
+    """Raises SignatureError unless the runtime can make the stage, which it gives its context."""
+    try:
+        inspect.signature(stage.__init__).bind(None, None)
+    except TypeError:
+        raise SignatureError(
+            f"{stage.__name__}.__init__ takes no context: prepare in setup(self) what the stage keeps"
+        ) from None
+
+
+def gives_always(stage: type[Stage]) -> bool:
+    """Whether `process` declares a message for each firing: it returns a type, and no `| None`."""
+    returned = _hints(stage, stage.process).get("return")
+    return isinstance(returned, type) and returned is not types.NoneType
 
 
 def _hints(stage: type[Stage], process: Callable[..., Any]) -> dict[str, Any]:

@@ -8,8 +8,17 @@ from typing import Any
 
 import pytest
 
-from followspot import Joined, Latest, Message, Nearest, Outputs, Source, Stage, Window
-from followspot.ports import InputSpec, OutputSpec, Ports, SignatureError, accepts, ports
+from followspot import Joined, Lagged, Latest, Message, Nearest, Outputs, Source, Stage, Window
+from followspot.ports import (
+    InputSpec,
+    OutputSpec,
+    Ports,
+    SignatureError,
+    accepts,
+    check_init,
+    gives_always,
+    ports,
+)
 
 
 class Wheat(Message):
@@ -147,6 +156,16 @@ def nothing(self: Any) -> Bread: ...
 def asleep(self: Any, flour: Window[Wheat], order: Latest[Bread]) -> Bread: ...
 
 
+def yielding(self: Any, flour: Wheat) -> Bread:
+    yield Bread()  # type: ignore[misc]
+
+
+async def later(self, flour: Wheat) -> Bread: ...  # type: ignore[no-untyped-def,empty-body]
+
+
+def no_self(flour: Wheat) -> Bread: ...  # type: ignore[empty-body]
+
+
 @pytest.mark.parametrize(
     ("process", "said"),
     [
@@ -165,8 +184,48 @@ def asleep(self: Any, flour: Window[Wheat], order: Latest[Bread]) -> Bread: ...
         (nothing, r"a source returns Source\[MessageType\]"),
         (asleep, "sampled inputs only, so it would never fire"),
         (3, "define process"),
+        (yielding, "return the message, or declare Outputs"),
+        (later, "is async: write `def process`, and return Deferred"),
+        (no_self, "has no self"),
     ],
 )
 def test_a_bad_signature_is_refused_with_what_to_write(process: Any, said: str) -> None:
     with pytest.raises(SignatureError, match=said):
         ports(stage(process))
+
+
+class Unprepared(Stage):
+    def __init__(self) -> None:
+        self.loaves = 0
+
+    def process(self, flour: Wheat) -> Bread: ...
+
+
+class Baker:
+    def process(self, flour: Wheat) -> Bread: ...
+
+
+def test_a_class_that_the_runtime_cannot_make_is_refused_with_what_to_write() -> None:
+    with pytest.raises(SignatureError, match="takes no context: prepare in setup"):
+        check_init(Unprepared)
+    with pytest.raises(SignatureError, match=r"write class Baker\(Stage\)"):
+        ports(Baker)  # type: ignore[arg-type]
+
+
+def test_a_stage_that_lags_may_yield() -> None:
+    def process(self: Any, flour: Wheat) -> Lagged[Bread]:
+        yield Bread(1)
+
+    assert ports(stage(process)).gives == "lagged"
+
+
+def test_a_type_without_none_promises_a_message_for_each_firing() -> None:
+    def some(self: Any, flour: Wheat) -> Bread | None: ...
+
+    def nothing_at_all(self: Any, flour: Wheat) -> None: ...
+
+    def one(self: Any, flour: Wheat) -> Bread: ...
+
+    assert gives_always(stage(one))
+    assert not gives_always(stage(some))
+    assert not gives_always(stage(nothing_at_all))

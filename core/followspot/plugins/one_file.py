@@ -13,7 +13,7 @@ from types import ModuleType
 
 from followspot.errors import FollowspotError
 from followspot.files import DOCUMENT, read_bytes
-from followspot.ports import SignatureError, ports
+from followspot.ports import SignatureError, check_init, ports
 from followspot.stage import Stage
 
 
@@ -111,6 +111,7 @@ def _run(path: str, module_name: str, source: bytes) -> ModuleType:
 def _check_signature(stage: type[Stage], path: str) -> None:
     try:
         ports(stage)
+        check_init(stage)
     except SignatureError as error:
         raise PluginFileError(f"{path}: {error}") from None
 

@@ -15,7 +15,7 @@ from followspot.messages import Message
 from followspot.plugins.catalogue import StageEntry, catalogue
 from followspot.plugins.extras import missing_extra
 from followspot.plugins.one_file import FileStage, load_file
-from followspot.ports import ports
+from followspot.ports import SignatureError, check_init, ports
 from followspot.stage import Stage
 
 _SEE = "`followspot plugins` lists every plugin and its state"
@@ -85,7 +85,10 @@ def offer_stage(stage: type[Stage]) -> str:
     Another class of the same name has a number behind it, for a graph that was made before runs its own, for
     example if a notebook's cell runs again. Raises SignatureError if it is no stage.
     """
+    if not isinstance(stage, type):
+        raise SignatureError(f"{stage!r:.80} is no class: a graph makes its stages itself, give it the class")
     ports(stage)
+    check_init(stage)
     first = OFFERED + re.sub(r"(?<!^)(?=[A-Z])", "_", stage.__name__).lower()
     names = chain([first], (f"{first}_{number}" for number in count(2)))
     return next(name for name in names if _offered.setdefault(name, stage) is stage)
@@ -169,6 +172,7 @@ def _import(entry: StageEntry) -> tuple[type[Stage] | None, StageEntry]:
         return _broken(entry, f"is half installed: {module} has no stage class {attribute}")
     try:
         ports(found)
+        check_init(found)
     except FollowspotError as error:
         return _broken(entry, f"is broken: {error}")
     return found, entry
