@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+import warnings
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, suppress
 from pathlib import Path
@@ -165,6 +166,7 @@ class OwnRun(ScriptHandle):
         self.close()
         if kind is None:
             self._raise()
+            self._warn()
 
     def swap(self, stage: str, uses: str | type[Stage], *, fresh: bool = False) -> Changed:
         """Replace a stage during the run by another plugin stage, or by a class of this process."""
@@ -258,6 +260,15 @@ class OwnRun(ScriptHandle):
             return RunFailed(repr(self._error))
         errors = self._report.errors if self._report is not None else ()
         return RunFailed("\n".join(errors)) if errors else None
+
+    def _warn(self) -> None:
+        """Give what the report warns of as warnings of Python, and if the sources ended, who gave nothing."""
+        report = self._report
+        if report is None:
+            return
+        silences = () if report.stopped else report.silences
+        for text in (*report.warnings, *(f"{silence}; {silence.advice}" for silence in silences)):
+            warnings.warn(text, stacklevel=3)
 
     def _raise(self) -> None:
         if (error := self._failure()) is not None:

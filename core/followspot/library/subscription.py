@@ -167,7 +167,15 @@ class Subscription(Closing, Generic[M]):
                 )
 
     def _next(self) -> M | None:
-        """The next message; None at the end. Raises the error of the run after the last message."""
+        """The next message; None at the end.
+
+        Raises the error of the run after the last message, and FollowspotError if nothing can come any more.
+        """
+        if self._closed and not self._begun:
+            raise FollowspotError(
+                f"{self.port} was closed before its first message was read: loop over it within the block of "
+                "the run"
+            )
         self._begun = True
         with self._changed:
             while not (self._messages or self._ended or self._closed):

@@ -146,3 +146,9 @@ def test_an_unfinished_graph_shows_itself() -> None:
     unfinished.add("fuse", "balls.mean_shift")
     assert unfinished._repr_svg_() is None
     assert repr(unfinished) == "<Graph mine: fuse>"
+
+
+def test_what_is_no_class_is_no_stage() -> None:
+    for wrong in (Low(), lambda tracks: tracks):
+        with pytest.raises(FollowspotError, match="is no class: a graph makes its stages itself"):
+            fs.Graph("wrong").add("low", wrong, tracks="track")  # type: ignore[arg-type]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from followspot.firing import FIRINGS
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
 from followspot.operator.reporting.scored import class_of
-from followspot.ports import Ports, ports
+from followspot.ports import Ports, gives_always, ports
 from followspot.worker.ledger import EdgeCount
 
 Counted = tuple[PlannedEdge, EdgeCount]
@@ -129,7 +129,7 @@ class _Run:
             gave=sum(given.values()),
             refused=sum(refused.values()),
             sinks=self.starved([(stage.name, port) for stage in stages]),
-            advice=self.advice(first.uses, bool(into)),
+            advice=self.advice(first.uses, into, bool(sum(given.values()))),
         )
 
     def starved(self, ports: Sequence[Port]) -> tuple[str, ...]:
@@ -149,13 +149,19 @@ class _Run:
                 queue += more
         return tuple(found)
 
-    def advice(self, uses: str, fed: bool) -> str:
-        """What the author of a stage advises, else where to look."""
+    def advice(self, uses: str, into: Sequence[Counted], gave: bool) -> str:
+        """What the author of a stage advises, else where to look.
+
+        into: edges for whose messages it fires; gave: whether it gave messages, empty or refused.
+        """
         kind = self.classes[uses]
         if kind is not None and kind.advice:
             return kind.advice
-        if not fed:
+        if not into:
             return "`followspot doctor` looks at every camera"
+        fired = any(count.delivered for _, count in into)
+        if kind is not None and fired and not gave and gives_always(kind):
+            return f"is a `return` missing in {kind.__name__}.process? It declares a message for each firing"
         return f"`followspot echo` shows what it gets, `followspot plugins {uses}` lists its parameters"
 
 
