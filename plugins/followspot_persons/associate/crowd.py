@@ -88,12 +88,15 @@ class Rules:
 
 @dataclass(frozen=True, eq=False)
 class Crowd(Generic[S]):
-    """People with their states at a time, ns; numbers: how many persons there were."""
+    """People with their states at a time, ns; numbers: how many persons there were; strangers: (C, 2) of each
+    camera, its detections while there were people with numbers, and those that were none of these.
+    """
 
     bodies: S
     lives: Lives
     time: int
     numbers: int
+    strangers: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +114,7 @@ class Detections:
 def empty_crowd(model: BodyModel[S], views: Views) -> Crowd[S]:
     """The crowd of a room in which no person is known yet."""
     lives = Lives(np.zeros(0, int), np.zeros(0), np.zeros(0, int), looks.unseen(0, len(views.each)))
-    return Crowd(model.none(), lives, 0, 0)
+    return Crowd(model.none(), lives, 0, 0, np.zeros((len(views.each), 2), int))
 
 
 def after(
@@ -120,13 +123,15 @@ def after(
     """The people after one set of detections, each camera's at its own time of exposure."""
     before, crowd = crowd.time, replace(crowd, bodies=model.fresh(crowd.bodies))
     left, tally = [], Tally.none(len(crowd.bodies))
+    strangers, known = crowd.strangers.copy(), bool((crowd.lives.number > 0).any())
     for one in sorted(sets, key=lambda each: each.time):
         crowd = _moved(crowd, model, one.time)
         crowd, tally, free = _seen(crowd, tally, model, views.each[one.camera], one, rules)
         left.append(replace(one, found=one.found[free], colors=one.colors[free]))
+        strangers[one.camera] += known * np.array([len(free), np.count_nonzero(free)])
     weight = independence((crowd.time - before) * NANOSECOND)
     odds = np.clip(crowd.lives.odds + tally.change(weight), LOWEST, HIGHEST)
-    crowd = replace(crowd, lives=replace(crowd.lives, odds=odds))
+    crowd = replace(crowd, lives=replace(crowd.lives, odds=odds), strangers=strangers)
     crowd = _with_new(crowd, model, views, left, rules)
     return _ended(_numbered(crowd, rules), model, rules)
 

@@ -28,6 +28,7 @@ from followspot_persons.associate.parameters import AssociateParams
 from followspot_persons.associate.picture_size import Reach, doubt_of_size
 from followspot_persons.associate.reports import box_poses, joint_poses, skeletons_of
 from followspot_persons.associate.skeleton_pose import tell_heading
+from followspot_persons.associate.strangers import doubt_of_strangers
 from followspot_persons.associate.torso_colors import BINS, histograms
 from followspot_persons.associate.views import Noise, views_of
 
@@ -62,6 +63,8 @@ class Associate(Stage):
     advice = "are two cameras calibrated in one frame of reference, and do both see the same people?"
     reach: Mapping[str, Reach] = MappingProxyType({})
     """How far the joints of each camera have reached."""
+    strangers: Mapping[str, Sequence[int]] = MappingProxyType({})
+    """Detections of each camera while there were people, and those that were none of these."""
 
     @classmethod
     def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
@@ -108,6 +111,7 @@ class Associate(Stage):
             for one in points
         ]
         self.by_joints = after(self.by_joints, self.joint_model, self.views, sets, self.rules)
+        self.strangers = dict(zip(self.number, self.by_joints.strangers.tolist(), strict=True))
         sigma = self.params.maximum_sigma
         self.limbs = learnt(self.limbs.of(self.by_joints.lives.number), joints, self.by_joints.bodies)
         now = as_of(self.by_joints, self.joint_model, _time(points, self.by_joints.time))
@@ -123,8 +127,7 @@ class Associate(Stage):
         new = [name for name in names if name not in self.joint_model.joints][:room]
         if new:
             self.joint_model, bodies = self.joint_model.widened(self.by_joints.bodies, new)
-            crowd = self.by_joints
-            self.by_joints = Crowd(bodies, crowd.lives, crowd.time, crowd.numbers)
+            self.by_joints = replace(self.by_joints, bodies=bodies)
 
     def doubt_names(self, joints: Sequence[str], poses: Poses) -> None:
         """Warn once of people whose joints tell no heading, for their names are those of another program."""
@@ -149,14 +152,16 @@ class Associate(Stage):
             if one.camera in self.number
         ]
         self.by_boxes = after(self.by_boxes, self.box_model, self.views, sets, self.rules)
+        self.strangers = dict(zip(self.number, self.by_boxes.strangers.tolist(), strict=True))
         now = as_of(self.by_boxes, self.box_model, _time(boxes, self.by_boxes.time))
         poses, self.heading = box_poses(now, self.heading)
         return Outputs(poses, Skeletons.empty())
 
     def close(self) -> None:
-        """Warn of cameras whose joints seem to be of smaller pictures."""
-        if doubt := doubt_of_size(self.reach, self.room.cameras):
-            self.context.warn(doubt)
+        """Warn of cameras whose joints seem to be of smaller pictures, or that find other people."""
+        for doubt in (doubt_of_size(self.reach, self.room.cameras), doubt_of_strangers(self.strangers)):
+            if doubt:
+                self.context.warn(doubt)
 
     def state(self) -> Any:
         return {

@@ -172,3 +172,27 @@ def test_a_successor_carries_on_with_the_same_people(kind) -> None:
         assert len(told.poses.person)
         assert identical(told.poses, wanted.poses)
         assert identical(told.skeletons, wanted.skeletons)
+
+
+@pytest.mark.parametrize("kind", ["points", "boxes"])
+@pytest.mark.parametrize("off", [0.0, 3.0])
+def test_a_camera_that_is_said_to_stand_elsewhere_is_warned_of_at_the_end(kind: str, off: float) -> None:
+    room, sets, _ = crowded(people=4, frames=40, fps=10, seed=3)
+    name = list(room.cameras)[1]
+    camera = room.cameras[name]
+    moved = replace(camera, translation=camera.translation + camera.rotation @ np.array([0.0, off, 0.0]))
+    warnings: list[str] = []
+    context = Context(
+        "associate",
+        replace(room, cameras={**room.cameras, name: moved}),
+        receives=(Points2D if kind == "points" else Boxes,),
+        warn=warnings.append,
+    )
+    stage = Associate(context)
+    stage.setup()
+    for each in sets:
+        found = tuple(one[kind == "boxes"] for one in each)
+        stage.process(**{kind: found})
+    stage.close()
+    assert len(warnings) == (off > 0)
+    assert all(f"what {name} (" in text and "calibrate check" in text for text in warnings)
