@@ -155,8 +155,9 @@ def _numbers(values: Sequence[Any], where: str) -> Iterator[float]:
     for i, value in enumerate(values):
         usable = type(value) in (int, float) and abs(value) <= FARTHEST and math.isfinite(value)
         if not usable:
-            text = f"{where}: number {i} is {str(value)[:40]!r}"
-            raise InputError.of(text, f"numbers lie within {FARTHEST:.0f}")
+            text = f"{where}: number {i} is {json.dumps(value)[:40]}"
+            remedy = f"numbers lie within {FARTHEST:.0f}; what was not found has the score 0"
+            raise InputError.of(text, remedy)
         yield float(value)
 
 

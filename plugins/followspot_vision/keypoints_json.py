@@ -37,6 +37,7 @@ class KeypointsJson(Stage):
     """
 
     per_camera = True
+    advice = "joints with the score 0 or below minimum_score are left out: look at the scores in the files"
 
     class Params(PictureParams):
         """The files, their times and their frame of reference."""

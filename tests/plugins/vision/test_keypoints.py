@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import followspot as fs
 from followspot import Context, InputError
 from followspot.room import Member
 from followspot.testing import check_stage, tiny_room
@@ -97,7 +98,8 @@ def test_other_skeletons_are_named(tmp_path: Path) -> None:
         ('[{"image_id": true, "keypoints": []}]', "image_id is 'True'"),
         ('[{"image_id": 1, "keypoints": [1, 2]}]', "has no list x, y, score"),
         ('[{"image_id": 1, "keypoints": [1, 2, NaN]}]', "NaN is no number"),
-        ('[{"image_id": 1, "keypoints": [1, 2, "a"]}]', "number 2 is 'a'"),
+        ('[{"image_id": 1, "keypoints": [1, 2, "a"]}]', 'number 2 is "a"'),
+        ('[{"image_id": 1, "keypoints": [1, 2, null]}]', "number 2 is null.*not found has the score 0"),
         ('[{"image_id": 1, "keypoints": [1e300, 2, 1]}]', "numbers lie within 1000000"),
         ('[{"image_id": 99999999999999999999, "keypoints": []}]', "image_id is"),
         ('[{"image_id": 2000000000, "keypoints": []}]', "goes up to picture 2000000000.*at most"),
@@ -176,3 +178,12 @@ def test_pictures_that_the_network_left_out_are_doubted(tmp_path: Path) -> None:
 def test_the_source_keeps_the_promises_of_stages(tmp_path: Path) -> None:
     (tmp_path / "a.json").write_text(coco((0, body(17, 3)), (2, body(17, 4))))
     check_stage(KeypointsJson, path=str(tmp_path / "a.json"))
+
+
+def test_a_run_whose_joints_all_have_the_score_0_says_where_to_look(tmp_path: Path) -> None:
+    (tmp_path / "cam0.json").write_text(json.dumps([{"image_id": 1, "keypoints": [1, 2, 0] * 17}]))
+    graph = fs.Graph("scores", room=Path(__file__).parents[3] / "graphs/rooms/simulated.yaml")
+    joints = graph.add("joints", "vision.keypoints_json", each="cameras[name=cam0]", path=str(tmp_path))
+    graph.add("save", "sinks.csv", joints=joints, path="joints.csv")
+    with pytest.warns(UserWarning, match="joints with the score 0"), fs.run(graph, out=tmp_path) as run:
+        run.wait()
