@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import ClassVar
 
@@ -20,7 +20,8 @@ class KeypointsLive(Stage):
     """Joints of persons from a folder into which OpenPose or MMPose writes a JSON file for each picture.
 
     Files that are there at the start are old and left out. A file that cannot be read yet is tried again; if
-    it stays so, it is left out with a warning.
+    it stays so, it is left out with a warning. So are files that come after those of later pictures, or that
+    a network writes anew after it was started again.
     """
 
     per_camera: ClassVar[bool] = True
@@ -64,17 +65,39 @@ class KeypointsLive(Stage):
         self.folder = of_camera(self.params.path, self.camera.name, self.room.cameras)
         if not self.folder.is_dir():
             raise InputError.of(f"{self.folder} is no folder", "name the folder that the network writes into")
-        self.last = max((number for number, _ in self.pictures()), default=-1)
+        there = dict(self.pictures())
+        self.known = set(there)
+        """Numbers of the pictures whose files were there."""
+        self.last = max(there, default=-1)
+        self.written = _written(there[self.last]) if there else 0
+        """When the file of the last picture was written, ns."""
+        self.told = False
 
     def process(self) -> Source[Points2D]:
         """A message for each picture when its file is complete, in the order of their numbers."""
         while self.context.pause(self.params.poll_interval):
-            new = [(number, path) for number, path in self.pictures() if number > self.last]
-            for number, path in new:
+            there = self.pictures()
+            self.tell_old(dict(there))
+            for number, path in [one for one in there if one[0] > self.last]:
                 persons = self.persons(path)
-                self.last = number
+                self.last, self.written = number, _written(path)
                 if persons is not None:
                     yield from self.message(number, path, persons)
+
+    def tell_old(self, there: Mapping[int, Path]) -> None:
+        """Warn, once, of new files of pictures that are not later than the last. there: by their numbers."""
+        late = [number for number in there if number < self.last and number not in self.known]
+        self.known.update(there)
+        first = min(there, default=self.last)
+        if not late and first < self.last and _written(there[first]) > self.written:
+            late = [first]
+        if late and not self.told:
+            self.told = True
+            self.context.warn(
+                f"{there[late[0]]} was written after picture {self.last} and is left out, as others will be: "
+                "have pictures written in their order; before a network begins anew, empty the folder and "
+                "stop the run"
+            )
 
     def pictures(self) -> list[tuple[int, Path]]:
         """The files of the folder by the numbers of their pictures. Raises InputError."""
@@ -97,3 +120,11 @@ class KeypointsLive(Stage):
         found = joints_of(persons, self.params, self.params.joints, str(path))
         when = capture_time(number, exact_rate(rate)) if rate else path.stat().st_mtime_ns
         yield at(when, points_of(found, self.camera, self.params), seq=number)
+
+
+def _written(path: Path) -> int:
+    """When a file was written, ns; 0 if it is gone."""
+    try:
+        return path.stat().st_mtime_ns
+    except OSError:
+        return 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -124,6 +125,37 @@ def test_a_file_that_stays_broken_is_left_out_with_a_warning(tmp_path: Path) -> 
     assert [m.header.seq for m in found] == [2]
     assert len(warnings) == 1
     assert "1.json:1:" in warnings[0]
+
+
+def test_files_of_earlier_pictures_are_told_once(tmp_path: Path) -> None:
+    people = json.dumps([instance(3)])
+    one, two, three, four = (tmp_path / f"{number}.json" for number in (1, 2, 3, 4))
+    found, warnings = live(tmp_path, (two, people), (one, people), (four, people), (three, people), None)
+    assert [m.header.seq for m in found] == [2, 4]
+    (told,) = warnings
+    assert told.startswith(f"{one} was written after picture 2 and is left out")
+
+
+def test_a_network_that_begins_anew_is_told(tmp_path: Path) -> None:
+    people = json.dumps([instance(3)])
+    one, two = tmp_path / "1.json", tmp_path / "2.json"
+    found, warnings = live(tmp_path, (one, people), (two, people), None)
+    assert ([m.header.seq for m in found], warnings) == ([1, 2], [])
+    os.utime(one, ns=(0, two.stat().st_mtime_ns - 1))
+    assert live(tmp_path, None, None) == ([], [])
+    later = two.stat().st_mtime_ns + 1
+
+    def again(seconds: float) -> bool:
+        os.utime(one, ns=(later, later))
+        return next(polls)
+
+    polls = iter([True, True, False])
+    told: list[str] = []
+    stage = KeypointsLive(Context("live", ROOM, CAMERA, pause=again, warn=told.append), path=tmp_path)
+    stage.setup()
+    assert list(stage.process()) == []
+    assert len(told) == 1
+    assert "before a network begins anew, empty the folder" in told[0]
 
 
 def test_a_live_folder_must_be_one(tmp_path: Path) -> None:
