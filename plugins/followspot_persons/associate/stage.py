@@ -60,7 +60,10 @@ class Associate(Stage):
         """Errors of what was found, and when a person exists."""
 
     params: Params
-    advice = "are two cameras calibrated in one frame of reference, and do both see the same people?"
+    advice = (
+        "are two cameras calibrated in one frame of reference, do both see the same people, and are their "
+        "scores above minimum_score?"
+    )
     reach: Mapping[str, Reach] = MappingProxyType({})
     """How far the joints of each camera have reached."""
     strangers: Mapping[str, Sequence[int]] = MappingProxyType({})
