@@ -27,6 +27,11 @@ from followspot_vision.picture_points import (
     shares_as_pixels,
 )
 
+MANY = 20
+"""Boxes of a camera that tell whether its columns are right."""
+BEYOND = 1.1
+"""Share of the width and the height beyond which a box ends far outside the picture."""
+
 
 @dataclass(frozen=True)
 class Outputs:
@@ -88,6 +93,20 @@ class BoxesCsv(Stage):
             self.context.warn(f"{self.params.path} has no boxes of camera {self.camera.name}")
         if doubt := self.frames.doubt:
             self.context.warn(f"{self.params.path}: {doubt}")
+        if doubt := self.doubt_of_corners():
+            self.context.warn(f"{self.params.path}: {doubt}")
+
+    def doubt_of_corners(self) -> str:
+        """Why the columns are hardly what `box` says; empty if they may be."""
+        corners = np.array([b.corners[2:] for f in self.frames.own for b in f.rows], "f8").reshape(-1, 2)
+        corners = in_pixels(corners, self.camera, self.params)
+        beyond = int(np.count_nonzero((corners > BEYOND * np.array(self.camera.size)).any(axis=1)))
+        if len(corners) < MANY or 2 * beyond < len(corners):
+            return ""
+        return (
+            f"{beyond} of {len(corners)} boxes of camera {self.camera.name} end far beyond the picture: does "
+            f'"{self.params.box}" name what the columns are, and has the room the size of the pictures?'
+        )
 
     def length(self) -> int:
         """Number of frames."""
