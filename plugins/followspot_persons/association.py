@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from followspot import Array
+from followspot.assignment import assigned
 from followspot_persons.panorama import short_way
 
 ARMS, SHOULDERS = 0.5, 1 / 3
@@ -12,18 +13,15 @@ ARMS, SHOULDERS = 0.5, 1 / 3
 
 
 def matched(cost: Array, limit: float) -> list[tuple[int, int]]:
-    """Pairs (row, column) of lowest cost, each row and column at most once, none above the limit; greedily.
+    """Pairs (row, column) of least cost together, each row and column at most once, none above the limit.
 
+    Global nearest neighbours (Blackman & Popoli 1999, section 6.4): to stay apart costs the limit.
     cost: (K, N), lower is better. Returns the pairs, the surest first.
     """
-    cost = np.where(np.isfinite(cost), cost, np.inf).astype(float)
-    pairs = []
-    while cost.size and cost.min() <= limit:
-        row, column = np.unravel_index(cost.argmin(), cost.shape)
-        pairs.append((int(row), int(column)))
-        cost[row, :] = np.inf
-        cost[:, column] = np.inf
-    return pairs
+    gain = np.nextafter(limit, np.inf) - np.where(np.isfinite(cost), cost, np.inf).astype(float)
+    rows, columns = assigned(gain)
+    order = np.argsort(-gain[rows, columns], kind="stable")
+    return list(zip(rows[order].tolist(), columns[order].tolist(), strict=True))
 
 
 def box_distance(expected: Array, detected: Array, turn: int = 0) -> Array:

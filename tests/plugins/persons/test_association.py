@@ -63,6 +63,10 @@ def test_the_surest_pairs_come_first_and_none_twice_or_beyond_the_limit() -> Non
     assert matched(np.zeros((0, 3)), 1.0) == []
 
 
+def test_a_pair_that_is_the_surest_gives_way_if_all_pairs_together_are_surer() -> None:
+    assert matched(np.array([[0.48, 1.17], [0.47, 0.54]]), 1.6) == [(0, 0), (1, 1)]
+
+
 def test_points_are_carried_by_the_heights_of_boxes_from_the_middle_of_the_upper_side() -> None:
     points = np.array([[120.0, 50.0], [130.0, 90.0]])
     to = np.array([200.0, 10.0, 300.0, 170.0])
