@@ -68,6 +68,7 @@ class BoxAssignment:
         if not people or not detections:
             return []
         boxes = np.array([d.box for d in detections])
+        limit = 1 + COLOR_SHARE * STRANGE
         cost = np.empty((len(people), len(boxes)))
         for i, person in enumerate(people):
             age = (now - person.seen) * NANOSECOND
@@ -75,13 +76,13 @@ class BoxAssignment:
             shift, size = box_offsets(seen.box, boxes, self.turn)
             reach = NEAR + FAR * age
             farther = NEAR + WALK * age / max(float(seen.bearing.distance[0]), 0.1)
-            cost[i] = np.hypot(shift[0] / reach, size[0] / np.where(size[0] > 0, farther, reach))
-            cost[i, still & person.comparable] = np.inf
-            for j in np.flatnonzero(cost[i] < 1):
+            change = np.abs(size[0]) / np.where(size[0] > 0, farther, reach)
+            cost[i] = np.hypot(shift[0] / reach, change)
+            cost[i, (change >= 1) | (still & person.comparable)] = np.inf
+            for j in np.flatnonzero(cost[i] < limit):
                 cost[i, j] += COLOR_SHARE * self.strangeness(person, seen, boxes[j], picture)
                 if (self.specific or upright[j]) and self.stranger(person, seen, boxes[j], picture):
                     cost[i, j] = np.inf
-        limit = 1 + COLOR_SHARE * STRANGE
         tentative = np.array([p.number == 0 for p in people])
         found = matched(np.where(tentative[:, None], np.inf, cost), limit)
         cost[:, [box for _, box in found]] = np.inf

@@ -7,7 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.plugins.persons.crowded import corner_room, crowded, followed
-from tests.plugins.persons.drawn import SECOND, clothes, frame_of, gradients_of, perspective, standing
+from tests.plugins.persons.drawn import (
+    SECOND,
+    clothes,
+    drawn,
+    frame_of,
+    gradients_of,
+    perspective,
+    picture_of,
+    standing,
+)
 from tests.plugins.persons.test_associate_limbs import bodies
 from tests.plugins.persons.test_fusion import RATE, Cameras
 from tests.plugins.persons.test_identity import BLUE, RED, in_red_and_blue
@@ -184,3 +193,31 @@ def test_people_who_cross_get_the_boxes_of_their_colours() -> None:
     assignment = BoxAssignment(camera, shape, read_relations())
     pairs = assignment.pairs(people, detections, *np.zeros((2, 2), bool), picture, SECOND)
     assert sorted(pairs) == [(0, 1), (1, 0)]
+
+
+def test_nobody_takes_the_box_of_somebody_much_nearer() -> None:
+    camera, shape, told = perspective(), read_shape(), standing(3.6, 0.0)
+    picture = picture_of(camera, drawn(camera, standing(1.2, 0.0)))
+    track = Track.initiated(np.tile(told, (10, 1)))
+    person = replace(acquaintance(1, 0, SECOND - SECOND // 5), absent=False, track=track)
+    assignment = BoxAssignment(camera, shape, read_relations())
+    for away, pairs in ((1.2, []), (2.4, [(0, 0)])):
+        box = view(camera, shape, standing(away, 0.0)[None]).box[0]
+        detections = [Detection(box, np.zeros(0), np.zeros(0))]
+        assert assignment.pairs([person], detections, *np.zeros((2, 1), bool), picture, SECOND) == pairs
+
+
+def test_a_box_far_aside_must_have_the_colours_of_the_person() -> None:
+    camera, shape, aside = perspective(), read_shape(), standing(2.5, 0.8)
+    frame = frame_of(camera, drawn(camera, aside, front=BLUE, back=BLUE), SECOND, 1)
+    picture = pictured(camera, frame, gradients_of(camera, frame))
+    detections = [Detection(view(camera, shape, aside[None]).box[0], np.zeros(0), np.zeros(0))]
+    assignment, taken = BoxAssignment(camera, shape, read_relations()), {}
+    for name, color in (("red", RED), ("blue", BLUE)):
+        mean = hsi(clothes(shape, color, color).astype(np.uint8)).astype(float)
+        model = ColorModel(mean, np.full(mean.shape, 0.001), np.full(len(mean), 20.0))
+        known = acquaintance(1, 0, SECOND - SECOND // 5)
+        track = Track.initiated(np.tile(standing(2.5, 0.0), (10, 1)))
+        person = replace(known, absent=False, colors=model, track=track)
+        taken[name] = assignment.pairs([person], detections, *np.zeros((2, 1), bool), picture, SECOND)
+    assert taken == {"red": [], "blue": [(0, 0)]}
