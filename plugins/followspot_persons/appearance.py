@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -82,7 +82,7 @@ class Appearance(Stage):
         )
         known, shades = self.with_boxes(present, pairs, seen)
         kept = [p for _, p in sorted(known.items()) if p is not None]
-        unboxed, rest = self.without_boxes(present, known, kept, shades, seen)
+        unboxed, rest = self.without_boxes(present, pairs, kept, shades, seen)
         kept += rest
         kept += self.newcomers(pairs, kept, unboxed, seen)
         memory = self.params.memory_time
@@ -148,17 +148,20 @@ class Appearance(Stage):
     def without_boxes(
         self,
         present: Sequence[Acquaintance],
-        known: Collection[int],
+        pairs: list[tuple[int, int]],
         boxed: Sequence[Acquaintance],
         shades: Shades,
         seen: Observation,
     ) -> tuple[list[Acquaintance], list[Acquaintance]]:
         """The people without boxes that the foreground shows, and all of them that remain.
 
-        known: rows of those that have boxes; boxed: these people.
+        pairs: rows of people and boxes; boxed: the people that have them.
         """
+        known = {person for person, _ in pairs}
+        free_box = np.ones(len(seen.boxes.box), bool)
+        free_box[[box for _, box in pairs]] = False
         covered, shown, rest = self.bodies.boxes(boxed), list[Acquaintance](), list[Acquaintance]()
-        for i in sorted(set(range(len(present))) - set(known)):
+        for i in sorted(set(range(len(present))) - known):
             after, left = None, False
             if seen.mask is not None:
                 free = without_others(seen.mask, covered, self.camera)
@@ -166,6 +169,8 @@ class Appearance(Stage):
                 after = self.update.after_foreground(present[i], free, shades.numbered, others, seen)
                 left = after is None and self.update.left(present[i], seen.mask, free, seen)
             shown += [after] if after else []
+            if after is None and not left:
+                after = self.update.after_part(present[i], free_box, seen)
             longest = self.params.maximum_missed_time
             after = after or missed(present[i], seen.seconds, seen.now, longest, left=left)
             rest += [after] if after else []
@@ -180,12 +185,18 @@ class Appearance(Stage):
     ) -> list[Acquaintance]:
         """Tentative people at boxes that belong to no known person.
 
-        unboxed: people that only the foreground shows.
+        unboxed: people that only the foreground shows. A part of anybody who is here is no person.
         """
         least = self.params.minimum_score + EVIDENCE * seen.still
         new = self.assignment.unclaimed(seen.boxes, pairs, self.bodies.boxes(unboxed), least)
+        here = [p for p in kept if p.number and not (p.absent or p.left)]
+        part = self.bodies.parts(seen.boxes.box, here)
         covered, score = self.bodies.boxes(kept), seen.boxes.score
-        found = [self.update.initiated(seen.detections[i], float(score[i]), covered, seen) for i in new]
+        found = [
+            self.update.initiated(seen.detections[i], float(score[i]), covered, seen)
+            for i in new
+            if not part[i]
+        ]
         return [person for person in found if person is not None]
 
     def state(self) -> Any:

@@ -8,9 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Array, Camera
+from followspot_persons.association import on_body
 from followspot_persons.body.shape import ShapeModel
 from followspot_persons.body.view import view
+from followspot_persons.panorama import turn_of
 from followspot_persons.slow_instance.acquaintance import Acquaintance
+
+PART = 0.8
+"""Height of a box over that of the upper body below which it shows a part of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,3 +38,11 @@ class Bodies:
         """Upper bodies of numbered people who are nearer than a person, (K, 4) px."""
         away = self.distance(person)
         return self.boxes([p for p in people if p.number and self.distance(p) < away])
+
+    def parts(self, boxes: Array, people: Sequence[Acquaintance]) -> Array:
+        """Which boxes (N, 4) px are parts of one of these bodies, as a head or a hip: (N,) bool."""
+        found, turn = np.zeros(len(boxes), bool), turn_of(self.camera)
+        for body in self.boxes(people):
+            smaller = boxes[:, 3] - boxes[:, 1] < PART * (body[3] - body[1])
+            found |= smaller & on_body(boxes, body[None], turn)
+        return found

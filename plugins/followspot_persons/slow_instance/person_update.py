@@ -150,8 +150,7 @@ class PersonUpdate:
         mask: of :func:`foreground_box`, without people that have boxes; others: (K, 4) px, upper bodies of
         nearer people. Colours are not learnt.
         """
-        unboxed = (seen.now - person.boxed) * NANOSECOND
-        if not person.number or unboxed > self.params.maximum_unboxed_time:
+        if not self._boxed_lately(person, seen):
             return None
         there, box = self._unboxed(person, mask, seen)
         body_seen = view(self.camera, self.shape, there.pose[None])
@@ -164,6 +163,19 @@ class PersonUpdate:
         stature = person.stature.stood(None if shown is None else shown.height)
         track = replace(track, stature=stature.estimate)
         return replace(person, track=track, stature=stature, contact=contact, seen=seen.now, left=False)
+
+    def after_part(self, person: Acquaintance, free: Array, seen: Observation) -> Acquaintance | None:
+        """The person after a picture that shows a part of the body, which tells no place; None if it shows
+        none.
+
+        free: (N,) bool, boxes that nobody has.
+        """
+        shown = free & ~(seen.still & person.comparable)
+        if not (
+            self._boxed_lately(person, seen) and self.bodies.parts(seen.boxes.box[shown], [person]).any()
+        ):
+            return None
+        return replace(person, track=coasted(person.track, seen.seconds), seen=seen.now)
 
     def left(self, person: Acquaintance, mask: Array, free: Array, seen: Observation) -> bool:
         """Whether a person left: background at the expected place, and no other foreground near it.
@@ -186,6 +198,11 @@ class PersonUpdate:
         search = Search(self.params.particles)
         before = self._joined(person.track, known.detection) if joined else person.track
         return followed(before, seen.seconds, fitness, self.girths, search, self.random()), contact
+
+    def _boxed_lately(self, person: Acquaintance, seen: Observation) -> bool:
+        """Whether somebody is known, and had a box not long ago: what is no upper body may prolong this."""
+        unboxed = (seen.now - person.boxed) * NANOSECOND
+        return bool(person.number) and unboxed <= self.params.maximum_unboxed_time
 
     def _learnt(self, model: ColorModel, track: Track, picture: Picture) -> ColorModel:
         """The colours of a person after a picture, of the features that are seen from no steep angle."""

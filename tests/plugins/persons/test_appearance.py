@@ -24,6 +24,7 @@ from tests.plugins.persons.drawn import (
 from tests.travelled import travelled
 
 from followspot.control.checkpoint import state_to_data
+from followspot.messages import stamped
 from followspot_persons.appearance import Appearance
 from followspot_persons.body.shape import read_shape, with_girth
 from followspot_persons.body.view import view
@@ -255,7 +256,7 @@ def test_a_body_with_boxes_of_its_own_and_of_its_head_is_one_person_from_the_fir
 def test_a_box_on_who_is_hidden_is_that_of_the_nearer_person():
     show = Show()
     for step in range(5):
-        there = [standing(4.0, 1.2), standing(2.2, -0.9 + 0.1 * step)]
+        there = [standing(4.0, 1.2), standing(2.2, -0.3 + 0.1 * step)]
         show.see(*there)
     assert len(show.stage.people) == 2
     for _ in range(8):
@@ -263,6 +264,32 @@ def test_a_box_on_who_is_hidden_is_that_of_the_nearer_person():
     known = {p.number: p.absent for p in show.stage.people}
     assert numbers(told) == [1, 2]
     assert sorted(known.values()) == [False, True]
+
+
+def see_part(show, pose, top, bottom):
+    """What the stage says of a person of whom the detector finds a part of the upper body, by its height."""
+    frame = frame_of(show.camera, drawn(show.camera, pose), show.number / 2, show.number)
+    show.number += 1
+    boxes = boxes_of(show.camera, frame, pose)
+    x0, y0, x1, y1 = boxes.box[0]
+    half, middle, tall = (bottom - top) * (x1 - x0) / 2, (x0 + x1) / 2, y1 - y0
+    part = np.array([[middle - half, y0 + top * tall, middle + half, y0 + bottom * tall]])
+    return show.stage.process(
+        frame, gradients_of(show.camera, frame), stamped(replace(boxes, box=part), frame.header)
+    )
+
+
+@pytest.mark.parametrize(("top", "bottom"), [(0.1, 0.5), (1.1, 1.6)])
+def test_boxes_of_a_head_or_a_hip_prolong_a_person_and_are_nobody_else(top, bottom):
+    show = Show(maximum_missed_time=0.9)
+    for _ in range(4):
+        told = show.see(standing(3.0))
+    place = told.pose[0, :2]
+    for _ in range(6):
+        told = see_part(show, standing(3.0), top, bottom)
+    (person,) = show.stage.people
+    assert not person.absent
+    np.testing.assert_allclose(told.pose[0, :2], place, atol=0.3)
 
 
 def test_two_people_have_two_numbers_that_stay():
