@@ -9,7 +9,7 @@ import numpy as np
 from followspot.frame_times import NANOSECOND
 from followspot.messages import Array
 from followspot.tracking import Blobs, Forecast
-from followspot_balls.search import search_radius
+from followspot_balls.detection.search_circles import search_radius
 from followspot_balls.targets import lost_targets
 
 SCALE = 1.5

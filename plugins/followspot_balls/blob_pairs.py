@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.strip import row_and_column
+from followspot_balls.detection.strip import row_and_column
 
 
 class GatheredBlobs(NamedTuple):

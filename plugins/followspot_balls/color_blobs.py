@@ -10,19 +10,19 @@ import numpy as np
 
 from followspot import Array, Camera, Field, Latest, Mistake, Room, Stage
 from followspot.tracking import Blobs, Forecast, Frame
-from followspot_balls.color_mask import Limits, Sought, in_pictures, in_windows
-from followspot_balls.components import Components, above_local_peak, clipped, components, of_size
-from followspot_balls.detection import (
+from followspot_balls.detection.color_mask import Limits, Sought, in_pictures, in_windows
+from followspot_balls.detection.components import Components, above_local_peak, clipped, components, of_size
+from followspot_balls.detection.detector import (
     DetectionParams,
     Detections,
     blobs_by_view,
     of_one_color,
     without_template,
 )
-from followspot_balls.hue import BINS, bhattacharyya, hue_bits, normalised
-from followspot_balls.search import Circles, Regions, search_regions
-from followspot_balls.strip import Windows, abreast, row_and_column
-from followspot_balls.votes import disc_centers, own_area
+from followspot_balls.detection.hough import disc_centers, own_area
+from followspot_balls.detection.hue import BINS, bhattacharyya, hue_bits, normalised
+from followspot_balls.detection.search_circles import Circles, Regions, search_regions
+from followspot_balls.detection.strip import Windows, abreast, row_and_column
 
 SMALL = 12.0
 """Area up to which a blob is never too large for its forecast, px: pixels are coarse."""

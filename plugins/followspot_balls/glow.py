@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.components import above_local_peak
+from followspot_balls.detection.components import above_local_peak
 
 CONTRAST = 40
 """How much brighter than the room without it the target must be, grey levels."""

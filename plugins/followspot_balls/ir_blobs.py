@@ -10,10 +10,11 @@ import numpy as np
 
 from followspot import Array, Camera, Field, Latest, Mistake, Room, Stage
 from followspot.tracking import Blobs, Forecast, Frame
-from followspot_balls.components import above_local_peak, clipped, components, of_size
-from followspot_balls.detection import DetectionParams, Detections, blobs_by_view, without_template
-from followspot_balls.search import Circles, Regions, distances, search_regions, within
-from followspot_balls.strip import (
+from followspot_balls.detection.components import above_local_peak, clipped, components, of_size
+from followspot_balls.detection.detector import DetectionParams, Detections, blobs_by_view, without_template
+from followspot_balls.detection.hough import disc_centers, own_area
+from followspot_balls.detection.search_circles import Circles, Regions, distances, search_regions, within
+from followspot_balls.detection.strip import (
     Strip,
     Windows,
     abreast,
@@ -23,8 +24,7 @@ from followspot_balls.strip import (
     scattered,
     window_strip,
 )
-from followspot_balls.touching import divided, touching
-from followspot_balls.votes import disc_centers, own_area
+from followspot_balls.detection.touching_balls import divided, touching
 
 SAME = 0.5
 """Distance below which blobs of two windows are one, px."""

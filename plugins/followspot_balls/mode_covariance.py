@@ -19,9 +19,9 @@ from followspot_balls.blob_params import BlobParams
 from followspot_balls.bundle.glow import glow_sigma
 from followspot_balls.bundle.points import point_images
 from followspot_balls.bundle.trust import variance
+from followspot_balls.detection.strip import row_and_column
 from followspot_balls.outline import unit_outline
 from followspot_balls.pair_propagation import propagation
-from followspot_balls.strip import row_and_column
 from followspot_balls.targets import target_radii
 
 UNLIKELY = 1e-8

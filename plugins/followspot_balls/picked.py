@@ -12,7 +12,7 @@ import numpy as np
 from followspot import Camera, Target
 from followspot.errors import InputError
 from followspot.messages import Array
-from followspot_balls.hue import BINS, bhattacharyya, hue_bin, normalised
+from followspot_balls.detection.hue import BINS, bhattacharyya, hue_bin, normalised
 from followspot_balls.template import VIVID
 
 ALIKE_HUE = 14

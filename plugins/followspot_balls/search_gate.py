@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from followspot import Latest, Stage
 from followspot.tracking import Blobs, Forecast
-from followspot_balls.detection import SearchParams
-from followspot_balls.search import search_circles, within
+from followspot_balls.detection.detector import SearchParams
+from followspot_balls.detection.search_circles import search_circles, within
 
 
 class SearchGate(Stage):

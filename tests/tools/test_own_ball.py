@@ -14,7 +14,7 @@ from tests.datasets import dataset, needs_data
 from followspot import room_file
 from followspot.cli.main import main
 from followspot.errors import InputError
-from followspot_balls.hue import bhattacharyya
+from followspot_balls.detection.hue import bhattacharyya
 from followspot_balls.picked import template_of
 from followspot_calibrate.targets.pick_command import read_pick
 

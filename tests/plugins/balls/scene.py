@@ -12,8 +12,8 @@ from followspot.messages import Array, Header, stamped
 from followspot.room import Camera, Room, Target
 from followspot.sealing import seal
 from followspot.tracking import TRACKED, Blobs, Candidates, Forecast, Frame, Positions
+from followspot_balls.detection.strip import Strip
 from followspot_balls.fusion import Fusion
-from followspot_balls.strip import Strip
 from followspot_balls.template import color_spots, color_template
 
 AnyFusion = TypeVar("AnyFusion", bound=Fusion)

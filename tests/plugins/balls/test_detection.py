@@ -15,11 +15,11 @@ from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.color_blobs import ColorBlobs
-from followspot_balls.components import MOST, above_local_peak, components, of_size
-from followspot_balls.hue import BIT, bhattacharyya, hue_bits, normalised
+from followspot_balls.detection.components import MOST, above_local_peak, components, of_size
+from followspot_balls.detection.hough import SEPARATE, agreement, disc_centers, own_area
+from followspot_balls.detection.hue import BIT, bhattacharyya, hue_bits, normalised
 from followspot_balls.ir_blobs import IrBlobs
 from followspot_balls.template import learn_infrared
-from followspot_balls.votes import SEPARATE, agreement, disc_centers, own_area
 
 ROOM = make_room()
 HERE, THERE = (0.1, 0.0, 1.0), (-0.4, 0.3, 0.8)

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from tests.plugins.balls.scene import whole_strip
 
 from followspot.messages import Array
-from followspot_balls.components import above_local_peak, components, of_size
-from followspot_balls.strip import Strip, abreast, clusters, cut, scattered, window_strip
-from followspot_balls.votes import disc_centers
+from followspot_balls.detection.components import above_local_peak, components, of_size
+from followspot_balls.detection.hough import disc_centers
+from followspot_balls.detection.strip import Strip, abreast, clusters, cut, scattered, window_strip
 
 SMALLEST, LARGEST = 3, 60
 EDGE = 0.6

@@ -15,10 +15,10 @@ from followspot.room import Camera, Room
 from followspot.sealing import seal
 from followspot.tracking import LOST, Forecast, Frame
 from followspot_balls.color_blobs import ColorBlobs
-from followspot_balls.components import MOST
+from followspot_balls.detection.components import MOST
+from followspot_balls.detection.search_circles import Circles
+from followspot_balls.detection.touching_balls import within_reach
 from followspot_balls.ir_blobs import IrBlobs
-from followspot_balls.search import Circles
-from followspot_balls.touching import within_reach
 
 
 def three_of_a_kind(kind: str) -> Room:

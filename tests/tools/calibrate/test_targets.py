@@ -19,8 +19,8 @@ from followspot.messages import Array
 from followspot.room_file import load, save
 from followspot.tracking import Frame
 from followspot_balls.color_blobs import ColorBlobs
+from followspot_balls.detection.hue import bhattacharyya
 from followspot_balls.glow import glowing
-from followspot_balls.hue import bhattacharyya
 from followspot_balls.template import ColorSpots, color_spots, color_template, learn_infrared
 from followspot_calibrate.targets.separability import (
     HUE_SHARE,

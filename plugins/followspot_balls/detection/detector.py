@@ -11,7 +11,7 @@ from followspot import Array, Field, Mistake, StageParams
 from followspot.geometry import undistort
 from followspot.room import Camera, Room, Target
 from followspot.tracking import Blobs
-from followspot_balls.hue import BINS
+from followspot_balls.detection.hue import BINS
 
 
 class SearchParams(StageParams):

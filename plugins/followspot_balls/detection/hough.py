@@ -14,8 +14,8 @@ import cv2
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.components import Components
-from followspot_balls.strip import Strip, row_and_column
+from followspot_balls.detection.components import Components
+from followspot_balls.detection.strip import Strip, row_and_column
 
 SMOOTH = np.array([6.0, 13.0, 6.0], np.float32)
 """Filter along rows and columns before the slopes are taken."""

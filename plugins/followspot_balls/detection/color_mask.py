@@ -9,8 +9,16 @@ import cv2
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.hue import BINS, BIT, hue_bin
-from followspot_balls.strip import Strip, Windows, clusters, cut, row_and_column, scattered, window_strip
+from followspot_balls.detection.hue import BINS, BIT, hue_bin
+from followspot_balls.detection.strip import (
+    Strip,
+    Windows,
+    clusters,
+    cut,
+    row_and_column,
+    scattered,
+    window_strip,
+)
 
 
 class Limits(NamedTuple):

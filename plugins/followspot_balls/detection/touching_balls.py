@@ -10,10 +10,10 @@ from __future__ import annotations
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.components import Components, described
-from followspot_balls.search import Circles
-from followspot_balls.strip import Strip
-from followspot_balls.votes import MERGED
+from followspot_balls.detection.components import Components, described
+from followspot_balls.detection.hough import MERGED
+from followspot_balls.detection.search_circles import Circles
+from followspot_balls.detection.strip import Strip
 
 SHOWN = 0.35
 """Smallest share of its disc that a component must cover for a ball to be in it."""

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.strip import REACH, Strip, Windows, at_border, row_and_column
+from followspot_balls.detection.strip import REACH, Strip, Windows, at_border, row_and_column
 
 MOST = 256
 """Largest number of components per view, largest first: more are noise, and pairs grow with the square."""
