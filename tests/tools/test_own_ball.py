@@ -15,7 +15,7 @@ from followspot import room_file
 from followspot.cli.main import main
 from followspot.errors import InputError
 from followspot_balls.detection.hue import bhattacharyya
-from followspot_balls.picked import template_of
+from followspot_balls.templates.from_picture import template_of
 from followspot_calibrate.targets.pick_command import read_pick
 
 ROOT = Path(__file__).parents[2]

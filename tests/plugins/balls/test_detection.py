@@ -19,7 +19,7 @@ from followspot_balls.detection.components import MOST, above_local_peak, compon
 from followspot_balls.detection.hough import SEPARATE, agreement, disc_centers, own_area
 from followspot_balls.detection.hue import BIT, bhattacharyya, hue_bits, normalised
 from followspot_balls.ir_blobs import IrBlobs
-from followspot_balls.template import learn_infrared
+from followspot_balls.templates.from_clip import learn_infrared
 
 ROOM = make_room()
 HERE, THERE = (0.1, 0.0, 1.0), (-0.4, 0.3, 0.8)

@@ -27,7 +27,7 @@ from followspot_balls.kalman import Kalman
 from followspot_balls.mean import Mean
 from followspot_balls.mean_shift import MeanShift
 from followspot_balls.search_gate import SearchGate
-from followspot_balls.template import learn_infrared
+from followspot_balls.templates.from_clip import learn_infrared
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs
 from followspot_target_filter.stage import Outputs

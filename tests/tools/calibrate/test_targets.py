@@ -20,8 +20,8 @@ from followspot.room_file import load, save
 from followspot.tracking import Frame
 from followspot_balls.color_blobs import ColorBlobs
 from followspot_balls.detection.hue import bhattacharyya
-from followspot_balls.glow import glowing
-from followspot_balls.template import ColorSpots, color_spots, color_template, learn_infrared
+from followspot_balls.templates.from_clip import ColorSpots, color_spots, color_template, learn_infrared
+from followspot_balls.templates.glowing_spot import glowing
 from followspot_calibrate.targets.separability import (
     HUE_SHARE,
     LARGEST,

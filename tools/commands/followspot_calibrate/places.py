@@ -11,8 +11,8 @@ import numpy as np
 from followspot import Camera
 from followspot.errors import FollowspotError
 from followspot.messages import Array
-from followspot_balls.glow import Spot, brightness, glowing
-from followspot_balls.template import COLOR_EDGE, INFRARED_EDGE
+from followspot_balls.templates.from_clip import COLOR_EDGE, INFRARED_EDGE
+from followspot_balls.templates.glowing_spot import Spot, brightness, glowing
 from followspot_calibrate.adjust import Progress
 from followspot_calibrate.clips import MOST_FRAMES, folders_of, read_frames
 from followspot_cameras.recordings import find_recordings

@@ -20,7 +20,14 @@ from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 from followspot.room_file import load, update
 from followspot.tracking import Frame
-from followspot_balls.picked import MOST_ALIKE, Pick, Template, likeness, template_of, with_template
+from followspot_balls.templates.from_picture import (
+    MOST_ALIKE,
+    Pick,
+    Template,
+    likeness,
+    template_of,
+    with_template,
+)
 from followspot_page.changing import Learn
 from followspot_page.reply import Reply
 from followspot_page.scene import colors

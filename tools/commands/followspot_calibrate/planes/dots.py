@@ -11,7 +11,7 @@ import numpy as np
 from followspot import Camera
 from followspot.errors import InputError
 from followspot.messages import Array
-from followspot_balls.glow import brightness
+from followspot_balls.templates.glowing_spot import brightness
 from followspot_calibrate.clips import folders_of, read_frames
 from followspot_calibrate.planes.marks import Marks, sightings
 from followspot_cameras.recordings import find_recordings

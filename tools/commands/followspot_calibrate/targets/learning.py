@@ -12,7 +12,7 @@ from followspot import Camera, Room, Target
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.checks.lengths import LARGEST_RADIUS, SMALLEST_RADIUS
 from followspot.messages import Array
-from followspot_balls.template import ColorSpots, color_spots, color_template, learn_infrared
+from followspot_balls.templates.from_clip import ColorSpots, color_spots, color_template, learn_infrared
 from followspot_calibrate.clips import MOST_FRAMES, read_frames
 from followspot_cameras.recordings import find_recordings
 

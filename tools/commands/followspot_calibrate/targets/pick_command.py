@@ -17,7 +17,14 @@ from followspot.errors import InputError, did_you_mean, writing
 from followspot.messages import Array
 from followspot.plugins.registry import load_stage
 from followspot.room_file import load, update
-from followspot_balls.picked import MOST_ALIKE, Pick, Template, likeness, template_of, with_template
+from followspot_balls.templates.from_picture import (
+    MOST_ALIKE,
+    Pick,
+    Template,
+    likeness,
+    template_of,
+    with_template,
+)
 from followspot_calibrate.targets.learning import refuse_radius
 
 GRID = 100

@@ -10,7 +10,7 @@ import numpy as np
 from followspot import Target
 from followspot.messages import Array
 from followspot_balls.detection.hue import bhattacharyya, normalised
-from followspot_balls.template import ColorSpots
+from followspot_balls.templates.from_clip import ColorSpots
 
 SIMILARITY, HUE_SHARE, SMALLEST, LARGEST = 0.8, 0.02, 0.3, 1.5
 """The default of `balls.color_blobs`."""

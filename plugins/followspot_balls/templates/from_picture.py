@@ -13,7 +13,7 @@ from followspot import Camera, Target
 from followspot.errors import InputError
 from followspot.messages import Array
 from followspot_balls.detection.hue import BINS, bhattacharyya, hue_bin, normalised
-from followspot_balls.template import VIVID
+from followspot_balls.templates.from_clip import VIVID
 
 ALIKE_HUE = 14
 """Largest difference in hue of neighbouring pixels of a clicked target, of 256."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from followspot.messages import Array
 from followspot_balls.detection.hue import BINS, bhattacharyya, hue_bin, normalised
-from followspot_balls.glow import brightness, glowing
+from followspot_balls.templates.glowing_spot import brightness, glowing
 
 COLOR_EDGE, INFRARED_EDGE = 0.7, 0.45
 """Edge of a blob over its brightest pixel, as in the detectors."""
