@@ -11,10 +11,10 @@ import numpy as np
 from followspot import Array, Field, InputError, Latest, Stage, StageParams
 from followspot.errors import Mistake
 from followspot.tracking import Candidates, DepthImage, Forecast
-from followspot_balls.background import foreground, learnt, rendered
+from followspot_balls.depth.background import foreground, learnt, rendered
+from followspot_balls.depth.spheres import Lens, Spheres, spheres
 from followspot_balls.detection.search_circles import forecast_images
 from followspot_balls.search_spheres import in_search_spheres, search_spheres
-from followspot_balls.spheres import Lens, Spheres, spheres
 from followspot_balls.targets import lost_targets, target_radii
 
 ON_SPHERE = 2.5

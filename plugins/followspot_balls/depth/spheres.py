@@ -16,7 +16,7 @@ import numpy as np
 from followspot.geometry import depth_rays
 from followspot.messages import Array
 from followspot.room import Camera
-from followspot_balls.sphere_fit import FACE, LEAST, RIM, Fit, fitted
+from followspot_balls.depth.sphere_fit import FACE, LEAST, RIM, Fit, fitted
 
 AROUND, ASIDE = 1.15, 0.6
 """Radius of the samples around the outline: over that of the outline, and pixels to add."""
@@ -41,7 +41,7 @@ class Spheres(NamedTuple):
     face: Array
     """(K,) measured share of the middle of the outline."""
     residual: Array
-    """(K,) m, as of `followspot_balls.sphere_fit.Fit`; so is the next."""
+    """(K,) m, as of `followspot_balls.depth.sphere_fit.Fit`; so is the next."""
     one_sided: Array
     radius: Array
     """(K,) m."""

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.spheres import Lens
+from followspot_balls.depth.spheres import Lens
 
 GRAZING = 1e-6
 """Smallest cosine of the angle between a ray and the normal of a plane that the ray meets."""
