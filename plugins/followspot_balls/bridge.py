@@ -13,7 +13,7 @@ from followspot_balls.alignment import delays
 from followspot_balls.colored import ColorViews
 from followspot_balls.colorless import Colorless, ColorlessParams
 from followspot_balls.course import Course
-from followspot_balls.outline import unit_outline
+from followspot_balls.measurement.outline import unit_outline
 from followspot_balls.predicted_positions import with_predicted
 from followspot_balls.single_view import (
     COURSE,

@@ -11,8 +11,12 @@ from followspot.tracking import Candidates, Forecast, Positions
 from followspot_balls.bounding_planes import nearest_planes
 from followspot_balls.bundle.assignment import Claims, assigned, shares, squared_errors
 from followspot_balls.bundle.contradiction import contradicted
-from followspot_balls.bundle.glow import glow_sigma
-from followspot_balls.bundle.points import (
+from followspot_balls.evidence import appearing, recovery_credit
+from followspot_balls.fusion import Fusion
+from followspot_balls.measurement.blob_table import sightings
+from followspot_balls.measurement.center_precision import Outlines, variance
+from followspot_balls.measurement.glow_shift import glow_sigma
+from followspot_balls.measurement.points import (
     PARAMETERS,
     Belief,
     Projection,
@@ -26,10 +30,6 @@ from followspot_balls.bundle.points import (
     solved,
     weighted,
 )
-from followspot_balls.bundle.sightings import sightings
-from followspot_balls.bundle.trust import Outlines, variance
-from followspot_balls.evidence import appearing, recovery_credit
-from followspot_balls.fusion import Fusion
 from followspot_balls.targets import lost_targets
 
 USED = 0.4

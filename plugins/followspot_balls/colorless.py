@@ -10,7 +10,7 @@ import numpy as np
 
 from followspot import Array, Field, Room, StageParams
 from followspot.tracking import MISSING, Candidates, Forecast, Positions
-from followspot_balls.bundle.points import point_images
+from followspot_balls.measurement.points import point_images
 from followspot_balls.targets import target_radii
 
 NEAREST = 1e-3

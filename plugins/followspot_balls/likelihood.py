@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.bundle.trust import WHOLE
+from followspot_balls.measurement.center_precision import WHOLE
 
 RARE = 0.02
 """Least share of the usual clutter: what a view never showed may still appear."""

@@ -16,11 +16,11 @@ from followspot.messages import Array
 from followspot.room import Room
 from followspot.tracking import Candidates
 from followspot_balls.blob_params import BlobParams
-from followspot_balls.bundle.glow import glow_sigma
-from followspot_balls.bundle.points import point_images
-from followspot_balls.bundle.trust import variance
 from followspot_balls.detection.strip import row_and_column
-from followspot_balls.outline import unit_outline
+from followspot_balls.measurement.center_precision import variance
+from followspot_balls.measurement.glow_shift import glow_sigma
+from followspot_balls.measurement.outline import unit_outline
+from followspot_balls.measurement.points import point_images
 from followspot_balls.pair_propagation import propagation
 from followspot_balls.targets import target_radii
 
@@ -117,7 +117,7 @@ class ModeCovariance:
         return variance(share, p.blob_sigma, p.hidden_inflation, p.merged_inflation)
 
     def misfit(self, views: ModeViews, noise: Array) -> Array:
-        """Factor of the variances from the errors themselves, (M,), as in `bundle.points.estimated`."""
+        """Factor of the variances from the errors themselves, (M,), as in `measurement.points.estimated`."""
         cost = (views.squares / noise).sum(axis=1)
         return np.asarray((self.params.prior_errors + cost) / self.redundancy.take(views.seen.sum(axis=1)))
 

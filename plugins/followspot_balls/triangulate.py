@@ -11,7 +11,7 @@ from followspot.tracking import Candidates, Forecast, Pairs
 from followspot_balls.bounding_planes import facing_planes
 from followspot_balls.detection.hue import BINS
 from followspot_balls.disagreement import UNCOVERED, Disagreement
-from followspot_balls.outline import unit_outline
+from followspot_balls.measurement.outline import unit_outline
 from followspot_balls.pair_rays import PairRays
 from followspot_balls.search_spheres import in_search_spheres, search_spheres
 from followspot_balls.targets import lost_targets, target_radii, tracked_targets

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.bundle.points import BEHIND, Images
+from followspot_balls.measurement.points import BEHIND, Images
 
 RESERVED = 9.0
 """Squared distance from a tracked target up to which it keeps a blob from a lost one, px^2: half a ball."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.bundle.points import PARAMETERS
+from followspot_balls.measurement.points import PARAMETERS
 
 FLAT = 1e-9
 """Smallest determinant of J J^T of a view, px^4/m^4, that is divided by."""
@@ -18,8 +18,8 @@ def contradicted(design: Array, step: Array, trust: Array, found: Array, exponen
     places that rejected views ask for, each the nearest on its ray, times the probability r^k / (t^k + r^k)
     that they are right, with the sums t and r over all views: as in a mixture of both (Bar-Shalom, Li &
     Kirubarajan 2001, section 1.4.16). It is at most a half, because the fit began where most votes were.
-    design: (M, 2C, 5), see :func:`bundle.points.linearised`; step: (M, 4); trust: (M, C); found: (M, C) bool,
-    views that have a blob; exponent: k.
+    design: (M, 2C, 5), see :func:`measurement.points.linearised`; step: (M, 4); trust: (M, C); found: (M, C)
+    bool, views that have a blob; exponent: k.
     """
     rejected = found * (1 - trust)
     against = rejected.sum(axis=1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from followspot_balls.bundle.points import Belief, Equations, empty_belief, estimated, solved
+from followspot_balls.measurement.points import Belief, Equations, empty_belief, estimated, solved
 
 
 def belief(information: float, mean: float) -> Belief:

@@ -7,7 +7,7 @@ import numpy as np
 from followspot.geometry import back_projection
 from followspot.messages import Array
 from followspot.room import Room
-from followspot_balls.outline import unit_outline
+from followspot_balls.measurement.outline import unit_outline
 
 WHOLE = 1.2
 """Largest area over the outline's of an unmerged blob; a larger blob includes other light."""

@@ -1,0 +1,1 @@
+"""How a ball shows in cameras: its outline, errors of its centre, and the point that several views see."""
