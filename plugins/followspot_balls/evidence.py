@@ -6,7 +6,7 @@ import numpy as np
 
 from followspot.messages import Array
 from followspot.tracking import Candidates
-from followspot_balls.three_views import threefold
+from followspot_balls.pairs.three_views import threefold
 
 DOUBTED = 0.5
 """Weight of a confirmed candidate that is not evident."""

@@ -21,7 +21,7 @@ from followspot_balls.measurement.center_precision import variance
 from followspot_balls.measurement.glow_shift import glow_sigma
 from followspot_balls.measurement.outline import unit_outline
 from followspot_balls.measurement.points import point_images
-from followspot_balls.pair_propagation import propagation
+from followspot_balls.pairs.error_propagation import propagation
 from followspot_balls.targets import target_radii
 
 UNLIKELY = 1e-8

@@ -12,17 +12,17 @@ from followspot import Array, Camera, Field, Joined, Latest, Mistake, Room, Stag
 from followspot.geometry import epipolar_distance, transfer
 from followspot.tracking import Blobs, Forecast, Pairs
 from followspot.two_views import check_two_views
-from followspot_balls.alignment import aligned, delays
-from followspot_balls.blob_pairs import (
+from followspot_balls.pairs.blob_pairs import (
     GatheredBlobs,
     NearPairs,
     candidate_pairs,
     common_targets,
     homography_test,
 )
-from followspot_balls.clutter_map import ClutterMap
-from followspot_balls.lying import LyingTargets
-from followspot_balls.pair_relations import fundamental_stack, homography_stack
+from followspot_balls.pairs.clutter_map import ClutterMap
+from followspot_balls.pairs.lying_targets import LyingTargets
+from followspot_balls.pairs.time_alignment import aligned, delays
+from followspot_balls.pairs.two_view_geometry import fundamental_stack, homography_stack
 from followspot_balls.targets import lost_targets
 
 SURE = 0.4

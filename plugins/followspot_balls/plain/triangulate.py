@@ -6,7 +6,7 @@ import numpy as np
 
 from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.tracking import Candidates, Forecast, Pairs
-from followspot_balls.pair_rays import PairRays
+from followspot_balls.pairs.rays import PairRays
 from followspot_balls.search_spheres import search_spheres
 from followspot_balls.targets import lost_targets
 

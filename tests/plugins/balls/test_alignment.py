@@ -16,7 +16,7 @@ from followspot.messages import Array, Header, identical, stamped
 from followspot.room import Room
 from followspot.sealing import seal
 from followspot.tracking import LOST, Blobs, Forecast, Pairs
-from followspot_balls.alignment import delays
+from followspot_balls.pairs.time_alignment import delays
 from followspot_balls.verify_pairs import VerifyPairs
 
 ROOM = make_room()

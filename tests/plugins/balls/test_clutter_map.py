@@ -12,7 +12,7 @@ from followspot.context import Context
 from followspot.messages import Array
 from followspot.sealing import seal
 from followspot.tracking import LOST, TRACKED, Pairs
-from followspot_balls.clutter_map import EVERY, FEW, KNOWN, NEW, USUAL, ClutterMap
+from followspot_balls.pairs.clutter_map import EVERY, FEW, KNOWN, NEW, USUAL, ClutterMap
 from followspot_balls.verify_pairs import VerifyPairs
 
 ROOM = make_room()

@@ -12,7 +12,7 @@ from tests.plugins.balls.test_bundle import undistorted
 from followspot.context import Context
 from followspot.messages import Array
 from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Forecast, Pairs
-from followspot_balls.lying import LyingTargets
+from followspot_balls.pairs.lying_targets import LyingTargets
 from followspot_balls.verify_pairs import VerifyPairs
 
 ROOM = make_room()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot_balls.pair_propagation import propagation
+from followspot_balls.pairs.error_propagation import propagation
 
 
 def test_it_is_the_solution_of_the_normal_equations_of_each_pair_weighted() -> None:
