@@ -11,11 +11,11 @@ from followspot import Array, Field, Joined, Latest, Stage
 from followspot.tracking import Blobs, ExistenceOdds, Forecast, Positions
 from followspot_balls.colored import ColorViews
 from followspot_balls.colorless import Colorless, ColorlessParams
-from followspot_balls.course import Course
 from followspot_balls.measurement.outline import unit_outline
 from followspot_balls.pairs.time_alignment import delays
 from followspot_balls.predicted_positions import with_predicted
-from followspot_balls.single_view import (
+from followspot_balls.single_view.course import Course
+from followspot_balls.single_view.position import (
     COURSE,
     RISING,
     Motions,

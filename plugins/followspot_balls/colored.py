@@ -8,7 +8,7 @@ import numpy as np
 
 from followspot import Array, Room
 from followspot.tracking import Blobs
-from followspot_balls.single_view import images
+from followspot_balls.single_view.position import images
 from followspot_balls.targets import target_radii
 
 NEAREST = 1e-9

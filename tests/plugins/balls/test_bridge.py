@@ -12,7 +12,7 @@ from followspot.context import Context
 from followspot.messages import Array
 from followspot.tracking import Blobs, Forecast, Positions
 from followspot_balls.bridge import Bridge
-from followspot_balls.single_view import images
+from followspot_balls.single_view.position import images
 
 ROOM = make_room()
 PLACE = (0.1, 0.2, 1.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from followspot.messages import Array
-from followspot_balls.course import SETTLING, Course
+from followspot_balls.single_view.course import SETTLING, Course
 
 BOTH = np.ones(2, bool)
 ALL = slice(None)
