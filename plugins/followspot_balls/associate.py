@@ -6,11 +6,11 @@ import numpy as np
 
 from followspot import Array, Field
 from followspot.tracking import Candidates, Forecast
-from followspot_balls.existence import Confirmation, Existence, Seen, sought
-from followspot_balls.likelihood import ball_ratio
+from followspot_balls.association.existence import Confirmation, Existence, Seen, sought
+from followspot_balls.association.likelihood import ball_ratio
+from followspot_balls.association.view_association import ViewAssociation, Weighed
 from followspot_balls.targets import lost_targets
 from followspot_balls.triangulate import alike
-from followspot_balls.view_association import ViewAssociation, Weighed
 
 CLEAR = 4
 """Number of views that show a target clearly if nothing contradicts them."""

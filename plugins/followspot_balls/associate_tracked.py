@@ -6,9 +6,9 @@ import numpy as np
 
 from followspot import Array
 from followspot.tracking import Candidates, Forecast
-from followspot_balls.existence import Existence
-from followspot_balls.likelihood import reflector_ratio
-from followspot_balls.view_association import ViewAssociation, Weighed
+from followspot_balls.association.existence import Existence
+from followspot_balls.association.likelihood import reflector_ratio
+from followspot_balls.association.view_association import ViewAssociation, Weighed
 
 SETTLED = 3
 """Candidates at its forecast that settle where a target is."""

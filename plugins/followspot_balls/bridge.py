@@ -9,8 +9,8 @@ import numpy as np
 
 from followspot import Array, Field, Joined, Latest, Stage
 from followspot.tracking import Blobs, ExistenceOdds, Forecast, Positions
-from followspot_balls.colored import ColorViews
-from followspot_balls.colorless import Colorless, ColorlessParams
+from followspot_balls.association.color_views import ColorViews
+from followspot_balls.association.infrared_only import Colorless, ColorlessParams
 from followspot_balls.measurement.outline import unit_outline
 from followspot_balls.pairs.time_alignment import delays
 from followspot_balls.predicted_positions import with_predicted

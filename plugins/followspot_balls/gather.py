@@ -9,7 +9,7 @@ import numpy as np
 
 from followspot import Array, Field, Joined, Latest, Stage, StageParams
 from followspot.tracking import Blobs, Candidates, Forecast
-from followspot_balls.colored import ColorViews
+from followspot_balls.association.color_views import ColorViews
 from followspot_balls.targets import lost_targets, target_radii, tracked_targets
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from followspot import Array, Field, Latest
 from followspot.tracking import Candidates, Forecast, Positions
-from followspot_balls.evidence import appearing, recovery_credit
+from followspot_balls.association.recovery_evidence import appearing, recovery_credit
 from followspot_balls.fusion import Fusion
 from followspot_balls.kernels import epipolar_weight
 from followspot_balls.mode_covariance import ModeCovariance, rivals_covariance

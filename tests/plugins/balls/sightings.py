@@ -11,9 +11,9 @@ from followspot.context import Context
 from followspot.messages import Array
 from followspot.sealing import seal
 from followspot.tracking import Blobs, Candidates, Forecast
+from followspot_balls.association.view_association import ViewAssociation
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs
-from followspot_balls.view_association import ViewAssociation
 
 Place = tuple[float, float, float]
 ROOM = make_room()

@@ -26,9 +26,9 @@ from followspot.sealing import seal
 from followspot.tracking import LOST, MISSING, Forecast
 from followspot_balls.associate import Associate
 from followspot_balls.associate_tracked import AssociateTracked
-from followspot_balls.existence import Existence, Places
-from followspot_balls.hypotheses import hypotheses
-from followspot_balls.view_association import NOTHING, ViewAssociation, Weighed
+from followspot_balls.association.existence import Existence, Places
+from followspot_balls.association.hypotheses import hypotheses
+from followspot_balls.association.view_association import NOTHING, ViewAssociation, Weighed
 
 
 def stage(**params: float) -> Associate:

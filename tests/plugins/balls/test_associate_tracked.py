@@ -24,7 +24,7 @@ from followspot.sealing import seal
 from followspot.tracking import MISSING, TRACKED
 from followspot_balls.associate import Associate
 from followspot_balls.associate_tracked import AssociateTracked
-from followspot_balls.view_association import Weighed
+from followspot_balls.association.view_association import Weighed
 
 
 def stage() -> AssociateTracked:

@@ -11,8 +11,8 @@ from tests.plugins.balls.scene import blobs_of, forecast_at, make_room, position
 from followspot.context import Context
 from followspot.sealing import seal
 from followspot.tracking import MISSING, Candidates, Forecast
+from followspot_balls.association.infrared_only import Colorless, ColorlessParams
 from followspot_balls.bundle_fusion import Bundle
-from followspot_balls.colorless import Colorless, ColorlessParams
 from followspot_balls.mean_shift import MeanShift
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from tests.plugins.balls.test_disagreement import candidates
 
-from followspot_balls.evidence import recovery_credit
+from followspot_balls.association.recovery_evidence import recovery_credit
 
 CONFIRMED, EVIDENT = np.array([True, True, False, False]), np.array([True, False, True, False])
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from followspot_balls.existence import (
+from followspot_balls.association.existence import (
     NOWHERE,
     Confirmation,
     Existence,

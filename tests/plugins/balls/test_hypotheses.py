@@ -7,7 +7,7 @@ import pytest
 from tests.plugins.balls.scene import forecast_at, make_room
 
 from followspot.messages import Array
-from followspot_balls.hypotheses import Hypotheses, MotionPrior, hypotheses, jacobians, step
+from followspot_balls.association.hypotheses import Hypotheses, MotionPrior, hypotheses, jacobians, step
 from followspot_balls.measurement.points import point_images
 
 PRIOR = MotionPrior(added=0.01, jump=0.1, jump_probability=0.02, reach=0.15)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from followspot.messages import Array
-from followspot_balls.likelihood import (
+from followspot_balls.association.likelihood import (
     RARE,
     BallModel,
     Likely,

@@ -13,12 +13,12 @@ from followspot.messages import Array
 from followspot.room import Room
 from followspot.sealing import seal
 from followspot.tracking import LOST, MISSING, Blobs, Candidates, Forecast, Positions
+from followspot_balls.association.recovery import AGREEING, Recovery, RecoveryParams
+from followspot_balls.association.view_params import ViewParams
 from followspot_balls.bundle_fusion import Bundle
 from followspot_balls.mean_shift import MeanShift
-from followspot_balls.recovery import AGREEING, Recovery, RecoveryParams
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs
-from followspot_balls.view_params import ViewParams
 from followspot_target_filter.life_cycle import Evidence, vague
 
 BALL, ELSEWHERE = (0.1, 0.2, 1.2), (-1.0, 0.0, 0.5)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from followspot_balls.visibility import predicted, updated
+from followspot_balls.association.visibility import predicted, updated
 
 SEEN = np.array([True])
 

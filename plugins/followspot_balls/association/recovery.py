@@ -15,11 +15,17 @@ import numpy as np
 
 from followspot import Array, Field, Room, StageParams
 from followspot.tracking import MISSING, Candidates, Forecast, Positions
-from followspot_balls.hypotheses import Hypotheses
-from followspot_balls.likelihood import ball_ratio, coincidences, information, precision, reflector_ratio
+from followspot_balls.association.hypotheses import Hypotheses
+from followspot_balls.association.likelihood import (
+    ball_ratio,
+    coincidences,
+    information,
+    precision,
+    reflector_ratio,
+)
+from followspot_balls.association.view_evidence import PlaceViews, ViewEvidence
+from followspot_balls.association.view_params import ViewParams
 from followspot_balls.targets import lost_targets, tracked_targets
-from followspot_balls.view_evidence import PlaceViews, ViewEvidence
-from followspot_balls.view_params import ViewParams
 
 ELSEWHERE = 1.0
 """Sigma of the place of a target that is not where it seems to be, m: some place in the room."""

@@ -9,13 +9,21 @@ import numpy as np
 from followspot.messages import Array
 from followspot.room import Room
 from followspot.tracking import Candidates, Forecast
-from followspot_balls.hypotheses import Hypotheses, jacobians, step
-from followspot_balls.likelihood import BallModel, Likely, Sight, densities, likeliest, precision, view_ratios
+from followspot_balls.association.hypotheses import Hypotheses, jacobians, step
+from followspot_balls.association.likelihood import (
+    BallModel,
+    Likely,
+    Sight,
+    densities,
+    likeliest,
+    precision,
+    view_ratios,
+)
+from followspot_balls.association.view_params import ViewParams
 from followspot_balls.measurement.blob_table import Sightings, sightings
 from followspot_balls.measurement.center_precision import Outlines
 from followspot_balls.measurement.points import Images, point_images
 from followspot_balls.targets import target_radii
-from followspot_balls.view_params import ViewParams
 
 NEAREST = 1e-3
 """Smallest depth of a place that has an image, m."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from followspot.messages import Array
 from followspot.tracking import Forecast
-from followspot_balls.likelihood import information
+from followspot_balls.association.likelihood import information
 
 
 class MotionPrior(NamedTuple):
@@ -96,7 +96,7 @@ def step(found: Hypotheses, jacobian: Array, error: Array, weight: Array) -> Arr
     """The Gauss-Newton step of M places to their maximum a posteriori, (M, 3) m.
 
     jacobian: (M, C, 2, 3) px/m; error: (M, C, 2) px, of the likeliest blobs from the images; weight: (M, C)
-    1/px^2, of :func:`followspot_balls.likelihood.precision`.
+    1/px^2, of :func:`followspot_balls.association.likelihood.precision`.
     """
     variance = found.variance[:, None]
     normal = information(jacobian, weight).sum(axis=1) + np.eye(3) / variance[..., None]

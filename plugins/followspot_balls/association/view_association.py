@@ -10,15 +10,15 @@ import numpy as np
 
 from followspot import Array, Latest, Stage
 from followspot.tracking import Candidates, ExistenceOdds, Forecast
-from followspot_balls.evidence import appearing
-from followspot_balls.existence import Existence, Rules, followed, restored
-from followspot_balls.finite import finite_candidates, finite_forecast
-from followspot_balls.hypotheses import Hypotheses, MotionPrior, hypotheses
-from followspot_balls.likelihood import ball_ratio, coincidences, information, precision
+from followspot_balls.association.existence import Existence, Rules, followed, restored
+from followspot_balls.association.finite_messages import finite_candidates, finite_forecast
+from followspot_balls.association.hypotheses import Hypotheses, MotionPrior, hypotheses
+from followspot_balls.association.likelihood import ball_ratio, coincidences, information, precision
+from followspot_balls.association.recovery_evidence import appearing
+from followspot_balls.association.view_evidence import PlaceViews, ViewEvidence
+from followspot_balls.association.view_params import ViewParams
+from followspot_balls.association.visibility import predicted, updated
 from followspot_balls.targets import lost_targets, tracked_targets
-from followspot_balls.view_evidence import PlaceViews, ViewEvidence
-from followspot_balls.view_params import ViewParams
-from followspot_balls.visibility import predicted, updated
 
 SHOWN = 0.1
 """Ratio of a blob's densities from which it may show the target."""
@@ -104,7 +104,7 @@ class ViewAssociation(Stage, ABC):
     def evidence_ratio(self, views: Array, chance: Array) -> Array:
         """Log-likelihood ratios that move the existence of targets: (M,).
 
-        views: (M, C), chance: (3, M), as for :func:`followspot_balls.likelihood.ball_ratio`.
+        views: (M, C), chance: (3, M), as for :func:`followspot_balls.association.likelihood.ball_ratio`.
         """
 
     @abstractmethod
