@@ -10,9 +10,9 @@ from followspot import Array, Field, Latest
 from followspot.tracking import Candidates, Forecast, Positions
 from followspot_balls.association.recovery_evidence import appearing, recovery_credit
 from followspot_balls.bounding_planes import nearest_planes
-from followspot_balls.bundle.assignment import Claims, assigned, shares, squared_errors
-from followspot_balls.bundle.contradiction import contradicted
-from followspot_balls.fusion import Fusion
+from followspot_balls.fusion.blob_assignment import Claims, assigned, shares, squared_errors
+from followspot_balls.fusion.contradiction import contradicted
+from followspot_balls.fusion.validation import Fusion
 from followspot_balls.measurement.blob_table import sightings
 from followspot_balls.measurement.center_precision import Outlines, variance
 from followspot_balls.measurement.glow_shift import glow_sigma

@@ -9,10 +9,10 @@ import numpy as np
 from followspot import Array, Field, Latest
 from followspot.tracking import Candidates, Forecast, Positions
 from followspot_balls.association.recovery_evidence import appearing, recovery_credit
-from followspot_balls.fusion import Fusion
-from followspot_balls.kernels import epipolar_weight
-from followspot_balls.mode_covariance import ModeCovariance, rivals_covariance
-from followspot_balls.modes import Modes, Sample, densest, seek_modes, weighted_mean
+from followspot_balls.fusion.kernels import epipolar_weight
+from followspot_balls.fusion.mode_covariance import ModeCovariance, rivals_covariance
+from followspot_balls.fusion.modes import Modes, Sample, densest, seek_modes, weighted_mean
+from followspot_balls.fusion.validation import Fusion
 from followspot_balls.targets import lost_targets
 
 FAINT = 1e-200

@@ -6,8 +6,8 @@ import numpy as np
 
 from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.tracking import Candidates, Forecast, Positions
-from followspot_balls.kernels import epipolar_weight
-from followspot_balls.modes import Sample, densest, seek_modes
+from followspot_balls.fusion.kernels import epipolar_weight
+from followspot_balls.fusion.modes import Sample, densest, seek_modes
 from followspot_balls.targets import lost_targets
 
 

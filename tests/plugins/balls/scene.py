@@ -13,7 +13,7 @@ from followspot.room import Camera, Room, Target
 from followspot.sealing import seal
 from followspot.tracking import TRACKED, Blobs, Candidates, Forecast, Frame, Positions
 from followspot_balls.detection.strip import Strip
-from followspot_balls.fusion import Fusion
+from followspot_balls.fusion.validation import Fusion
 from followspot_balls.templates.from_clip import color_spots, color_template
 
 AnyFusion = TypeVar("AnyFusion", bound=Fusion)

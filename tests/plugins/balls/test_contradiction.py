@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.plugins.balls.test_bundle import HIGH, bundle, near, one_ball, undistorted
 
-from followspot_balls.bundle.contradiction import contradicted, nearest_shifts
+from followspot_balls.fusion.contradiction import contradicted, nearest_shifts
 
 
 def test_the_shift_to_an_error_is_the_smallest_one() -> None:

@@ -13,10 +13,10 @@ from followspot.context import Context
 from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.tracking import Candidates
-from followspot_balls.kernels import epipolar_weight, kernel, scales, squared_distances
+from followspot_balls.fusion.kernels import epipolar_weight, kernel, scales, squared_distances
+from followspot_balls.fusion.modes import Sample, densest, seek_modes, weighted_mean
 from followspot_balls.mean import Mean
 from followspot_balls.mean_shift import MeanShift
-from followspot_balls.modes import Sample, densest, seek_modes, weighted_mean
 
 H = np.array([0.1, 0.2, 0.4])
 OFFSETS = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.05, 0.1, 0.2], [0.0, 0.1, 0.0], [0.11, 0.0, 0.0]])

@@ -12,10 +12,10 @@ from tests.plugins.balls.test_bundle import COLOR, HIGH, ROOM, candidates, near,
 from followspot.context import Context
 from followspot.messages import Array
 from followspot.tracking import Candidates
+from followspot_balls.fusion.mode_covariance import ModeCovariance, rivals_covariance
 from followspot_balls.mean_shift import MeanShift
 from followspot_balls.measurement.center_precision import variance
 from followspot_balls.measurement.glow_shift import glow_sigma
-from followspot_balls.mode_covariance import ModeCovariance, rivals_covariance
 
 PLACE = np.array(HIGH)
 WEIGHTS = np.array([[1.0, 0.3, 0.8, 0.5, 0.9, 0.2]])

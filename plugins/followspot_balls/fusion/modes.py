@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.kernels import kernel, scales, squared_distances
+from followspot_balls.fusion.kernels import kernel, scales, squared_distances
 
 TINY = np.finfo(float).tiny
 

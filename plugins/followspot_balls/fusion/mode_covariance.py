@@ -15,8 +15,8 @@ import numpy as np
 from followspot.messages import Array
 from followspot.room import Room
 from followspot.tracking import Candidates
-from followspot_balls.blob_params import BlobParams
 from followspot_balls.detection.strip import row_and_column
+from followspot_balls.fusion.blob_params import BlobParams
 from followspot_balls.measurement.center_precision import variance
 from followspot_balls.measurement.glow_shift import glow_sigma
 from followspot_balls.measurement.outline import unit_outline

@@ -1,1 +1,0 @@
-"""Fusion by bundle adjustment of all sightings of a target."""
