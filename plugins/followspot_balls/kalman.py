@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
-from followspot_balls.constant_velocity import ConstantVelocity
+from collections.abc import Mapping
+
+import numpy as np
+
+from followspot import Array
+from followspot_balls.motion import Motion, followed, initiated, predict, slowed
 from followspot_target_filter.manoeuvre import ManoeuvreParams
+from followspot_target_filter.motion_model import Estimate
 from followspot_target_filter.stage import TargetFilter
 
 
@@ -19,3 +25,49 @@ class Kalman(TargetFilter):
         """Constant velocity, disturbed by accelerations and bounces."""
         p = self.params
         return ConstantVelocity(count, p.acceleration_sigma, p.bounce_gate, p.initial_velocity_sigma)
+
+
+class ConstantVelocity:
+    """First-order motion of all targets at once, which random accelerations and bounces disturb.
+
+    acceleration: one sigma, m/s^2; bounce_gate: sigmas from the forecast beyond which a target bounced;
+    initial_speed: one sigma of a new target's velocity, m/s.
+    """
+
+    def __init__(self, count: int, acceleration: float, bounce_gate: float, initial_speed: float) -> None:
+        self.acceleration = acceleration
+        self.bounce_gate = bounce_gate
+        self.initial_speed = initial_speed
+        self.motion = Motion.zero(count)
+
+    @property
+    def estimate(self) -> Estimate:
+        return _estimate(self.motion)
+
+    def predict(self, seconds: float) -> None:
+        self.motion = predict(self.motion, seconds, self.acceleration)
+
+    def ahead(self, seconds: float) -> Estimate:
+        return _estimate(predict(self.motion, seconds, self.acceleration))
+
+    def initiate(self, target: Array, xyz: Array, noise: Array) -> None:
+        self.motion = initiated(self.motion, target, xyz, noise, self.initial_speed)
+
+    def update(self, target: Array, xyz: Array, noise: Array, sure: Array, seconds: float) -> None:
+        self.motion = followed(self.motion, target, xyz, noise, sure, seconds, self.bounce_gate)
+
+    def slow(self, target: Array, factor: float) -> None:
+        self.motion = slowed(self.motion, target, factor)
+
+    def stop(self, target: Array, xyz: Array) -> None:
+        self.motion.state[target, :3], self.motion.state[target, 3:] = xyz, 0.0
+
+    def state(self) -> Mapping[str, Array]:
+        return self.motion._asdict()
+
+    def restore(self, state: Mapping[str, Array]) -> None:
+        self.motion = Motion(*(np.array(state[name]) for name in Motion._fields))
+
+
+def _estimate(motion: Motion) -> Estimate:
+    return Estimate(motion.xyz, motion.velocity, motion.covariance[:, :3, :3])
