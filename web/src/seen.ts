@@ -1,4 +1,5 @@
-// What was detected, tracked and read, as tools/commands/followspot_page/views.py makes it; m, px, rad and ms.
+// What was detected, tracked and read, as tools/commands/followspot_page/display/message_views.py makes it;
+// m, px, rad and ms.
 import type { Triple } from "./triple.ts";
 
 interface Viewed {

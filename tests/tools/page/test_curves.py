@@ -15,8 +15,8 @@ from followspot.people import Poses
 from followspot.room import Room, Target
 from followspot.tracking import Blobs, Frame, Tracks
 from followspot_page.changing import MOST_CURVES, Curve, Plot, wish_of
-from followspot_page.curves import MOST_PORTS, ROWS, Curves, figures, values_of
-from followspot_page.feed import Feed
+from followspot_page.display.curves import MOST_PORTS, ROWS, Curves, figures, values_of
+from followspot_page.display.feed import Feed
 
 ROOM = Room(targets={"red": Target("red", 0.05), "blue": Target("blue", 0.05)})
 PORT = "track.tracks"

@@ -11,7 +11,7 @@ import pytest
 from followspot.errors import FollowspotError
 from followspot.library.handle import Kept, Moment
 from followspot_page.changing import MarkWish, wish_of
-from followspot_page.feed import Feed
+from followspot_page.display.feed import Feed
 from followspot_page.page import Page
 from followspot_page.requests import Requests
 

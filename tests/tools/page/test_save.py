@@ -14,7 +14,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot_page.changing import wish_of
-from followspot_page.feed import Feed
+from followspot_page.display.feed import Feed
 from followspot_page.page import Page
 from followspot_page.requests import Requests
 

@@ -13,8 +13,8 @@ from followspot.graph.plan import Plan, PlannedEdge
 from followspot.inertial import Inertial, PosedTracks
 from followspot.tracking import Tracks
 from followspot_dashboard.picture import Picture
+from followspot_page.display.scene import scene
 from followspot_page.followed import followed
-from followspot_page.scene import scene
 from followspot_page.sensors import sensors
 from followspot_page.taps import ShownPort, sent_kinds, shown_ports, tappings
 

@@ -17,8 +17,8 @@ from followspot.inertial import Inertial
 from followspot.messages import Array, Header, Message, column, stamped
 from followspot.people import Poses, Skeletons
 from followspot.room import Camera, Room
-from followspot_page.scene import bounds
-from followspot_page.views import view
+from followspot_page.display.message_views import view
+from followspot_page.display.scene import bounds
 
 
 def looking_along_x(model: Literal["pinhole", "cylinder"] = "pinhole") -> Camera:

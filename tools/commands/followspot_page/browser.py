@@ -10,7 +10,7 @@ from collections.abc import Awaitable, Callable
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from followspot.errors import FollowspotError
-from followspot_page.feed import Feed
+from followspot_page.display.feed import Feed
 from followspot_page.reply import Reply
 from followspot_page.showing import FAREWELL
 

@@ -29,8 +29,8 @@ from followspot_balls.templates.from_picture import (
     with_template,
 )
 from followspot_page.changing import Learn
+from followspot_page.display.scene import colors
 from followspot_page.reply import Reply
-from followspot_page.scene import colors
 from followspot_watch.tap_subscriber import TapSubscriber
 
 _TAP = "followspot.subscription"

@@ -21,13 +21,13 @@ from followspot_page import metrics
 from followspot_page.address import is_loopback
 from followspot_page.changing import forms
 from followspot_page.connections import Connections
-from followspot_page.curves import Curves, figures
-from followspot_page.feed import Feed, Previews
+from followspot_page.display.curves import Curves, figures
+from followspot_page.display.feed import Feed, Previews
+from followspot_page.display.scene import scene
 from followspot_page.follow import Sight
 from followspot_page.recording import RecordButton, recordable
 from followspot_page.remote_previews import RemotePreviews
 from followspot_page.run_list import RunList
-from followspot_page.scene import scene
 from followspot_page.scrub import Scrub
 from followspot_page.sensors import sensors
 from followspot_page.showing import FAREWELL

@@ -17,7 +17,7 @@ from followspot.plugins.registry import use_plugin_files
 from followspot.taps.receivers import LocalReceiver
 from followspot_dashboard.gate import SOCKET, make_gate
 from followspot_page.address import is_loopback
-from followspot_page.feed import Arrivals
+from followspot_page.display.feed import Arrivals
 from followspot_page.follow import Sight, follow, found, plan_of, remote_previews
 from followspot_page.page import Page
 from followspot_page.recorded import serve_recording

@@ -16,9 +16,9 @@ from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 from followspot_dashboard.gate import SOCKET
 from followspot_dashboard.picture import FARTHEST, PICTURES, Picture
+from followspot_page.display.message_views import SHOWN, SMOOTH
+from followspot_page.display.scene import bounds, farthest
 from followspot_page.followed import followed
-from followspot_page.scene import bounds, farthest
-from followspot_page.views import SHOWN, SMOOTH
 
 TAP = "dashboard.tap"
 _PIXELS, _MOST = 320 * 240, 1280

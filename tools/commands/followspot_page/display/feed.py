@@ -15,7 +15,7 @@ from followspot.room import Room
 from followspot.taps.framing import Record
 from followspot.wire import unpack
 from followspot_dashboard.picture import Picture
-from followspot_page.views import view
+from followspot_page.display.message_views import view
 
 MAX_THINGS = 4096
 """Largest number of different things."""

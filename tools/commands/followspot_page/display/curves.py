@@ -16,7 +16,7 @@ from followspot.messages import Cells, Message
 from followspot.room import Room
 from followspot_dashboard.picture import PICTURES
 from followspot_page.changing import Curve
-from followspot_page.feed import Feed
+from followspot_page.display.feed import Feed
 
 ROWS = "rows"
 """The field that is the number of rows; no column of a table has this name."""

@@ -13,7 +13,7 @@ from followspot.messages import Array, Message
 from followspot.people import Boxes, Poses, Skeletons, bones_of
 from followspot.room import Camera, Room
 from followspot.tracking import STATES, Blobs, DepthImage, Forecast, Frame, ImageTracks, Tracks
-from followspot_page.readings import inertial_view, table_view
+from followspot_page.display.readings import inertial_view, table_view
 
 SHOWN: tuple[type[Message], ...] = (
     Frame, DepthImage, Blobs, Tracks, Forecast, Poses, Skeletons, Boxes, ImageTracks,

@@ -1,0 +1,1 @@
+"""What browsers draw: the room, the newest of each message in JSON, and curves of their figures."""
