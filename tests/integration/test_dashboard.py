@@ -31,7 +31,7 @@ from followspot.operator.reporting.report import RunReport
 from followspot.room_file import load
 from followspot.worker.ledger import EdgeCount
 from followspot_dashboard.gate import SOCKET, make_gate
-from followspot_page.taps import shown_ports, tappings
+from followspot_page.taps.shown_ports import shown_ports, tappings
 from followspot_recording.recording import Recording
 
 ROOT = Path(__file__).parents[2]

@@ -18,8 +18,8 @@ from followspot.transport.zenoh.post import ZenohPost
 from followspot.transport.zenoh.session import locators, open_session
 from followspot.wire import pack
 from followspot_dashboard.tap import Tap
-from followspot_page.remote_previews import RemotePreviews
-from followspot_page.taps import TAP, ShownPort
+from followspot_page.taps.remote_previews import RemotePreviews
+from followspot_page.taps.shown_ports import TAP, ShownPort
 
 FRAMES = ShownPort("camera/cam0.out", Frame, "pc-left", source=True)
 BLOBS = ShownPort("color/cam0.out", Blobs, "pc-left", source=False)

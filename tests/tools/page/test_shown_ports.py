@@ -14,9 +14,9 @@ from followspot.inertial import Inertial, PosedTracks
 from followspot.tracking import Tracks
 from followspot_dashboard.picture import Picture
 from followspot_page.display.scene import scene
-from followspot_page.followed import followed
-from followspot_page.sensors import sensors
-from followspot_page.taps import ShownPort, sent_kinds, shown_ports, tappings
+from followspot_page.taps.replaced_tracks import followed
+from followspot_page.taps.sensors import sensors
+from followspot_page.taps.shown_ports import ShownPort, sent_kinds, shown_ports, tappings
 
 GRAPHS = Path(__file__).parents[3] / "graphs"
 

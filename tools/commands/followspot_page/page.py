@@ -24,14 +24,14 @@ from followspot_page.connections import Connections
 from followspot_page.display.curves import Curves, figures
 from followspot_page.display.feed import Feed, Previews
 from followspot_page.display.scene import scene
-from followspot_page.follow import Sight
 from followspot_page.recording import RecordButton, recordable
-from followspot_page.remote_previews import RemotePreviews
 from followspot_page.run_list import RunList
 from followspot_page.scrub import Scrub
-from followspot_page.sensors import sensors
 from followspot_page.showing import FAREWELL
-from followspot_page.taps import plotted_ports, sent_kinds, shown_ports
+from followspot_page.taps.live_run import Sight
+from followspot_page.taps.remote_previews import RemotePreviews
+from followspot_page.taps.sensors import sensors
+from followspot_page.taps.shown_ports import plotted_ports, sent_kinds, shown_ports
 from followspot_watch.run_monitor import RunMonitor
 
 MAX_BROWSERS = 32

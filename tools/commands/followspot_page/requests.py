@@ -26,11 +26,11 @@ from followspot_page.changing import (
     wish_of,
     words_of,
 )
-from followspot_page.follow import plan_of
 from followspot_page.learning import Learning
 from followspot_page.page import Page
 from followspot_page.reply import Reply
 from followspot_page.saving import saved_overlay
+from followspot_page.taps.live_run import plan_of
 
 
 class Requests:

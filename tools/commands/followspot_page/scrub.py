@@ -15,7 +15,7 @@ from followspot.messages import InvalidMessage
 from followspot.wire import pack, unpack
 from followspot_dashboard.picture import PICTURES, picture_of
 from followspot_page.changing import Seek
-from followspot_page.taps import ShownPort, longest_side
+from followspot_page.taps.shown_ports import ShownPort, longest_side
 from followspot_recording.recording import Recording
 from followspot_recording.records import Recorded
 

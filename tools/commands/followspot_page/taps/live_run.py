@@ -12,8 +12,8 @@ from typing import Any
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.library.handle import Kept, NoAnswer, RunHandle, RunStatus, Tapping, runs_here
-from followspot_page.remote_previews import RemotePreviews
-from followspot_page.taps import ShownPort, plotted_ports, shown_ports, tappings
+from followspot_page.taps.remote_previews import RemotePreviews
+from followspot_page.taps.shown_ports import ShownPort, plotted_ports, shown_ports, tappings
 
 _START_POLL_INTERVAL = 0.1
 """Poll interval, s, until the run has started."""

@@ -9,7 +9,7 @@ from typing import Any
 from followspot import Network
 from followspot.taps.receivers import RemoteReceiver, tap_key
 from followspot_page.display.feed import Arrivals
-from followspot_page.taps import TAP, ShownPort
+from followspot_page.taps.shown_ports import TAP, ShownPort
 
 
 class RemotePreviews:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from followspot.room import Room, Sensor
-from followspot_page.taps import ShownPort
+from followspot_page.taps.shown_ports import ShownPort
 
 
 def sensors(room: Room, readings: Iterable[ShownPort]) -> list[dict[str, Any]]:

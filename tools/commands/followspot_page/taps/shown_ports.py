@@ -18,7 +18,7 @@ from followspot_dashboard.gate import SOCKET
 from followspot_dashboard.picture import FARTHEST, PICTURES, Picture
 from followspot_page.display.message_views import SHOWN, SMOOTH
 from followspot_page.display.scene import bounds, farthest
-from followspot_page.followed import followed
+from followspot_page.taps.replaced_tracks import followed
 
 TAP = "dashboard.tap"
 _PIXELS, _MOST = 320 * 240, 1280
