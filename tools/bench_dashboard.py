@@ -39,7 +39,7 @@ from followspot.control.progress import Progress
 from followspot.graph.compile import compile_graph
 from followspot.operator.launch import run_plan
 from followspot.worker.wiring import RunOptions
-from followspot_page.showing import PageOrder, shown
+from followspot_page.page_process import PageOrder, shown
 from scripting import options_of
 
 ROOT = Path(__file__).parent.parent

@@ -36,7 +36,7 @@ from followspot.taps.sender import TapSender
 from followspot.tracking import Tracks
 from followspot.wire import pack
 from followspot_dashboard.gate import SOCKET, Gate
-from followspot_page.showing import PageOrder, shown
+from followspot_page.page_process import PageOrder, shown
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
 

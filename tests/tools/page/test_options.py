@@ -15,7 +15,7 @@ from followspot.graph.plan import Plan
 from followspot_page.changing import sentence
 from followspot_page.hooks import checked, configure
 from followspot_page.options import order_of
-from followspot_page.showing import PageOrder, shown
+from followspot_page.page_process import PageOrder, shown
 from followspot_page.taps.shown_ports import longest_side, shown_ports, tappings
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"

@@ -11,8 +11,8 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from followspot.errors import FollowspotError
 from followspot_page.display.feed import Feed
+from followspot_page.page_process import FAREWELL
 from followspot_page.reply import Reply
-from followspot_page.showing import FAREWELL
 
 Do = Callable[[str], Awaitable[Reply]]
 """Carries out a browser's request. Raises FollowspotError if that fails."""

@@ -55,7 +55,7 @@ def watched(args: argparse.Namespace) -> Iterator[None]:
         yield
         return
     from followspot_page.options import order_of
-    from followspot_page.showing import shown
+    from followspot_page.page_process import shown
 
     with shown(order_of(args)) as page:
         print(f"the page is at {page.url}", file=sys.stderr, flush=True)
@@ -84,7 +84,7 @@ def _dashboard(args: argparse.Namespace) -> int:
       followspot dashboard --connect tls/pc-left:7450 --certificates certs
     """
     from followspot_page.options import order_of_run
-    from followspot_page.showing import shown
+    from followspot_page.page_process import shown
 
     with shown(order_of_run(args)) as page:
         print(f"the page is at {page.url}", file=sys.stderr, flush=True)

@@ -10,7 +10,7 @@ import sys
 import pydantic
 
 from followspot.errors import FollowspotError
-from followspot_page.showing import PageOrder, shown
+from followspot_page.page_process import PageOrder, shown
 
 
 def main() -> int:

@@ -13,7 +13,7 @@ from followspot.errors import InputError
 from followspot.library.handle import connected_run
 from followspot_page.address import HOST, PORT, is_loopback, read_address
 from followspot_page.bundle import check_bundle
-from followspot_page.showing import PageOrder
+from followspot_page.page_process import PageOrder
 
 NEEDED = ("starlette", "uvicorn", "websockets")
 MAX_RATE = 60.0

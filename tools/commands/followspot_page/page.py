@@ -24,10 +24,10 @@ from followspot_page.connections import Connections
 from followspot_page.display.curves import Curves, figures
 from followspot_page.display.feed import Feed, Previews
 from followspot_page.display.scene import scene
-from followspot_page.recording import RecordButton, recordable
+from followspot_page.page_process import FAREWELL
+from followspot_page.recordings.record_button import RecordButton, recordable
+from followspot_page.recordings.scrub import Scrub
 from followspot_page.run_list import RunList
-from followspot_page.scrub import Scrub
-from followspot_page.showing import FAREWELL
 from followspot_page.taps.live_run import Sight
 from followspot_page.taps.remote_previews import RemotePreviews
 from followspot_page.taps.sensors import sensors

@@ -23,7 +23,7 @@ from followspot.errors import FollowspotError
 from followspot.library.attach import runs_under
 from followspot.library.handle import runs_here
 from followspot.own_process import module_command
-from followspot_page.showing import PageOrder
+from followspot_page.page_process import PageOrder
 from followspot_watch.runs import Listed, listed_here, listed_there
 
 _SOCKETS = Path("/proc/net/unix")
