@@ -14,7 +14,7 @@ from followspot.messages import Array
 from followspot.people import Poses
 from followspot.room import Room, Target
 from followspot.tracking import Blobs, Frame, Tracks
-from followspot_page.changing import MOST_CURVES, Curve, Plot, wish_of
+from followspot_page.allowed_requests import MOST_CURVES, Curve, Plot, wish_of
 from followspot_page.display.curves import MOST_PORTS, ROWS, Curves, figures, values_of
 from followspot_page.display.feed import Feed
 

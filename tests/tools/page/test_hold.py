@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 
 from followspot.errors import FollowspotError
-from followspot_page.changing import Hold, wish_of
+from followspot_page.allowed_requests import Hold, wish_of
 from followspot_page.page import Page
-from followspot_page.requests import Requests
+from followspot_page.requests.handler import Requests
 
 
 class Replay:

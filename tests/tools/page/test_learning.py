@@ -19,10 +19,10 @@ from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.room_file import load
 from followspot_dashboard.gate import make_gate
-from followspot_page.changing import wish_of
+from followspot_page.allowed_requests import wish_of
 from followspot_page.page import Page
-from followspot_page.reply import Reply
-from followspot_page.requests import Requests
+from followspot_page.requests.handler import Requests
+from followspot_page.requests.reply import Reply
 
 
 class Operator:

@@ -12,7 +12,7 @@ from followspot.errors import FollowspotError, InputError
 from followspot.graph.change.stages import change_of
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
-from followspot_page.changing import sentence
+from followspot_page.allowed_requests import sentence
 from followspot_page.hooks import checked, configure
 from followspot_page.options import order_of
 from followspot_page.page_process import PageOrder, shown

@@ -31,7 +31,7 @@ from followspot.worker.ledger import AWAY, COLUMNS, DELIVERED, DROPPED, LATE, PR
 from followspot_dashboard.gate import WATCHED, make_gate
 from followspot_dashboard.picture import picture_of
 from followspot_page.page import MAX_BROWSERS, Page
-from followspot_page.requests import Requests
+from followspot_page.requests.handler import Requests
 from followspot_record.embedded import plan_of_recording
 from followspot_recording.recording import Recording
 from followspot_recording.tap import RecordingTap

@@ -12,7 +12,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from followspot.cli.main import main
 from followspot.errors import FollowspotError
-from followspot_page.changing import Seek, wish_of
+from followspot_page.allowed_requests import Seek, wish_of
 from followspot_page.page_process import PageOrder, shown
 from followspot_recording.recording import Recording
 

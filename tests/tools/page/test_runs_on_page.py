@@ -15,7 +15,7 @@ from tests.tools.page.served import Shown, served
 from followspot.control.unix_socket import serve_requests
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
-from followspot_page.changing import OpenPage, wish_of
+from followspot_page.allowed_requests import OpenPage, wish_of
 from followspot_page.run_list import pages
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"

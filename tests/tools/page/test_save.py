@@ -13,10 +13,10 @@ from followspot.cli.main import main
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
-from followspot_page.changing import wish_of
+from followspot_page.allowed_requests import wish_of
 from followspot_page.display.feed import Feed
 from followspot_page.page import Page
-from followspot_page.requests import Requests
+from followspot_page.requests.handler import Requests
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
 

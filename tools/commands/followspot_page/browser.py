@@ -11,8 +11,10 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from followspot.errors import FollowspotError
 from followspot_page.display.feed import Feed
+from followspot_page.page import Page
 from followspot_page.page_process import FAREWELL
-from followspot_page.reply import Reply
+from followspot_page.requests.handler import Requests
+from followspot_page.requests.reply import Reply
 
 Do = Callable[[str], Awaitable[Reply]]
 """Carries out a browser's request. Raises FollowspotError if that fails."""
@@ -22,6 +24,8 @@ _TIMEOUT = 30.0
 """Seconds within which a browser must take a message."""
 _WAITING = 8
 """Answers that may wait for a slow browser."""
+_LATER = 1013
+"""The code of a WebSocket that closes because its server is busy."""
 
 
 class Browser:
@@ -87,3 +91,20 @@ class Browser:
             await self._socket.send_text(payload)
         else:
             await self._socket.send_bytes(payload)
+
+
+async def look(page: Page, socket: WebSocket) -> None:
+    """Serve one browser until it leaves or stops taking messages, or tell it why there is no room."""
+    address = socket.client.host if socket.client is not None else ""
+    await socket.accept()  # a browser is told nothing about a handshake that fails
+    if reason := page.full(address):
+        page.connections.refused["crowded"] += 1
+        await socket.close(_LATER, reason)
+        return
+    page.count(address, 1)
+    requests = Requests(page)
+    try:
+        await Browser(socket, page.feed, requests.do).serve()
+    finally:
+        page.count(address, -1)
+        await requests.leave()

@@ -19,7 +19,7 @@ from followspot.messages import Message
 from followspot_dashboard.gate import Gate
 from followspot_page import metrics
 from followspot_page.address import is_loopback
-from followspot_page.changing import forms
+from followspot_page.allowed_requests import forms
 from followspot_page.connections import Connections
 from followspot_page.display.curves import Curves, figures
 from followspot_page.display.feed import Feed, Previews

@@ -15,7 +15,7 @@ from followspot.message_table import head_of, table_of
 from followspot.messages import Cells, Message
 from followspot.room import Room
 from followspot_dashboard.picture import PICTURES
-from followspot_page.changing import Curve
+from followspot_page.allowed_requests import Curve
 from followspot_page.display.feed import Feed
 
 ROWS = "rows"

@@ -14,7 +14,7 @@ from followspot.frame_times import to_ns, to_seconds
 from followspot.messages import InvalidMessage
 from followspot.wire import pack, unpack
 from followspot_dashboard.picture import PICTURES, picture_of
-from followspot_page.changing import Seek
+from followspot_page.allowed_requests import Seek
 from followspot_page.taps.shown_ports import ShownPort, longest_side
 from followspot_recording.recording import Recording
 from followspot_recording.records import Recorded

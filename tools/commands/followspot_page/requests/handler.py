@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from contextlib import suppress
 from pathlib import Path
 
 from followspot.errors import FollowspotError
+from followspot.files import unused_path
 from followspot.frame_times import to_seconds
 from followspot.library.handle import RunHandle
-from followspot_page.changing import (
+from followspot.library.overlay import save_overlay
+from followspot_page.allowed_requests import (
     Change,
     Hold,
     Learn,
@@ -26,10 +29,9 @@ from followspot_page.changing import (
     wish_of,
     words_of,
 )
-from followspot_page.learning import Learning
 from followspot_page.page import Page
-from followspot_page.reply import Reply
-from followspot_page.saving import saved_overlay
+from followspot_page.requests.learning import Learning
+from followspot_page.requests.reply import Reply
 from followspot_page.taps.live_run import plan_of
 
 
@@ -94,7 +96,7 @@ class Requests:
                 raise FollowspotError("this page tells nothing of other runs")
             return await asyncio.to_thread(page.runs.open, asked.open)
         if isinstance(asked, Save):
-            return await asyncio.to_thread(saved_overlay, run)
+            return await asyncio.to_thread(_saved_overlay, run)
         raise FollowspotError("a run goes on by itself; pause and step hold a replay")
 
     async def _change(self, run: RunHandle, words: list[str]) -> str:
@@ -115,3 +117,16 @@ async def _hold(run: RunHandle, asked: Hold) -> str:
         return f"at {to_seconds(reached):.6f} s"
     await asyncio.to_thread(run.pause if asked.hold == "pause" else run.resume)
     return ""
+
+
+def _saved_overlay(run: RunHandle) -> str:
+    """Save what was changed in the run, from the page or elsewhere, as a graph file in its output folder.
+
+    Returns a line with the new file and the stages that it changes. Raises FollowspotError.
+    """
+    out = run.surroundings().out
+    if out is None:
+        raise FollowspotError("overlays are saved on the operator's host; save it there")
+    path = unused_path(out / time.strftime("overlay-%Y%m%d-%H%M%S.yaml"))
+    stages = save_overlay(run, path)
+    return f"saved {', '.join(stages)} in {path}; followspot run {path} begins so"

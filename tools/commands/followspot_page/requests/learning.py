@@ -28,9 +28,9 @@ from followspot_balls.templates.from_picture import (
     template_of,
     with_template,
 )
-from followspot_page.changing import Learn
+from followspot_page.allowed_requests import Learn
 from followspot_page.display.scene import colors
-from followspot_page.reply import Reply
+from followspot_page.requests.reply import Reply
 from followspot_watch.tap_subscriber import TapSubscriber
 
 _TAP = "followspot.subscription"

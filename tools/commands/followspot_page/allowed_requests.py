@@ -1,4 +1,4 @@
-"""Changes that the page may ask for: parameters that name no files or devices, and stages with equal ports.
+"""Requests that the page allows: parameters that name no files or devices, and stages with equal ports.
 
 A browser sends words, not data. This module checks the words; the run checks the change.
 """

@@ -1,0 +1,1 @@
+"""What one browser asks for, and what it is answered."""
