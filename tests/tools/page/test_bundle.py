@@ -17,9 +17,10 @@ from starlette.requests import Request
 from tests.tools.page.bundled import ROOT, UNREACHED, bundle
 
 from followspot.errors import InputError
-from followspot_page import options, serving
+from followspot_page import options
 from followspot_page.bundle import check_bundle
 from followspot_page.hooks import configure
+from followspot_page.http import routes
 
 PAGE = "followspot_page/static"
 FILES = {f"{PAGE}/{name}" for name in ("app.js", "icon.svg", "index.html", "style.css", "three.LICENSE")}
@@ -44,8 +45,8 @@ def test_a_checkout_without_the_bundle_says_how_to_get_it_on_the_command_line(
 
 
 def test_and_to_a_browser(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(serving, "is_bundled", lambda: False)
-    answer = asyncio.run(serving.home(Request({"type": "http"})))
+    monkeypatch.setattr(routes, "is_bundled", lambda: False)
+    answer = asyncio.run(routes.home(Request({"type": "http"})))
     assert answer.status_code == 503
     assert answer.body == b"the page is not bundled in this checkout yet: make bundle does it\n"
 

@@ -18,7 +18,7 @@ from tests.tools.page.test_page import UPGRADE, things
 from websockets.exceptions import ConnectionClosedError
 
 from followspot_page.connections import MAX_FRAGMENTS, MAX_WAITING
-from followspot_page.serving import MAX_HEARD
+from followspot_page.http.routes import MAX_HEARD
 
 CROWD = 300
 MASK = b"\1\2\3\4"

@@ -7,10 +7,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from followspot_dashboard.gate import make_gate
+from followspot_page.http.routes import input_over, listening_socket, server_of
 from followspot_page.page import Page
 from followspot_page.page_process import PageOrder
 from followspot_page.recordings.scrub import Scrub
-from followspot_page.serving import input_over, listening_socket, server_of
 from followspot_page.taps.shown_ports import shown_ports
 from followspot_record.embedded import recorded_plan
 from followspot_recording.recording import Recording

@@ -18,11 +18,11 @@ from followspot.taps.receivers import LocalReceiver
 from followspot_dashboard.gate import SOCKET, make_gate
 from followspot_page.address import is_loopback
 from followspot_page.display.feed import Arrivals
+from followspot_page.http.routes import input_over, listening_socket, server_of
 from followspot_page.page import Page
 from followspot_page.page_process import PageOrder, address
 from followspot_page.recording_page import serve_recording
 from followspot_page.run_list import RunList, announced
-from followspot_page.serving import input_over, listening_socket, server_of
 from followspot_page.taps.live_run import Sight, follow, found, plan_of, remote_previews
 
 

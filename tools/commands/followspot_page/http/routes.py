@@ -18,10 +18,10 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket
 
 from followspot_page import metrics
-from followspot_page.access import HEADERS, SameOriginGuard
-from followspot_page.browser import look
 from followspot_page.bundle import MISSING, STATIC, is_bundled
 from followspot_page.connections import Rejections
+from followspot_page.http.access import HEADERS, SameOriginGuard
+from followspot_page.http.browser import look
 from followspot_page.page import Page
 
 MAX_HEARD = 4096
