@@ -14,6 +14,9 @@ from followspot_persons.body.standing import WAIST, standing
 from followspot_persons.body.upper_body_box import RATIO
 from followspot_persons.likelihood.fitness import Detection
 
+SIZE = 0.1
+"""Sigma of a distance by the size of a sure box, relative."""
+
 
 @dataclass(frozen=True, eq=False)
 class Stood:
@@ -41,6 +44,14 @@ def stood(scene: Scene | None, detection: Detection, pose: Array, stature: float
         return Stood(detection, contact=shown.contact)
     box = whole(scene.camera, there, shown.contact, stature)
     return Stood(replace(detection, box=box), part=True, contact=shown.contact)
+
+
+def by_size(camera: Camera, detection: Detection) -> Contact | None:
+    """Where the size of a box says that a person stands; None if it says nothing."""
+    distance = float(standing(camera, detection.box[None])[0][0])
+    if detection.certainty == 0 or not np.isfinite(distance):
+        return None
+    return Contact(distance, SIZE * distance / detection.certainty)
 
 
 def turned(camera: Camera, pose: Array, box: Array) -> Array:

@@ -35,7 +35,7 @@ from followspot_persons.slow_instance.bodies import Bodies
 from followspot_persons.slow_instance.box_assignment import FAR, NEAR, BoxAssignment
 from followspot_persons.slow_instance.foreground_box import foreground_box, shares
 from followspot_persons.slow_instance.observation import Observation
-from followspot_persons.slow_instance.part_box import Stood, stood
+from followspot_persons.slow_instance.part_box import Stood, by_size, stood
 
 SHARP_VISIBILITY = 0.3
 """Cosine of the steepest view of a feature whose colour is learnt."""
@@ -194,7 +194,7 @@ class PersonUpdate:
         known: the detection beside the floor; joined: whether a share of the particles begins there.
         """
         contact = person.contact_after(known.contact, seen.seconds)
-        fitness = self._fitness(picture, known.detection, contact)
+        fitness = self._fitness(picture, known.detection, contact or by_size(self.camera, known.detection))
         search = Search(self.params.particles)
         before = self._joined(person.track, known.detection) if joined else person.track
         return followed(before, seen.seconds, fitness, self.girths, search, self.random()), contact

@@ -10,6 +10,8 @@ from followspot.geometry import project
 from followspot_persons.body.standing import WAIST, knows_floor, standing
 from followspot_persons.hog.search import levels, plausible
 from followspot_persons.hog.window import TALL
+from followspot_persons.likelihood.fitness import Detection
+from followspot_persons.slow_instance.part_box import by_size
 
 FACING = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0.0]])
 """Looks along the room's x axis, level."""
@@ -108,3 +110,18 @@ def test_a_known_floor_leaves_few_rows_for_small_people():
         for view in (free, bound)
     ]
     assert rows[1] < 0.7 * rows[0]
+
+
+def test_the_size_of_a_box_tells_a_distance_as_surely_as_it_spans_the_body():
+    view = camera()
+    (box,) = upper_body(view, 3.0, 0.0, 1.7)
+    sure, unsure = (by_size(view, Detection(box, *np.zeros((2, 0)), certainty)) for certainty in (1.0, 0.25))
+    assert sure.distance == unsure.distance == pytest.approx(3.0)
+    assert unsure.sigma == 4 * sure.sigma == pytest.approx(1.2)
+
+
+@pytest.mark.parametrize(("high", "certainty"), [(1.2, 0.0), (0.0, 1.0)])
+def test_a_box_of_unknown_size_and_a_camera_on_the_floor_tell_no_distance_by_size(high, certainty):
+    view = camera(high=high)
+    (box,) = upper_body(view, 3.0, 0.0, 1.7)
+    assert by_size(view, Detection(box, *np.zeros((2, 0)), certainty)) is None
