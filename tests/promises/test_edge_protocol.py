@@ -217,12 +217,13 @@ class RingEdge(RingEnds):
     @precondition(lambda self: any(self.readers))
     @rule(index=READERS)
     def reader_dies(self, index: int) -> None:
-        """With all that share its datagrams: their process dies."""
-        for mate in tuple(self.processes[index]) if index < len(self.readers) else ():
+        """With all that share its datagrams: their process dies, and was sent the end for all or for none."""
+        mates = tuple(self.processes[index]) if index < len(self.readers) else ()
+        if self.writer is not None and self.over and any(map(self.has_the_end, mates)):
+            self.informed.update(mates)
+        for mate in mates:
             found = self.reader(mate)
             if found is not None:
-                if self.over and self.writer is not None:
-                    (self.informed if self.writer.flush() else self.unsure).add(mate)
                 found.close()
                 self.readers[mate] = None
                 self.kept[mate].clear()
@@ -290,7 +291,6 @@ class RingEdge(RingEnds):
         self.over = False
         self.reign = self.number
         self.informed.clear()
-        self.unsure.clear()
         for index, (_, theirs) in enumerate(pairs):
             self.port.readers[index] = Owed()
             if index in away and self.number:
@@ -324,7 +324,7 @@ class RingEdge(RingEnds):
     @invariant()
     def only_the_dead_are_lost(self) -> None:
         if self.writer is not None:
-            assert self.writer.lost <= self.dead
+            assert self.writer.lost <= self.dead - self.informed
             assert not any(found.lost for found in self.readers if found is not None)
 
     def teardown(self) -> None:

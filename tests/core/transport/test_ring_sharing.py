@@ -109,6 +109,20 @@ def test_their_process_dies_as_one(shared: Shared) -> None:
     assert sorted(shared.writer.perished()) == [(0, 1), (1, 1)]
 
 
+@pytest.mark.parametrize("waits", [False, True])
+def test_their_process_was_sent_the_end_for_both_or_for_neither(shared: Shared, waits: bool) -> None:
+    """waits: for room in the socket that they share."""
+    sent = 0
+    while waits and shared.writer.flush():
+        sent += 1
+        shared.writer.send(Watermark(sent))
+    shared.writer.send(Watermark(END))
+    shared.readers[0].close()
+    shared.readers[1].close()
+    shared.writer.drain()
+    assert shared.writer.lost == ({0, 1} if waits else frozenset())
+
+
 def test_whoever_takes_their_place_has_datagrams_of_its_own(shared: Shared) -> None:
     shared.readers[0].close()
     shared.readers[1].close()
