@@ -76,6 +76,7 @@ def _as_ordered(descriptors: list[int], words: list[str], folder: str, environme
 def _prepare(outputs: list[int], words: list[str], folder: str, environment: dict[str, str]) -> None:
     """Give this process what a new interpreter would have: outputs, folder, environment, words."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # which `nohup` before the tests would have it ignore
     for number, descriptor in enumerate(outputs, 1):
         os.dup2(descriptor, number)
         os.close(descriptor)

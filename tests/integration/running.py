@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import subprocess
 import time
 from contextlib import suppress
 from dataclasses import dataclass
@@ -67,8 +68,12 @@ def words_of(graph: Path, out: Path, *options: str) -> list[str]:
 
 
 def finish(process: Process, out: Path) -> Finished:
-    """Wait for the end of a started run."""
-    stdout, stderr = process.communicate(timeout=90)
+    """Wait for the end of a started run; one that does not come is made. Raises subprocess.TimeoutExpired."""
+    try:
+        stdout, stderr = process.communicate(timeout=90)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        raise
     return finished(process.wait(), stdout, stderr, out)
 
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 import signal
 import socket
+import subprocess
 from pathlib import Path
 
 import pytest
+from tests.commands import COMMAND
 from tests.integration.running import (
     Finished,
     alive,
@@ -16,6 +18,7 @@ from tests.integration.running import (
     start,
     unused_memory,
     wait_until,
+    words_of,
     workers,
     write_graph,
 )
@@ -53,6 +56,23 @@ def test_ctrl_c_and_sigterm_end_cleanly_with_complete_outputs(
     values = finished.values()
     assert values == list(range(1, len(values) + 1)), "every line is whole, none is missing"
     assert len(values) == finished.summary["frames"], "what was in flight was finished"
+
+
+def test_nohup_keeps_a_run_when_its_terminal_closes(tmp_path: Path) -> None:
+    words = words_of(write_graph(tmp_path, ENDLESS), tmp_path / "out")
+    process = subprocess.Popen(
+        ["nohup", *COMMAND, *words],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert wait_until(lambda: running(tmp_path / "out")), "the run never began"
+    process.send_signal(signal.SIGHUP)
+    written = (tmp_path / "out" / "ticks.csv").stat().st_size
+    assert wait_until(lambda: (tmp_path / "out" / "ticks.csv").stat().st_size > written + 2_000)
+    process.send_signal(signal.SIGTERM)
+    assert finish(process, tmp_path / "out").code == 0
 
 
 @pytest.mark.parametrize("edges", ["ring", pytest.param("zenoh", marks=pytest.mark.thorough)])
