@@ -165,8 +165,7 @@ class PersonUpdate:
         return replace(person, track=track, stature=stature, contact=contact, seen=seen.now, left=False)
 
     def after_part(self, person: Acquaintance, free: Array, seen: Observation) -> Acquaintance | None:
-        """The person after a picture that shows a part of the body, which tells no place; None if it shows
-        none.
+        """The person, held in place, after a picture that shows a part of the body; None if it shows none.
 
         free: (N,) bool, boxes that nobody has.
         """
@@ -175,7 +174,7 @@ class PersonUpdate:
             self._boxed_lately(person, seen) and self.bodies.parts(seen.boxes.box[shown], [person]).any()
         ):
             return None
-        return replace(person, track=coasted(person.track, seen.seconds), seen=seen.now)
+        return replace(person, track=replace(person.track, velocity=np.zeros(2)), seen=seen.now)
 
     def left(self, person: Acquaintance, mask: Array, free: Array, seen: Observation) -> bool:
         """Whether a person left: background at the expected place, and no other foreground near it.

@@ -283,11 +283,13 @@ def see_part(show, pose, top, bottom):
 def test_boxes_of_a_head_or_a_hip_prolong_a_person_and_are_nobody_else(top, bottom):
     show = Show(maximum_missed_time=0.9)
     for _ in range(4):
-        show.see(standing(3.0))
+        told = show.see(standing(3.0))
+    place = told.pose[0, :2]
     for _ in range(6):
-        see_part(show, standing(3.0), top, bottom)
+        told = see_part(show, standing(3.0), top, bottom)
     (person,) = show.stage.people
     assert not person.absent
+    assert told.pose[0, :2] == pytest.approx(place)
 
 
 def test_without_feet_the_size_of_sure_boxes_tells_the_distance_rather_than_edges():
