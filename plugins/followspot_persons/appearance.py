@@ -185,7 +185,8 @@ class Appearance(Stage):
     ) -> list[Acquaintance]:
         """Tentative people at boxes that belong to no known person.
 
-        unboxed: people that only the foreground shows. A part of anybody who is here is no person.
+        A box that shows a part of a known person initiates nobody. unboxed: people that only the foreground
+        shows.
         """
         least = self.params.minimum_score + EVIDENCE * seen.still
         new = self.assignment.unclaimed(seen.boxes, pairs, self.bodies.boxes(unboxed), least)

@@ -142,7 +142,7 @@ class Supervisor:
             self._dead.add(worker.name)
             wait = self._restarts.after_death(worker.name, now)
             self._tell("warning", self._notes.of(worker.name, why, wait), worker.name)
-        worker.phase = "absent"  # last: who sees it finds the reason among the news
+        worker.phase = "absent"  # last, so that the news has the reason as soon as the phase shows
 
     def _end_without_report(self, worker: WorkerProcess, error: str) -> None:
         """Mark a worker as ended for good, with a report in its place."""

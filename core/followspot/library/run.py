@@ -262,7 +262,7 @@ class OwnRun(ScriptHandle):
         return RunFailed("\n".join(errors)) if errors else None
 
     def _warn(self) -> None:
-        """Give what the report warns of as warnings of Python, and if the sources ended, who gave nothing."""
+        """Issue the report's warnings in Python and, unless the run was stopped, name the silent stages."""
         report = self._report
         if report is None:
             return

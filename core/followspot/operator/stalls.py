@@ -1,7 +1,7 @@
 """Edges that stall: their writer has no room to send, though their reader waits for messages of them.
 
-Credit that never comes back looks like that: a peer that speaks for the reader, where there are no
-certificates, or a mistake in a transport.
+An edge stalls if credit never comes back: a peer without a certificate pretends to be the reader, or a
+transport has a mistake.
 """
 
 from __future__ import annotations

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 MANY = 100
-"""Detections of a camera from which on it is no accident that they are nobody's."""
+"""Fewest detections of a camera for which it is no accident that most are unassigned."""
 SHARE = 0.9
-"""Of its detections that are nobody's, from which on a camera is doubted."""
+"""Share of unassigned detections from which the warning names a camera."""
 
 
 def doubt_of_strangers(strangers: Mapping[str, Sequence[int]]) -> str:
     """A warning that names such cameras; empty if there are none.
 
-    strangers: detections of each camera while there were people, and how many of them were nobody's.
+    strangers: number of detections of each camera while there were people, and of the unassigned ones.
     """
     doubted = [
         f"{name} ({nobodys} of {detections} detections)"

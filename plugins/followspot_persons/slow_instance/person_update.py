@@ -167,14 +167,14 @@ class PersonUpdate:
     def after_part(self, person: Acquaintance, free: Array, seen: Observation) -> Acquaintance | None:
         """The person, held in place, after a picture that shows a part of the body; None if it shows none.
 
-        free: (N,) bool, boxes that nobody has.
+        free: (N,) bool, unassigned boxes.
         """
         shown = free & ~(seen.still & person.comparable)
         if not (
             self._boxed_lately(person, seen) and self.bodies.parts(seen.boxes.box[shown], [person]).any()
         ):
             return None
-        return replace(person, track=replace(person.track, velocity=np.zeros(2)), seen=seen.now)
+        return replace(person, track=replace(person.track, velocity=np.zeros(2)), seen=seen.now, left=False)
 
     def left(self, person: Acquaintance, mask: Array, free: Array, seen: Observation) -> bool:
         """Whether a person left: background at the expected place, and no other foreground near it.

@@ -285,8 +285,10 @@ def test_boxes_of_a_head_or_a_hip_prolong_a_person_and_are_nobody_else(top, bott
     for _ in range(4):
         told = show.see(standing(3.0))
     place = told.pose[0, :2]
+    show.stage.people = [replace(person, left=True) for person in show.stage.people]
     for _ in range(6):
         told = see_part(show, standing(3.0), top, bottom)
+    assert told.left.tolist() == [0]
     (person,) = show.stage.people
     assert not person.absent
     assert told.pose[0, :2] == pytest.approx(place)
