@@ -7,7 +7,7 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
-from followspot.cli.agent_options import add_network_options, network_of
+from followspot.cli.agent_options import add_network_options
 from followspot.cli.graph_options import add_plugin_option
 from followspot.cli.run_option import add_run_option
 from followspot.plugins.hooks import Command
@@ -34,11 +34,11 @@ def _run(args: argparse.Namespace) -> int:
       followspot move fuse main
       followspot move camera/cam3 pc-right --run glowballs
     """
-    from followspot.library.handle import connected_run
+    from followspot.cli.patience import patient_run
     from followspot.plugins.registry import use_plugin_files
 
     use_plugin_files([str(Path(file).absolute()) for file in args.plugin_files])
-    with connected_run(args.run, network_of(args)) as run:
+    with patient_run(args) as run:
         moved = run.move([args.stage], args.place)
     if args.json:
         print(json.dumps(asdict(moved)))

@@ -7,7 +7,7 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
-from followspot.cli.agent_options import add_network_options, network_of
+from followspot.cli.agent_options import add_network_options
 from followspot.cli.graph_options import add_plugin_option
 from followspot.cli.run_option import add_run_option
 from followspot.plugins.hooks import Command
@@ -30,15 +30,15 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _change(args: argparse.Namespace) -> int:
+    from followspot.cli.patience import patient_run
     from followspot.errors import InputError
-    from followspot.library.handle import connected_run
     from followspot.plugins.registry import use_plugin_files
 
     use_plugin_files([str(Path(file).absolute()) for file in args.plugin_files])
     if unclear := [word for word in args.words if "=" not in word]:
         remedy = f"say STAGE=..., for example fuse=balls.mean; a run is named by --run {unclear[0]}"
         raise InputError.of(f'"{unclear[0]}" says no change', remedy)
-    with connected_run(args.run, network_of(args)) as run:
+    with patient_run(args) as run:
         changed = run.change(args.words, fresh=args.fresh)
     if args.json:
         print(json.dumps(asdict(changed)))

@@ -12,11 +12,13 @@ class MoveOrder(RunRequest):
 
     leaving: workers of any host that send checkpoints of their stages and exit; plan: the new plan in JSON
     types, None while workers only leave; states: checkpoints of the moved stages, by stage; trial: only check
-    whether the host would accept the plan.
+    whether the host would accept the plan; back: a step of the way back after a move that failed: a host that
+    does not answer now does it as soon as it answers.
     """
 
     leaving: tuple[str, ...] = ()
     plan: dict[str, Any] | None = None
     states: dict[str, Any] = {}  # noqa: RUF012  # pydantic copies it, and requests are frozen
     trial: bool = False
+    back: bool = False
     roles: ClassVar[tuple[Role, ...]] = ("host",)

@@ -7,7 +7,6 @@ import uuid
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from threading import Lock
 
 from followspot.control.host import Host, HostLost, Others, RunOrder, WorkerStatus
 from followspot.control.lifecycle import EndWorkers, StartRun, StopRun
@@ -22,6 +21,7 @@ from followspot.host.clocks.host import reference
 from followspot.log.merged import MergedLog
 from followspot.log.record import Level, LogPage
 from followspot.log.run_log import OnLog
+from followspot.operator.change_under_way import ChangeUnderWay
 from followspot.operator.fault_watch import FaultWatch
 from followspot.operator.order_relay import OrderRelay
 from followspot.operator.reporting.report import RunReport
@@ -83,7 +83,7 @@ class Coordinator:
         self._cut_short = ""
         """Why a run without restarts ended early: a host was lost, even if it came back."""
         self._news: list[str] = []
-        self._one_change = Lock()
+        self.change = ChangeUnderWay()
         self._sensors_told = False
         """Whether the sensors have been told when to end."""
         self._begun = begun
@@ -149,12 +149,12 @@ class Coordinator:
 
     def status(self) -> RunStatus:
         """The newest status of the whole run."""
-        return self._view().status()
+        return replace(self._view().status(), change_awaits=self.change.waits_for)
 
     @contextmanager
     def one_change(self) -> Iterator[None]:
         """Make changes and moves of a run wait for each other. Raises FollowspotError before it has begun."""
-        with self._one_change:
+        with self.change.alone():
             if not self._begun:
                 raise FollowspotError("the run has not begun yet; try again in a moment")
             yield
@@ -163,6 +163,7 @@ class Coordinator:
         """Add hosts to the run, with no workers yet. Raises FollowspotError if a host refuses."""
         for name in names:
             assert self.others is not None
+            self.change.wait_for(f"host {name} to join the run")
             host = self.others.host(name)
             over = tuple(sorted(self._ended))
             host.prepare(replace(self.order, plan=plan_to_data(self.plan), incarnations={}, over=over))

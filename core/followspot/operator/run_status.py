@@ -32,7 +32,8 @@ class RunStatus:
     workers: all workers of the plan, with their ages; counts: the ledger's columns of all edges of the plan,
     one edge after the other; fired: frames done; expected: frames to be done, None if no source knows; news:
     events of the run, a line each; clocks: of the hosts that follow a reference clock, "" for the operator's
-    own; hosts: the remote hosts; late: a line for each path that misses its budget.
+    own; hosts: the remote hosts; late: a line for each path that misses its budget; change_awaits: what the
+    change under way waits for, "" if nothing.
     """
 
     workers: tuple[WorkerStatus, ...]
@@ -43,6 +44,7 @@ class RunStatus:
     clocks: Mapping[str, ClockStatus] = field(default_factory=dict)
     hosts: tuple[SeenHost, ...] = ()
     late: tuple[str, ...] = ()
+    change_awaits: str = ""
 
     def later(self, seconds: float) -> RunStatus:
         """The same status, older by `seconds`."""

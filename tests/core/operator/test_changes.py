@@ -130,11 +130,23 @@ def test_a_step_that_a_host_is_told_again_is_the_same_step(tmp_path: Path) -> No
     assert not HostChange().repeats(order)
 
 
+def kind_of(order: MoveOrder | GetStates) -> str:
+    if isinstance(order, GetStates):
+        return "states"
+    return "trial" if order.trial else "leaving" if order.plan is None else "plan"
+
+
 class WorkerPool:
     """A host whose workers leave and start at once, except for one that cannot start."""
 
-    def __init__(self, name: str, plan: Plan, *, refuses: bool = False, unable: str = "") -> None:
+    def __init__(
+        self, name: str, plan: Plan, *, refuses: bool = False, unable: str = "", silent_from: str = ""
+    ) -> None:
+        """silent_from: kind of the first order that finds the host silent; it answers again at a way back."""
         self.name = name
+        self.silent_from, self.silent = silent_from, False
+        self.later: list[MoveOrder] = []
+        """Orders to be done when it answers."""
         self.refuses = refuses
         self.unable = unable
         self.began: list[str] = []
@@ -142,6 +154,12 @@ class WorkerPool:
         self.workers = {w.name: WorkerStatus(w.name, "running") for w in plan.workers if w.host == name}
 
     def ask(self, order: MoveOrder | GetStates) -> object:
+        self.silent |= self.silent_from == kind_of(order)
+        if self.silent and isinstance(order, MoveOrder) and order.back:
+            self.later.append(order)
+            return {}
+        if self.silent:
+            raise HostLost(f"host {self.name} does not answer")
         if isinstance(order, MoveOrder):
             self._move(order)
         return {}
@@ -168,12 +186,17 @@ class WorkerPool:
         self.workers = there
 
     def status(self) -> HostStatus:
+        if self.silent and len(self.later) == 2:
+            self.silent, self.silent_from = False, ""
+            for order in self.later:
+                self._move(order)
         absent = [name for name in self.began if self.workers[name].phase == "absent"]
         news = (
             "stage a failed before the move",
             *(f"stage of {name} failed: no space\nat line 1" for name in absent),
         )
-        return HostStatus(tuple(self.workers.values()), (), news=news)
+        age = 60.0 if self.silent else 0.0
+        return HostStatus(tuple(self.workers.values()), (), news=news, age_s=age)
 
 
 def test_a_host_refuses_a_stage_before_any_worker_leaves(tmp_path: Path) -> None:
@@ -192,3 +215,38 @@ def test_a_stage_that_cannot_begin_at_its_new_place_goes_back_to_its_old_one(tmp
         move_hosts(plan, moved(plan, ["b"], "pc-right"), pools)  # type: ignore[arg-type]
     assert [pool.began for pool in pools] == [["main", "main"], ["left"], ["right", "right"]]
     assert {worker.phase for pool in pools for worker in pool.workers.values()} == {"running"}
+
+
+@pytest.mark.parametrize("silent_from", ["leaving", "states", "plan"])
+def test_a_host_that_falls_silent_during_a_move_keeps_nobody_from_going_back(
+    tmp_path: Path, silent_from: str
+) -> None:
+    plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
+    silent = WorkerPool("pc-right", plan, silent_from=silent_from)
+    pools = [WorkerPool("", plan), WorkerPool("pc-left", plan), silent]
+    with pytest.raises(FollowspotError, match="host pc-right does not answer"):
+        move_hosts(plan, moved(plan, ["b"], "pc-right"), pools)  # type: ignore[arg-type]
+    assert {worker.phase for pool in pools for worker in pool.workers.values()} == {"running"}
+    assert [pool.began[-1:] for pool in pools] == [["main"], ["left"], ["right"]]
+
+
+def test_a_move_says_what_it_waits_for(tmp_path: Path) -> None:
+    plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
+    pools = [WorkerPool("", plan), WorkerPool("pc-left", plan), WorkerPool("pc-right", plan)]
+    said: list[str] = []
+    move_hosts(plan, moved(plan, ["b"], "pc-right"), pools, said.append)  # type: ignore[arg-type]
+    steps = ("check the new plan", "stop its workers", "give the states of its stages", "take the new plan")
+    assert said == [
+        f"{host} to {step}" for step in steps for host in ("this host", "host pc-left", "host pc-right")
+    ]
+
+
+def test_a_change_names_the_hosts_that_it_waits_for(tmp_path: Path) -> None:
+    plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
+    said: list[str] = []
+    places = [Place("pc-left"), Place("pc-right", "build")]
+    wanted = Change(swapped(plan), {}, plan.subgraphs)
+    with pytest.raises(FollowspotError, match="pc-right cannot"):
+        change_hosts(plan, places, wanted, fresh=False, on_wait=said.append)  # type: ignore[arg-type]
+    assert said[:2] == ["host pc-left to build the new stages", "host pc-right to build the new stages"]
+    assert "host pc-left to close the new stages" in said

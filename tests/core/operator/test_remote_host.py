@@ -14,13 +14,18 @@ import pytest
 from followspot.control.dispatch import Request, verb
 from followspot.control.host import HostLost, HostRefused, HostStatus, RunOrder, WorkerStatus
 from followspot.control.lifecycle import EndWorkers, FindRun, PrepareRun, StartRun, StopRun
+from followspot.control.move import MoveOrder
 from followspot.control.observation import GetHostStatus, GetLog
 from followspot.control.swap import ChangeOrder
 from followspot.control.zenoh_rpc import InvalidAnswer, RpcClient
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan_data import plan_to_data
 from followspot.log.record import LogPage, LogRecord
 from followspot.operator.remote import remote_host
 from followspot.operator.remote.remote_host import RemoteHost
 from followspot.operator.remote.remote_orders import RemoteOrders
+
+TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
 
 
 @dataclass
@@ -243,6 +248,22 @@ def test_a_host_that_was_cut_off_is_told_later_that_a_change_came_to_nothing() -
     agent.cut.append("change_order")
     with pytest.raises(HostLost):
         host.ask(ChangeOrder(id="2", step="build", stages=()))
+
+
+def test_a_host_that_was_cut_off_goes_back_later_after_a_move_that_failed(tmp_path: Path) -> None:
+    """The workers of the other hosts are back at their old places already."""
+    (tmp_path / "g.yaml").write_text("graph: g\nstages:\n  a: {uses: ticks.count}\n")
+    plan = plan_to_data(compile_graph(tmp_path / "g.yaml", plugin_files=[TICKS]))
+    agent = Forgetful("here", cut=["move_order", "move_order"])
+    host = operated(agent)
+    host.ask(MoveOrder(leaving=("left",), back=True))
+    host.ask(MoveOrder(plan=plan, back=True))
+    assert agent.asked == ["move_order"] * 2
+    host._poll()
+    assert agent.asked == ["move_order"] * 2 + ["get_host_status"] + ["move_order"] * 2
+    agent.cut.append("move_order")
+    with pytest.raises(HostLost):
+        host.ask(MoveOrder(leaving=("left",)))
 
 
 def test_an_order_that_an_agent_answers_wrongly_holds_up_no_later_one() -> None:

@@ -11,6 +11,7 @@ from typing import Any
 from followspot.control.host import Host, HostLost
 from followspot.control.swap import ChangeOrder, ChangePhase, Rested, Step
 from followspot.errors import FollowspotError
+from followspot.operator.change_under_way import OnWait, named, nobody
 
 _TIMEOUT = 60.0
 """Seconds in which a step must be done: some stages load models."""
@@ -20,6 +21,14 @@ _POLL_INTERVAL = 0.01
 """Seconds between two polls of the hosts."""
 _NO_WAY_BACK: tuple[Step, ...] = ("take_over", "go_on")
 """Steps that a host must do once another has begun."""
+_DOING: Mapping[Step, str] = {
+    "build": "build the new stages",
+    "hold": "hold the sources",
+    "rest": "come to rest",
+    "take_over": "let the new stages take over",
+    "go_on": "go on",
+    "discard": "close the new stages",
+}
 
 
 @dataclass(frozen=True)
@@ -61,8 +70,9 @@ class HostPart:
 class ChangeSteps:
     """Leads a change through its steps. parts: of the hosts that take part."""
 
-    def __init__(self, parts: Sequence[HostPart]) -> None:
+    def __init__(self, parts: Sequence[HostPart], on_wait: OnWait = nobody) -> None:
         self._parts = parts
+        self._on_wait = on_wait
         self._turn = 0
 
     def do(self, step: Step, phase: ChangePhase, until: int = -1, leaving: Sequence[str] = ()) -> Rested:
@@ -72,8 +82,9 @@ class ChangeSteps:
         """
         deadline = self._begin(_TIMEOUT)
         for part in self._parts:
+            self._await(step, [part])
             part.tell(self._fields(step, part, until=until, leaving=tuple(leaving)), deadline)
-        return self._wait_for(phase, deadline)
+        return self._wait_for(step, phase, deadline)
 
     def build(self) -> None:
         """Let all build what is new. Raises FollowspotError: what was built is discarded then."""
@@ -90,10 +101,11 @@ class ChangeSteps:
         """
         deadline = self._begin(_DISCARD_TIMEOUT)
         for part in self._parts:
+            self._await("discard", [part])
             with suppress(FollowspotError):
                 part.tell(self._fields("discard", part), deadline)
         with suppress(FollowspotError):
-            self._wait_for("done", deadline)
+            self._wait_for("discard", "done", deadline)
 
     def _begin(self, timeout: float) -> float:
         """Begin the next step; returns when it must be done, s, monotonic."""
@@ -104,12 +116,18 @@ class ChangeSteps:
         plan = part.order.plan if step in ("build", "take_over") else None
         return {**fields, "step": step, "turn": self._turn, "plan": plan}
 
-    def _wait_for(self, phase: ChangePhase, deadline: float) -> Rested:
+    def _await(self, step: Step, parts: Sequence[HostPart]) -> None:
+        self._on_wait(f"{named(part.host.name for part in parts)} to {_DOING[step]}")
+
+    def _wait_for(self, step: Step, phase: ChangePhase, deadline: float) -> Rested:
         """Wait until all hosts have done the step. Raises FollowspotError."""
         while True:
-            found = [answer for part in self._parts if (answer := part.answer(self._turn, phase)) is not None]
+            answers = [part.answer(self._turn, phase) for part in self._parts]
+            found = [answer for answer in answers if answer is not None]
             if len(found) == len(self._parts):
                 return Rested.of(found)
+            behind = [part for part, answer in zip(self._parts, answers, strict=True) if answer is None]
+            self._await(step, behind)
             if time.monotonic() > deadline:
                 raise FollowspotError(f"the change was not made within {_TIMEOUT:.0f} s")
             time.sleep(_POLL_INTERVAL)

@@ -15,6 +15,7 @@ from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.operator.change.change_steps import ChangeSteps, HostPart
 from followspot.operator.change.rewire import rewire
+from followspot.operator.change_under_way import OnWait, nobody
 from followspot.operator.changed import Changed, changed, with_change
 from followspot.operator.run_requests import ChangeStages
 
@@ -35,32 +36,34 @@ def change_stages(run: Coordinator, request: ChangeStages) -> Changed:
         if found.rewired is not None:
             rewire(run, new, fresh=request.fresh)
         elif found.stages or found.subgraphs != run.plan.subgraphs:
-            change_hosts(run.plan, run.hosts, found, fresh=request.fresh)
+            change_hosts(run.plan, run.hosts, found, fresh=request.fresh, on_wait=run.change.wait_for)
         run.plan = new
         return report
 
 
-def change_hosts(plan: Plan, hosts: Sequence[Host], wanted: Change, *, fresh: bool) -> None:
+def change_hosts(
+    plan: Plan, hosts: Sequence[Host], wanted: Change, *, fresh: bool, on_wait: OnWait = nobody
+) -> None:
     """Replace the stages of the names in `wanted`. Safe beside the thread that attends the hosts.
 
     Raises FollowspotError with the reason if a replacement cannot be built, cannot restore the state of the
     old stage, or does not take over. The old stages then run again on every host.
     """
-    steps = _steps(plan, hosts, wanted.stages, wanted.subgraphs, fresh)
+    steps = _steps(plan, hosts, wanted.stages, wanted.subgraphs, fresh, on_wait)
     steps.build()
     try:
         steps.do("take_over", "done")
     except FollowspotError:
-        _undo(plan, hosts, wanted.stages)
+        _undo(plan, hosts, wanted.stages, on_wait)
         raise
 
 
-def _undo(plan: Plan, hosts: Sequence[Host], stages: Sequence[PlannedStage]) -> None:
+def _undo(plan: Plan, hosts: Sequence[Host], stages: Sequence[PlannedStage], on_wait: OnWait) -> None:
     """Let the stages of the plan take over again on each host that answers."""
     names = {stage.name for stage in stages}
     former = [stage for stage in plan.stages if stage.name in names]
     for host in hosts:
-        steps = _steps(plan, [host], former, plan.subgraphs, fresh=False)
+        steps = _steps(plan, [host], former, plan.subgraphs, False, on_wait)
         with suppress(FollowspotError):
             steps.build()
             steps.do("take_over", "done")
@@ -72,6 +75,7 @@ def _steps(
     stages: Sequence[PlannedStage],
     subgraphs: tuple[SubgraphUse, ...],
     fresh: bool,
+    on_wait: OnWait,
 ) -> ChangeSteps:
     """The steps that put these stages in; every host of a run knows all its sub-graphs."""
     known = subgraphs if subgraphs != plan.subgraphs else None
@@ -81,4 +85,4 @@ def _steps(
         own = tuple(stage for stage in stages if plan.host_of(stage.worker) == host.name)
         if own or known is not None:
             parts.append(HostPart(host, order.model_copy(update={"stages": own})))
-    return ChangeSteps(parts)
+    return ChangeSteps(parts, on_wait)

@@ -16,6 +16,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.change.difference import differing_workers
 from followspot.graph.plan import Plan
 from followspot.operator.change.change_steps import ChangeSteps, HostPart
+from followspot.operator.change_under_way import OnWait
 
 _BEGIN_TIMEOUT = 5.0
 """Seconds in which workers that start must run."""
@@ -35,7 +36,9 @@ def _running_workers(hosts: Sequence[Host], old: Plan, new: Plan) -> Mapping[str
     return running
 
 
-def rewire_together(hosts: Sequence[Host], old: Plan, new: Plan, order: ChangeOrder) -> list[Host]:
+def rewire_together(
+    hosts: Sequence[Host], old: Plan, new: Plan, order: ChangeOrder, on_wait: OnWait
+) -> list[Host]:
     """Bring all running workers from the old plan to the new one; returns the hosts without any.
 
     Raises FollowspotError if a stage cannot be built, or a worker has ended or does not come to rest: the run
@@ -47,7 +50,7 @@ def rewire_together(hosts: Sequence[Host], old: Plan, new: Plan, order: ChangeOr
         for host in hosts
         if running[host.name]
     ]
-    steps = ChangeSteps(parts)
+    steps = ChangeSteps(parts, on_wait)
     steps.build()
     try:
         if old.live:

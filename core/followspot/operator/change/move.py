@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from followspot.control.host import Host, WorkerStatus
+from followspot.control.host import Host, HostLost, WorkerStatus
 from followspot.control.move import MoveOrder
 from followspot.control.observation import GetStates
 from followspot.errors import FollowspotError
 from followspot.graph.change.move import anew, moved
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_to_data
+from followspot.host.heartbeat import SILENCE
+from followspot.operator.change_under_way import OnWait, named, nobody
 from followspot.operator.changed import Moved
 from followspot.operator.run_requests import MoveStages
 
@@ -31,59 +34,96 @@ def move_stages(run: Coordinator, request: MoveStages) -> Moved:
 
     Workers whose stages or kinds of edges change restart from the state of their stages. Messages in flight
     to and from them are lost and counted. Raises InputError for mistakes in the request, FollowspotError if a
-    host refuses or a worker cannot start at its new place.
+    host refuses, does not answer or a worker cannot start at its new place.
     """
     with run.one_change():
         new = moved(run.plan, request.stages, request.place, run.others.names() if run.others else ())
         report = Moved.of(run.name, run.plan, new)
         if report.stages:
             run.join({worker.host for worker in new.workers} - {host.name for host in run.hosts})
-            move_hosts(run.plan, new, run.hosts)
+            move_hosts(run.plan, new, run.hosts, run.change.wait_for)
             run.plan = replace(new, notes=(*new.notes, f"while it ran: {report.text}"))
         return report
 
 
-def move_hosts(old: Plan, new: Plan, hosts: Sequence[Host]) -> None:
+def move_hosts(old: Plan, new: Plan, hosts: Sequence[Host], on_wait: OnWait = nobody) -> None:
     """Bring a run from the old plan to the new one. Safe beside the thread that attends the hosts.
 
     Raises FollowspotError if a host refuses the new plan, before any worker has left; or if a worker cannot
     begin at its new place: then all go back to their old places.
     """
-    for host in hosts:
+    for host in _each(hosts, "to check the new plan", on_wait):
         host.ask(MoveOrder(plan=plan_to_data(new), trial=True))
     leaving = anew(old, new)
     try:
-        _replace(new, hosts, leaving)
-    except FollowspotError:
-        _replace(old, hosts, leaving)
+        _replace(new, hosts, leaving, on_wait)
+    except FollowspotError as error:
+        _go_back(old, hosts, leaving, on_wait, error)
         raise
 
 
-def _replace(new: Plan, hosts: Sequence[Host], leaving: set[str]) -> None:
-    """Let the workers that must restart leave, and start them at their new places."""
-    for host in hosts:
-        host.ask(MoveOrder(leaving=tuple(sorted(leaving))))
-    _await_absent(leaving, hosts)
-    states = {stage: state for host in hosts for stage, state in host.ask(GetStates()).items()}
+def _go_back(
+    old: Plan, hosts: Sequence[Host], leaving: set[str], on_wait: OnWait, error: FollowspotError
+) -> None:
+    """Bring all workers back to their old places. error: why the move failed.
+
+    Raises FollowspotError if they do not begin there; those of a silent host do when it answers.
+    """
+    try:
+        _replace(old, hosts, leaving, on_wait, back=True)
+    except FollowspotError as after:
+        raise FollowspotError(f"{error}\n    on the way back: {after}") from None
+
+
+def _replace(
+    new: Plan, hosts: Sequence[Host], leaving: set[str], on_wait: OnWait, *, back: bool = False
+) -> None:
+    """Let the workers that must restart leave, and start them at their new places.
+
+    back: on the way back no host may hold up the others. Raises FollowspotError.
+    """
+    for host in _each(hosts, "to stop its workers", on_wait):
+        host.ask(MoveOrder(leaving=tuple(sorted(leaving)), back=back))
+    _await_absent(leaving, hosts, on_wait)
+    states: dict[str, Any] = {}
+    for host in _each(hosts, "to give the states of its stages", on_wait):
+        with suppress(*[HostLost] if back else []):
+            states |= host.ask(GetStates())
     before = {worker.name: worker.restarts for worker in _workers(hosts)}
     told = {host.name: frozenset(host.status().news) for host in hosts}
-    for host in hosts:
+    for host in _each(hosts, "to take the new plan", on_wait):
         own = {stage: state for stage, state in states.items() if new.host_of_stage(stage) == host.name}
-        host.ask(MoveOrder(plan=plan_to_data(new), states=own))
+        host.ask(MoveOrder(plan=plan_to_data(new), states=own, back=back))
+    await_running = _await_back if back else _await_running
     try:
-        _await_running(leaving & {worker.name for worker in new.workers}, hosts, before)
+        await_running(leaving & {worker.name for worker in new.workers}, hosts, before, on_wait)
     except FollowspotError as error:
         raise FollowspotError("\n    ".join((str(error), *_faults_since(told, hosts)))) from None
 
 
-def _await_absent(workers: set[str], hosts: Sequence[Host]) -> None:
-    """Wait until all these workers are absent. Raises FollowspotError after a timeout."""
+def _each(hosts: Sequence[Host], doing: str, on_wait: OnWait) -> Iterator[Host]:
+    """The hosts, each of which is awaited while it is asked."""
+    for host in hosts:
+        on_wait(f"{named([host.name])} {doing}")
+        yield host
+
+
+def _await_absent(workers: set[str], hosts: Sequence[Host], on_wait: OnWait) -> None:
+    """Wait until all these workers are absent, but for those of silent hosts.
+
+    Raises FollowspotError after a timeout.
+    """
     for _ in _polls("workers did not leave"):
-        if all(worker.phase == "absent" for worker in _workers(hosts) if worker.name in workers):
+        heard = [host for host in hosts if (host.status().age_s or 0.0) <= SILENCE]
+        there = [w.name for w in _workers(heard) if w.name in workers and w.phase != "absent"]
+        if not there:
             return
+        on_wait(f"worker {', '.join(there)} to stop")
 
 
-def _await_running(workers: set[str], hosts: Sequence[Host], before: Mapping[str, int]) -> None:
+def _await_running(
+    workers: set[str], hosts: Sequence[Host], before: Mapping[str, int], on_wait: OnWait
+) -> None:
     """Wait until all these workers run again. Raises FollowspotError if one dies while it starts.
 
     before: the number of restarts of each worker before the move.
@@ -97,8 +137,20 @@ def _await_running(workers: set[str], hosts: Sequence[Host], before: Mapping[str
             if again or worker.phase in ("absent", "over"):
                 why = f": {worker.report.error}" if worker.report is not None else ""
                 raise FollowspotError(f"worker {worker.name} cannot begin at its new place{why}")
-        if len(fresh) == len(workers) and all(worker.phase == "running" for worker in fresh):
+        behind = sorted(workers - {worker.name for worker in fresh if worker.phase == "running"})
+        if not behind:
             return
+        on_wait(f"worker {', '.join(behind)} to begin")
+
+
+def _await_back(workers: set[str], hosts: Sequence[Host], before: Mapping[str, int], on_wait: OnWait) -> None:
+    """The same at their old places, where a worker that dies is started again."""
+    for _ in _polls("workers did not begin at their old places"):
+        fresh = (w for w in _workers(hosts) if w.restarts > before.get(w.name, -1) and w.phase == "running")
+        behind = sorted(workers - {worker.name for worker in fresh})
+        if not behind:
+            return
+        on_wait(f"worker {', '.join(behind)} to begin at its old place")
 
 
 def _faults_since(told: Mapping[str, frozenset[str]], hosts: Sequence[Host]) -> Iterator[str]:

@@ -19,6 +19,7 @@ from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_to_data
 from followspot.operator.change.change_steps import ChangeSteps, HostPart
 from followspot.operator.change.joint_rewire import rewire_together
+from followspot.operator.change_under_way import OnWait, named
 from followspot.worker.wiring import Wiring
 
 if TYPE_CHECKING:
@@ -36,17 +37,18 @@ def rewire(run: Coordinator, new: Plan, *, fresh: bool) -> None:
     worker = only_worker(old, new)
     if worker is not None and not _noticing(old, new) - {worker}:
         host = next(found for found in run.hosts if found.name == new.host_of(worker))
-        _rewire_alone(host, old, order.model_copy(update={"workers": (worker,)}))
+        _rewire_alone(host, old, order.model_copy(update={"workers": (worker,)}), run.change.wait_for)
         others = [other for other in run.hosts if other is not host]
     else:
-        others = rewire_together(run.hosts, old, new, order)
+        others = rewire_together(run.hosts, old, new, order, run.change.wait_for)
     for other in others:
+        run.change.wait_for(f"{named([other.name])} to take the new plan")
         other.ask(MoveOrder(plan=data))
 
 
-def _rewire_alone(host: Host, old: Plan, order: ChangeOrder) -> None:
+def _rewire_alone(host: Host, old: Plan, order: ChangeOrder, on_wait: OnWait) -> None:
     """Let a worker take the new plan while the others go on. Raises FollowspotError."""
-    steps = ChangeSteps([HostPart(host, order)])
+    steps = ChangeSteps([HostPart(host, order)], on_wait)
     steps.build()
     try:
         steps.do("take_over", "done")

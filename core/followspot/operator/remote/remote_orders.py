@@ -145,7 +145,7 @@ class RemoteOrders:
         """One step of a move; an agent that restarts resumes with the stages as they are then."""
         assert self.order is not None
         plan = order.plan and packed(plan_from_data(order.plan), self._host, self._media)
-        self._send(order.model_copy(update={"plan": plan}))
+        (self._deliver if order.back else self._send)(order.model_copy(update={"plan": plan}))
         if plan is not None and not order.trial:
             self.order = replace(self.order, plan=plan)
 

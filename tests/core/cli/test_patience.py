@@ -1,0 +1,92 @@
+"""What a command says while it waits for a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from threading import Event
+from typing import Any
+
+import pytest
+
+from followspot.cli.patience import awaited, telling
+from followspot.control.dispatch import NoAnswer, Request
+from followspot.control.host import HostLost, HostStatus, RunOrder, WorkerStatus
+from followspot.control.swap import ChangeOrder
+from followspot.errors import FollowspotError
+from followspot.graph.compile import compile_graph
+from followspot.log.run_log import RunLog
+from followspot.operator.coordinator import Coordinator
+from followspot.operator.run_dispatcher import run_dispatcher
+from followspot.operator.run_handle import RunHandle
+from followspot.operator.run_requests import Surroundings
+
+TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
+
+
+class Silent:
+    """A host that does not answer; meanwhile it asks the run what it waits for."""
+
+    name = "pc-left"
+
+    def __init__(self) -> None:
+        self.log = RunLog()
+        self.handle: RunHandle
+        self.heard: list[str] = []
+
+    def ask(self, order: ChangeOrder) -> None:
+        self.heard.append(awaited(self.handle))
+        raise HostLost("host pc-left does not answer")
+
+    def status(self) -> HostStatus:
+        return HostStatus((WorkerStatus("main", "running"),), (), age_s=6.0)
+
+
+def test_a_change_that_waits_says_for_which_host_and_since_when_it_is_silent(tmp_path: Path) -> None:
+    (tmp_path / "g.yaml").write_text("graph: g\nstages:\n  a: {uses: ticks.live}\n")
+    (tmp_path / "p.yaml").write_text("placement: p\nworkers:\n  main: {host: pc-left, stages: [a]}\n")
+    plan = compile_graph(tmp_path / "g.yaml", placement=tmp_path / "p.yaml", plugin_files=[TICKS])
+    host = Silent()
+    run = Coordinator(plan, [host], RunOrder("feedc0de", {}), begun=True)  # type: ignore[list-item]
+    dispatcher = run_dispatcher(run, Surroundings())
+    host.handle = RunHandle("feedc0de", "g", lambda request, timeout: dispatcher.dispatch(request))
+    with pytest.raises(FollowspotError, match="does not answer"):
+        host.handle.change(["a.period=0.5"])
+    assert host.heard[0] == (
+        "host pc-left to build the new stages; host pc-left is absent: last heard 6 s ago"
+    )
+    assert run.status().change_awaits == ""
+
+
+def test_a_run_whose_process_is_suspended_is_said_to_be(capsys: pytest.CaptureFixture[str]) -> None:
+    def ask(request: Request, timeout: float) -> Any:
+        raise NoAnswer("the run feedc0de does not answer: its process 7 is suspended")
+
+    assert awaited(RunHandle("feedc0de", "g", ask)) == (
+        "an answer: the run feedc0de does not answer: its process 7 is suspended"
+    )
+
+
+def test_what_lasts_is_told_again_on_standard_error_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    asked: list[int] = []
+    twice = Event()
+
+    def what() -> str:
+        asked.append(len(asked))
+        if len(asked) == 3:
+            twice.set()
+        return f"host pc-{len(asked)}"
+
+    with telling(what, first=0.01, following=0.01):
+        assert twice.wait(60.0)
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.splitlines()[:2] == [
+        "followspot: waiting for host pc-1 (0 s so far)",
+        "followspot: waiting for host pc-2 (0 s so far)",
+    ]
+
+
+def test_what_is_done_soon_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    with telling(lambda: "nobody", first=3600.0):
+        pass
+    assert capsys.readouterr().err == ""
