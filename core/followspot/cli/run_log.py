@@ -1,8 +1,9 @@
-"""The log of a run: all records go to a file, warnings and errors also to standard error, or all."""
+"""The log of a run: all records go to a file, what a user should know also to standard error, or all."""
 
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,12 +11,17 @@ from followspot.log.file import LogFile
 from followspot.log.record import LogRecord
 
 _MOST = 50
-"""Lines on standard error at most; the file has all records."""
+"""Kinds of lines on standard error at most; the file has all records."""
+_EVENTS = 20
+"""Lines at most of one kind that tell what becomes of a host or a worker: they come and go more than once."""
 _NUMBER = re.compile(r"\d+")
 
 
 class ShownLog:
-    """Writes each record to the output folder; shows warnings and errors, similar ones once.
+    """Writes each record to the output folder; shows warnings and errors, similar ones of a stage once.
+
+    What becomes of a host, a worker or the run itself is shown each time, also that it is well again: the
+    last line about a host must not be of an earlier state.
 
     say: shows a line; verbose: whether to show every record.
     """
@@ -24,7 +30,7 @@ class ShownLog:
         self._file = LogFile(out)
         self._say = say
         self._verbose = verbose
-        self._shown: set[tuple[str, str, str]] = set()
+        self._shown: Counter[tuple[str, ...]] = Counter()
 
     def take(self, record: LogRecord) -> None:
         """Take a record. Threads must not call this at the same time."""
@@ -32,13 +38,17 @@ class ShownLog:
         if self._verbose:
             self._say(f"followspot: {line_of(record)}")
             return
-        if record.level == "info" or len(self._shown) >= _MOST:
+        kind = (record.host, record.worker, record.stage, _NUMBER.sub("#", record.text))
+        event = not record.stage
+        if (record.level == "info" and not event) or (kind not in self._shown and len(self._shown) >= _MOST):
             return
-        kind = (record.worker, record.stage, _NUMBER.sub("#", record.text))
-        if kind not in self._shown:
-            self._shown.add(kind)
-            self._say(f"followspot: {line_of(record)}")
-            if len(self._shown) == _MOST:
+        self._shown[kind] += 1
+        if self._shown[kind] <= (_EVENTS if event else 1):
+            last = event and self._shown[kind] == _EVENTS
+            self._say(
+                f"followspot: {line_of(record)}" + (f"; more like it: {self._file.path}" if last else "")
+            )
+            if self._shown[kind] == 1 and len(self._shown) == _MOST:
                 self._say(f"followspot: for further warnings see followspot logs, or {self._file.path}")
 
 
