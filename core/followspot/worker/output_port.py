@@ -102,6 +102,11 @@ class OutputPort(PortEdges):
         """End the stream."""
         self.advance(END)
 
+    @property
+    def count_produced(self) -> int:
+        """The number of messages of this run that count as produced; 0 without an edge."""
+        return max((self.words[row + PRODUCED] for row in self.all_rows), default=0)
+
     def produced(self) -> None:
         """Count a message that a live source has made; called in the source's thread."""
         self._count(self.all_rows, PRODUCED)

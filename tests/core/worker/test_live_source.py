@@ -67,10 +67,10 @@ class Twin(Device):
 
 
 class Bench:
-    """A live source with a reader for each port in the same worker."""
+    """A live source with a reader for each port in the same worker. ledger: of a worker that died."""
 
-    def __init__(self, device: Device, *ports: str) -> None:
-        self.ledger = Ledger(len(ports) + 1)
+    def __init__(self, device: Device, *ports: str, ledger: Ledger | None = None) -> None:
+        self.ledger = Ledger(len(ports) + 1) if ledger is None else ledger
         self.queues = []
         outputs = {}
         for n, port in enumerate(ports):
@@ -204,3 +204,64 @@ def test_each_port_of_a_source_counts_what_it_was_given() -> None:
     assert [bench.count(n).dropped for n in (0, 1)] == [1, 2]
     assert [len(queue.messages) for queue in bench.queues] == [1, 1]
     bench.runner.stop()
+
+
+class Wrong(Device):
+    """Gives what is no message of its port."""
+
+    def process(self) -> Source[Note]:
+        yield from self.items(lambda n: n)  # type: ignore[misc]
+
+
+def test_a_device_that_is_built_anew_at_the_limit_gives_nothing_more() -> None:
+    first, second = Wrong(), Device()
+    first.context = Context(warn=lambda text: None)
+    bench = Bench(first, "out")
+    bench.runner.on_error, bench.runner.limit = "restart", 3
+    bench.begin()
+    bench.runner.build = lambda: second
+    bench.device.make(2)
+    bench.device.wanted.release()
+    assert bench.runner._thread is not None
+    bench.runner._thread.join(60)
+    second.wanted.release(10)
+    bench.pull_all()
+    bench.runner._thread.join(60)
+    assert bench.runner.done
+    assert (second.made, bench.count().produced, bench.count().invalid) == (0, 3, 2)
+
+
+def test_the_limit_counts_what_the_device_before_a_swap_still_gives() -> None:
+    first, second = Device(), Device()
+    bench = Bench(first, "out")
+    bench.runner.limit = 3
+    bench.begin()
+    bench.device.make(2)
+    old = bench.runner._thread
+    bench.runner.replace_stage(second, lambda: second)
+    first.wanted.release()
+    assert old is not None
+    old.join(60)
+    second.wanted.release(10)
+    assert bench.runner._thread is not None
+    bench.runner._thread.join(60)
+    bench.pull_all()
+    assert bench.runner.done
+    assert bench.count().produced == 3
+
+
+def test_a_worker_that_is_started_again_takes_what_is_left_of_the_limit() -> None:
+    died = Bench(Device(), "out")
+    died.runner.limit = 3
+    died.begin()
+    died.device.make(2)
+    again = Bench(Device(), "out", ledger=died.ledger)
+    again.runner.limit = 3
+    again.begin()
+    again.device.wanted.release(5)
+    assert again.runner._thread is not None
+    again.runner._thread.join(60)
+    again.pull_all()
+    assert again.runner.done
+    assert (again.device.made, again.count().produced) == (1, 3)
+    died.runner.stop()

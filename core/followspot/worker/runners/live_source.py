@@ -41,8 +41,10 @@ class LiveSourceRunner(SourceRunner):
         """Start the thread that grabs frames."""
         self._lock = threading.Lock()
         self._newest: deque[Any] = deque()
-        self._grabbed = self._overrun = 0
-        """Messages that came; `_overrun`: those that were dropped since the worker last took one."""
+        self._grabbed = max((output.count_produced for _, output in self.outputs), default=0)
+        """Messages that came, also to a worker of the run that died."""
+        self._overrun = 0
+        """Messages that were dropped since the worker last took one."""
         self._shut = False
         """Whether the thread may add no more."""
         for _, output in self.outputs:
@@ -90,7 +92,9 @@ class LiveSourceRunner(SourceRunner):
 
     def _begin(self) -> None:
         self._error: BaseException | None = None
-        self._over = False
+        self._over = self._full
+        if self._over:
+            return
         self._thread = threading.Thread(target=self._grab, args=(self.stage,), name=self.name, daemon=True)
         self._thread.start()
 
@@ -123,7 +127,7 @@ class LiveSourceRunner(SourceRunner):
     def _keep(self, item: Any, stage: Stage) -> bool:
         """Count an item and keep it for the worker; whether to go on."""
         with self._lock:
-            if self._shut:
+            if self._shut or self._full:
                 return False
             self._grabbed += 1
             for output in self._outputs_of(item):
@@ -134,7 +138,12 @@ class LiveSourceRunner(SourceRunner):
             if len(self._newest) == self.depth:
                 self._drop(self._newest.popleft()[0])
             self._newest.append((item, self.clock.now(), time.time_ns()))
-            return not self.stopped and self._grabbed != self.limit
+            return not (self.stopped or self._full)
+
+    @property
+    def _full(self) -> bool:
+        """Whether all devices together have given as many frames as the run takes."""
+        return self.limit is not None and self._grabbed >= self.limit
 
     def _drop(self, item: Any) -> None:
         """Count an item that is dropped."""
