@@ -22,7 +22,7 @@ from tests.integration.hosts import near_agent
 
 from followspot.cli.main import main
 from followspot.control.host import HostLost
-from followspot.host.clocks.host import read_clock
+from followspot.host.clocks.host import HostClock
 from followspot.security.authority import create_authority
 from followspot_doctor.checks.hosts import _clock, certificates
 from followspot_doctor.checks.network import PORTS
@@ -268,7 +268,7 @@ def test_a_host_that_is_busy_for_a_moment_tells_its_clock_all_the_same() -> None
             self.asked += 1
             if self.asked == 1:
                 raise HostLost(f"host {agent} does not answer")
-            return read_clock(80_000_000)
+            return HostClock(known=80_000_000).read()
 
     assert "ms ahead of this one" in _clock(Busy(), "pc-left").text  # type: ignore[arg-type]
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 
 import pydantic
 
-from followspot.control.dispatch import Request, Role, RunRequest
+from followspot.control.dispatch import Role, RunRequest
 from followspot.control.host import HostStatus
 from followspot.log.record import LogPage
 from followspot.messages import MAX_TIME
@@ -48,8 +48,11 @@ class GetStates(RunRequest):
     long_answer: ClassVar[bool] = True
 
 
-class ReadClock(Request):
-    """Read the clocks of a host; any host may ask, to compare them with its own."""
+class ReadClock(RunRequest):
+    """Read the clocks of a host; any host may ask, to compare them with its own.
+
+    run: its times go on if the wall clock of the host is set; "" for that clock as it is.
+    """
 
     roles: ClassVar[tuple[Role, ...]] = ("host",)
     answer: ClassVar[Any] = ClockReading

@@ -16,8 +16,9 @@ from followspot.ranges import Count, Incarnation, Nanoseconds
 from followspot.transport.zenoh.network import Network
 
 Side = Literal["sending", "receiving"]
-Correction = tuple[Nanoseconds, Nanoseconds]
-"""Offsets to add to capture times and to the monotonic clock of a host, ns."""
+Correction = tuple[Nanoseconds, Nanoseconds, Nanoseconds]
+"""Offsets to add to capture times and to the monotonic clock of a host, and the lead of its wall clock over
+the monotonic one with which the first of them is right, ns."""
 
 
 class WorkerOrder(Request):

@@ -23,7 +23,7 @@ from followspot.control.lifecycle import (
     StopRun,
 )
 from followspot.control.move import MoveOrder
-from followspot.control.observation import GetHostStatus, GetLog, GetStates, ReadClock
+from followspot.control.observation import ClockReading, GetHostStatus, GetLog, GetStates, ReadClock
 from followspot.control.plan_transfer import unpacked, unpacked_stages
 from followspot.control.relay import Relayed
 from followspot.control.swap import ChangeOrder
@@ -34,7 +34,7 @@ from followspot.graph.change.stages import with_stages
 from followspot.graph.plan_data import plan_from_data, plan_to_data
 from followspot.host.agent_run import AgentRun
 from followspot.host.agent_runs import AgentRuns
-from followspot.host.clocks.host import HostClock, read_clock
+from followspot.host.clocks.host import HostClock
 from followspot.host.local_host import LocalHost
 from followspot.host.operator_timeout import OPERATOR_TIMEOUT
 from followspot.log.file import LogFile
@@ -159,13 +159,18 @@ class Agent:
                 ChangeOrder: self.change,
                 MoveOrder: self.move,
                 **dict.fromkeys(RELAYED, self.relay),
-                ReadClock: lambda _: read_clock(self.options.clock_offset),
+                ReadClock: lambda request: self._read_clock(request.run),
                 CloseRun: lambda request: runs.close(request.run),
                 FindRun: lambda request: runs.known(request.run),
                 ListRuns: lambda _: runs.listing(),
                 GetOrder: lambda request: runs.agent_run(request.run).order,
             },
         )
+
+    def _read_clock(self, run: str) -> ClockReading:
+        """The clocks here, as a run has them that goes on here."""
+        clocks = (found.run.clock for found in self.agent_runs if found.order.run == run)
+        return next(clocks, HostClock(known=self.options.clock_offset)).read()
 
     def _ask(self, request: RunRequest) -> Any:
         """What the run of the request answers. Raises FollowspotError if there is none of this name."""

@@ -178,12 +178,15 @@ class LocalHost:
     def _follow_clock(self) -> None:
         """Follow the reference clock of the run, which may have joined with a move."""
         if (host := self.order.reference or reference(self.plan)) not in ("", self.name):
-            self.clock.follow(host)
+            self.clock.follow(host, self.order.run)
 
     def _attend_clock(self) -> None:
         """Send a new clock correction to the workers; warn the user of a large offset."""
         if (correction := self.clock.news()) is not None:
             self.pool.tell(SetClock(correction=correction))
+        if (step := self.clock.step_news()) is not None:
+            line = f"the clock of this host was set by {step / 1e6:+.1f} ms since the run began"
+            self.tell("warning", f"{line}; the times of the run go on as before")
         if warning := self._clock_warnings.news(self.clock.status()):
             self.tell("warning", warning)
 

@@ -13,7 +13,7 @@ from followspot.control.lifecycle import EndWorkers, StartRun
 from followspot.control.relay import Relayed
 from followspot.control.swap import ChangeStatus
 from followspot.control.worker_messages import ChangeAnswer, Log, StageCheckpoint
-from followspot.control.worker_orders import BuildWorker, TakeRing
+from followspot.control.worker_orders import BuildWorker, Correction, TakeRing
 from followspot.errors import FollowspotError
 from followspot.graph.change.move import host_workers
 from followspot.graph.change.stages import with_stages
@@ -73,7 +73,7 @@ class WorkerPool:
         """The workers that the plan places on this host."""
         return [worker.name for worker in host_workers(self.plan, self._host)]
 
-    def spawn(self, name: str, incarnation: int, correction: tuple[int, int], *, again: bool = False) -> None:
+    def spawn(self, name: str, incarnation: int, correction: Correction, *, again: bool = False) -> None:
         """Start a worker and send it its plan. Raises OSError.
 
         correction: offsets to add to its clocks, ns; again: True if other workers may be running already.

@@ -120,7 +120,7 @@ class BuiltWorker:
         self.publish_ports()
 
     def _set_clock(self, order: SetClock) -> None:
-        self.options.clock.captured, self.options.clock.steady = order.correction
+        self.options.clock.correct(*order.correction)
 
     def _leave_run(self, _: LeaveRun) -> None:
         """Send checkpoints and end the worker in the middle of its streams. Raises ChannelClosed."""

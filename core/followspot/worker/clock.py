@@ -3,25 +3,41 @@
 from __future__ import annotations
 
 import time
+from typing import NamedTuple
+
+from followspot.wall_clock import lead, set_since
 
 _NEAR = 10_000_000_000
 """ns: a capture time this close to the host's clock was read from it, and not from a recording."""
 
 
+class Arrival(NamedTuple):
+    """When a message came. wall: by the wall clock of this host, ns; offset: to the run's time then, ns."""
+
+    wall: int
+    offset: int
+
+
 class Clock:
     """Clock offsets of one host, which the operator sets while the graph runs, and when the run began.
 
-    captured: ns to add to capture times of live sources, which the wall clock gives; steady: ns to add to the
-    monotonic clock, which measures latency and deadlines; begun: when the stages of this host began, ns
-    of its monotonic clock, 0 before.
+    steady: ns to add to the monotonic clock, which measures latency and deadlines; begun: when the stages of
+    this host began, ns of its monotonic clock, 0 before.
     """
 
-    __slots__ = ("begun", "captured", "steady")
+    __slots__ = ("_captured", "begun", "steady")
 
-    def __init__(self, captured: int = 0, steady: int = 0) -> None:
-        self.captured = captured
-        self.steady = steady
+    def __init__(self, captured: int = 0, steady: int = 0, before: int | None = None) -> None:
+        """See `correct`; before: None for the lead that it has now."""
+        self.correct(captured, steady, lead() if before is None else before)
         self.begun = 0
+
+    def correct(self, captured: int, steady: int, before: int) -> None:
+        """Take new offsets. captured: ns to add to capture times of live sources, which the wall clock gives,
+        while its lead over the monotonic clock is `before`, ns; if it is set, the run's times go on.
+        """
+        self._captured = captured, before
+        self.steady = steady
 
     def run_begun(self) -> int:
         """When the stages of this host began, ns of its monotonic clock: now, if they have not yet."""
@@ -31,8 +47,15 @@ class Clock:
         """The reference host's monotonic clock, ns."""
         return time.monotonic_ns() + self.steady
 
-    def capture_time(self, given: int) -> int:
-        """A live source's capture time `given`, ns, on the reference clock; recorded times stay the same."""
-        if self.captured and abs(given - time.time_ns()) < _NEAR:
-            return given + self.captured
-        return given
+    def arrival(self) -> Arrival:
+        """The present moment for a message that has just come. Safe from any thread."""
+        captured, before = self._captured
+        return Arrival(time.time_ns(), captured - set_since(before))
+
+    def capture_time(self, given: int, came: Arrival | None = None) -> int:
+        """A live source's capture time `given`, ns, on the reference clock; recorded times stay the same.
+
+        came: when the message came, now if None.
+        """
+        wall, offset = came or self.arrival()
+        return given + offset if abs(given - wall) < _NEAR else given

@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import random
 import time
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from followspot import wall_clock
 from followspot.control.clock_status import LIMIT_MS, ClockStatus, ClockWarnings
+from followspot.host.clocks import host as host_clock
 from followspot.host.clocks.filter import ClockFilter, Exchange
 from followspot.host.clocks.host import HostClock
 from followspot.security.request_guard import Asked, Rejected, RequestGuard, envelope
+from followspot.worker import clock as worker_clock
 from followspot.worker.clock import Clock
 
 MS = 1_000_000
+S = 1_000_000_000
 
 
 def exchange(offset: int, there: int, back: int) -> Exchange:
@@ -125,9 +130,57 @@ def test_a_clock_is_warned_about_each_time_that_it_is_set_wrongly_and_not_more_o
 def test_a_host_without_peers_adds_its_configured_offset() -> None:
     clock = HostClock(known=25 * MS)
     clock.follow("pc-left")
-    assert clock.correction() == (25 * MS, 0)
-    assert clock.news() == (25 * MS, 0)
+    assert clock.correction()[:2] == (25 * MS, 0)
+    assert clock.news() == clock.correction()
     assert clock.news() is None, "told once"
+
+
+@pytest.fixture
+def walls(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """The wall clock, ns, which the test sets; the monotonic clock stands still."""
+    now = [1_700_000_000 * S]
+    read = SimpleNamespace(time_ns=lambda: now[0], monotonic_ns=lambda: 5 * S)
+    for module in (wall_clock, worker_clock, host_clock):
+        monkeypatch.setattr(module, "time", read)
+    return now
+
+
+@pytest.mark.parametrize("step", [63 * S, -63 * S, 2 * S, -2 * S, 3_600 * S])
+def test_capture_times_go_on_at_once_if_the_wall_clock_is_set(walls: list[int], step: int) -> None:
+    clock, began = Clock(captured=40 * MS), walls[0]
+    walls[0] += step
+    assert clock.capture_time(walls[0]) == began + 40 * MS
+    assert clock.capture_time(1_000_000) == 1_000_000, "a recording that begins at 0"
+    clock.correct(50 * MS, 0, began - 5 * S)
+    assert clock.capture_time(walls[0]) == began + 50 * MS, "the host measured it before"
+
+
+def test_what_came_before_the_wall_clock_was_set_keeps_its_time(walls: list[int]) -> None:
+    clock, began = Clock(captured=40 * MS), walls[0]
+    came = clock.arrival()
+    walls[0] += 2 * S
+    assert clock.capture_time(began, came) == began + 40 * MS
+
+
+def test_a_thread_that_is_held_up_between_two_readings_sets_no_clock(walls: list[int]) -> None:
+    clock, began = Clock(), walls[0]
+    walls[0] += MS // 2
+    assert clock.capture_time(walls[0]) == began + MS // 2
+
+
+def test_a_run_goes_by_its_reference_clock_as_it_was_and_says_that_it_was_set(
+    walls: list[int],
+) -> None:
+    clock, began = HostClock(known=25 * MS), walls[0]
+    before = clock.correction()
+    assert clock.step_news() is None
+    for step in (63 * S, -20 * S, 0):
+        walls[0] = began + step
+        assert clock.read().captured == began + 25 * MS
+        assert clock.step_news() == step
+        assert clock.step_news() is None, "told once"
+        assert clock.correction() == before
+    assert HostClock().read().captured == walls[0], "of a run that begins now"
 
 
 def test_hosts_may_only_read_clocks_and_operators_may_ask_all() -> None:

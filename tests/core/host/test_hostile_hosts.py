@@ -203,7 +203,7 @@ def test_an_invalid_clock_reading_is_rejected(
     clock.follow(HOST)
     clock.close()
     assert there.asked["read_clock"] == 1
-    assert clock.correction() == (0, 0)
+    assert clock.correction()[:2] == (0, 0)
     assert clock.status().warning, "the operator is told"
 
 

@@ -54,7 +54,7 @@ def test_a_worker_that_looks_for_the_others_ends_when_the_run_is_stopped(tmp_pat
         restart=False,
         over=(),
         states={},
-        clock=(0, 0),
+        clock=(0, 0, 0),
     )
     memory = os.memfd_create("ledger")
     os.truncate(memory, 1 << 16)

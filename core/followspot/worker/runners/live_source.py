@@ -6,7 +6,6 @@ A live source delivers in its own time, so nothing can hold it up.
 from __future__ import annotations
 
 import threading
-import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
@@ -15,6 +14,7 @@ from followspot.graph.plan import LIVE_DEPTH
 from followspot.messages import UNSTAMPED, Header
 from followspot.outputs import several
 from followspot.stage import Stage
+from followspot.worker.clock import Arrival
 from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.output_port import OutputPort
 from followspot.worker.runners.error_policy import RAISED
@@ -34,8 +34,8 @@ class LiveSourceRunner(SourceRunner):
     notify: Callable[[], None]
     """Wakes the worker from the source's thread."""
     _thread: threading.Thread | None = None
-    _arrived_at = 0
-    """When the last message came, ns since 1970 by the clock of this host."""
+    _came: Arrival
+    """When the last message came."""
 
     def start(self) -> None:
         """Start the thread that grabs frames."""
@@ -100,7 +100,7 @@ class LiveSourceRunner(SourceRunner):
 
     def _time(self, given: Header) -> int:
         """Capture time, ns, on the reference clock; the time of arrival if the device gives none."""
-        return self.clock.capture_time(self._arrived_at if given is UNSTAMPED else given.time)
+        return self.clock.capture_time(self._came.wall if given is UNSTAMPED else given.time, self._came)
 
     def _left_out(self, item: Any, error: Exception) -> None:
         for output in self._outputs_of(item):
@@ -137,7 +137,7 @@ class LiveSourceRunner(SourceRunner):
                 return False
             if len(self._newest) == self.depth:
                 self._drop(self._newest.popleft()[0])
-            self._newest.append((item, self.clock.now(), time.time_ns()))
+            self._newest.append((item, self.clock.now(), self.clock.arrival()))
             return not (self.stopped or self._full)
 
     @property
@@ -166,7 +166,7 @@ class LiveSourceRunner(SourceRunner):
             self._shut = item is None and error is None and (over or self.stopped)
         self.yielded += overrun
         if item is not None:
-            found, self.entered, self._arrived_at = item
+            found, self.entered, self._came = item
             return found
         if error is not None:
             self._failed(error)
