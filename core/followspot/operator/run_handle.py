@@ -63,10 +63,14 @@ class RunHandle:
         return f"{self.graph} ({self.run[:8]})" if self.graph else silent
 
     def plan(self) -> Plan:
-        """The plan as it is now; loads the one-file plugins of the run."""
-        plan = plan_from_data(self.ask(GetPlan(), ANSWER_TIMEOUT))
+        """The plan as it is now; loads the one-file plugins of the run. Raises PluginError."""
+        plan = self.outline()
         use_plugin_files(plan.plugin_files)
         return plan
+
+    def outline(self) -> Plan:
+        """The plan as it is now, for its names alone: no plugin is loaded."""
+        return plan_from_data(self.ask(GetPlan(), ANSWER_TIMEOUT))
 
     def status(self, timeout: float = ANSWER_TIMEOUT) -> RunStatus:
         """The status of the run now. timeout: seconds after which NoAnswer is raised."""

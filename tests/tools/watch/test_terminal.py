@@ -31,6 +31,7 @@ from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_to_data
 from followspot.messages import Header, stamped
+from followspot.operator.connect import runs_here
 from followspot.operator.run_requests import GetPlan, GetStatus, GetSurroundings, Surroundings
 from followspot.operator.run_status import RunStatus
 from followspot.plugins.registry import load_stage
@@ -40,6 +41,7 @@ from followspot.tracking import Blobs, Frame, Tracks
 from followspot.wire import pack
 from followspot.worker.ledger import AWAY, COLUMNS, DELIVERED, DROPPED, LATE, PRODUCED, UNMATCHED
 from followspot_dashboard.picture import picture_of
+from followspot_watch.runs import listed_here
 from followspot_watch.screen import live_screen
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
@@ -260,3 +262,17 @@ def test_a_port_or_run_that_is_not_there_is_told_with_what_is(run: str) -> None:
         said("echo", "trak", "--run", run)
     with pytest.raises(FollowspotError, match=r"runs in reach: .*glowballs"):
         said("echo", "track", "--run", "nobody")
+
+
+def test_a_run_is_shown_though_somebody_edits_a_plugin_of_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "edited.py").write_text("class Low(")
+    plan = replace(compile_graph(GRAPH), plugin_files=(str(tmp_path / "edited.py"),))
+    status = RunStatus((WorkerStatus("main", "running", 7),), (0,) * (COLUMNS * len(plan.edges)), 7, 100)
+    name = f"{os.getpid():x}edited"
+    with serve_requests(name, plan.graph, answering(plan, lambda _: status, lambda _: None)):
+        assert said("top", "--run", name, "--json") == 0
+        assert json.loads(capsys.readouterr().out)["fired"] == 7
+        listed = next(found for found in map(listed_here, runs_here(name)) if found.run == name)
+    assert (listed.state, listed.frames) == ("running", 7)

@@ -61,7 +61,7 @@ def _warn(gap: str) -> None:
 def listed_here(run: RunHandle) -> Listed:
     """A run of this machine."""
     try:
-        status, around, plan = run.status(_ANSWER), run.surroundings(), run.plan()
+        status, around, plan = run.status(_ANSWER), run.surroundings(), run.outline()
     except FollowspotError:
         return Listed(run.run, run.graph, (), "does not answer", run.pid, owner=user_of(run.pid or 0))
     hosts = tuple(dict.fromkeys(worker.host or "this host" for worker in plan.workers))

@@ -33,7 +33,7 @@ LASTING = 1.0
 def top(args: argparse.Namespace) -> int:
     """Show the run until it ends, or once if the output is no terminal. Returns the exit code."""
     with connected_run(args.run, network_of(args)) as run:
-        picture = RunMonitor(run.plan())
+        picture = RunMonitor(run.outline())
         picture.take(run.status())
         try:
             if args.json or not is_screen(sys.stdout):
