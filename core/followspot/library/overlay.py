@@ -41,6 +41,7 @@ def save_overlay(run: RunHandle, path: str | Path) -> tuple[str, ...]:
     start = _tried(_text(target, present, written, entries), target.parent, written, present)
     for group, params in _changed(start, present):
         entries[group] = {**entries.get(group, {}), "with": params}
+    _check_edges(start, present, written)
     if not entries and not lines:
         raise FollowspotError("nothing differs from the graph file")
     text = _text(target, present, written, entries, lines)
@@ -135,6 +136,22 @@ def _quoted(value: Any) -> str:
     """A value as YAML in ASCII. JSON is not: its escapes of characters beyond U+FFFF come in two halves."""
     text = json.dumps(value, ensure_ascii=False)
     return re.sub(r"[^\x00-\x7e]", lambda one: f"\\U{ord(one[0]):08x}", text)
+
+
+def _check_edges(saved: Plan, present: Plan, written: Written) -> None:
+    """Raises FollowspotError if edges between stages that both have differ; an overlay cannot say so."""
+    both = {stage.name for stage in saved.stages} & {stage.name for stage in present.stages}
+    found, wanted = (
+        {
+            edge.name: (edge.delay, edge.tolerance, edge.policy, edge.codec)
+            for edge in plan.edges
+            if {edge.from_stage, edge.to_stage} <= both
+        }
+        for plan in (saved, present)
+    )
+    if other := sorted(name for name in found | wanted if found.get(name) != wanted.get(name)):
+        text = f"{', '.join(other[:3])}: not in {Path(written.graph).name} as in this run"
+        raise FollowspotError(f"{text}; was a file changed since the run began?")
 
 
 def _check(saved: Plan, present: Plan) -> None:

@@ -137,3 +137,17 @@ def test_a_run_without_a_file_has_nothing_to_extend(tmp_path: Path) -> None:
     run.surroundings = Surroundings  # type: ignore[method-assign, assignment]
     with pytest.raises(FollowspotError, match="nothing to extend"):
         save(run, tmp_path / "show.yaml")
+
+
+def test_a_file_whose_edges_were_changed_since_the_run_began_is_no_base(tmp_path: Path) -> None:
+    graph = tmp_path / "g.yaml"
+    graph.write_text(GRAPH.read_text().replace("rooms/", f"{GRAPH.parent}/rooms/"))
+    for changes in ((), ("color.similarity=0.85",)):
+        run = Run(graph, *changes)
+        before = graph.read_text()
+        graph.write_text(before.replace("delay: 1", "delay: 2", 1))
+        why = r"track.forecast -> color/cam0.forecast, .*: not in g.yaml as in this run; was a file changed"
+        with pytest.raises(FollowspotError, match=why):
+            save(run, tmp_path / "show.yaml")
+        graph.write_text(before)
+        assert not (tmp_path / "show.yaml").exists()
