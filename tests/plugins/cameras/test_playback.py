@@ -1,6 +1,7 @@
 """A recording as a live camera."""
 
 import threading
+import time
 from itertools import islice, pairwise
 from pathlib import Path
 
@@ -73,3 +74,31 @@ def test_closing_ends_the_waiting_from_another_thread(tmp_path: Path) -> None:
     closer.start()
     assert list(frames) == []
     closer.join()
+
+
+@pytest.mark.parametrize(
+    ("loop", "rounds", "speed"), [(False, 0, 1.0), (True, 0, 1.0), (True, 7, 1.0), (True, 7, 2.0)]
+)
+def test_a_worker_that_is_started_again_goes_on_at_the_frame_that_is_due(
+    tmp_path: Path, loop: bool, rounds: int, speed: float
+) -> None:
+    """500 s a frame: between two and three frames of a round of four have been shown."""
+    path = record(tmp_path / "a.mkv", frames=4)
+    stage, waits = playback(path, fps=1 / 500, loop=loop, speed=speed)
+    assert stage.state() is None
+    next(iter(stage.process()))
+    state = stage.state()
+    assert state is not None
+    stage, waits = playback(path, fps=1 / 500, loop=loop, speed=speed)
+    stage.restore({**state, "began": time.time() - 500 * (4 * rounds + 2.5) / speed})
+    frame = next(iter(stage.process()))
+    assert numbers(frame.pixels) == 3
+    assert frame.header.time == (4 * rounds + 3) * 500_000_000_000
+    assert frame.header.seq == 4 * rounds + 3
+    assert round(waits.asked[0] * speed / 50) == 5
+
+
+def test_at_another_speed_it_goes_on_where_it_is(tmp_path: Path) -> None:
+    stage, _ = playback(record(tmp_path / "a.mkv", frames=4), fps=1 / 500, speed=2.0)
+    stage.restore({"began": time.time() - 1250, "speed": 1.0})
+    assert next(iter(stage.process())).header.time == 3 * 500_000_000_000
