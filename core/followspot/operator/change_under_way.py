@@ -6,6 +6,10 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from threading import Lock
 
+from followspot.errors import FollowspotError
+
+GIVEN_UP = (FollowspotError, KeyboardInterrupt)
+"""What a change is undone for, half-way: where a command leads it, Ctrl-C must not leave the run so."""
 OnWait = Callable[[str], None]
 """Called with what a change waits for from now on, for example "host pc-left to build the new stages"."""
 

@@ -21,6 +21,7 @@ from followspot.graph.plan_data import plan_from_data
 from followspot.host.hot_swap import HostChange
 from followspot.operator.change.hot_swap import change_hosts
 from followspot.operator.change.move import move_hosts
+from followspot.operator.change_under_way import OnWait
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
 GRAPH = """
@@ -250,3 +251,45 @@ def test_a_change_names_the_hosts_that_it_waits_for(tmp_path: Path) -> None:
         change_hosts(plan, places, wanted, fresh=False, on_wait=said.append)  # type: ignore[arg-type]
     assert said[:2] == ["host pc-left to build the new stages", "host pc-right to build the new stages"]
     assert "host pc-left to close the new stages" in said
+
+
+def interrupt(at: str) -> OnWait:
+    """The user presses Ctrl-C when the change waits for this."""
+    pressed: list[str] = []
+
+    def on_wait(what: str) -> None:
+        if what == at and not pressed:
+            pressed.append(what)
+            raise KeyboardInterrupt
+
+    return on_wait
+
+
+@pytest.mark.parametrize(
+    "at", ["host pc-right to stop its workers", "this host to give the states of its stages"]
+)
+def test_ctrl_c_during_a_move_brings_all_workers_back(tmp_path: Path, at: str) -> None:
+    plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
+    pools = [WorkerPool("", plan), WorkerPool("pc-left", plan), WorkerPool("pc-right", plan)]
+    with pytest.raises(KeyboardInterrupt):
+        move_hosts(plan, moved(plan, ["b"], "pc-right"), pools, interrupt(at))  # type: ignore[arg-type]
+    assert {worker.phase for pool in pools for worker in pool.workers.values()} == {"running"}
+    assert [pool.began for pool in pools] == [["main"], ["left"], ["right"]]
+
+
+@pytest.mark.parametrize(
+    ("at", "left", "right"),
+    [
+        ("host pc-right to build the new stages", [1], [1]),
+        ("host pc-right to let the new stages take over", [1, 7, 1], [1, 1]),
+    ],
+)
+def test_ctrl_c_during_a_swap_keeps_the_old_stages(
+    tmp_path: Path, at: str, left: list[int], right: list[int]
+) -> None:
+    plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
+    places = [Place("pc-left"), Place("pc-right")]
+    wanted = Change(swapped(plan), {}, plan.subgraphs)
+    with pytest.raises(KeyboardInterrupt):
+        change_hosts(plan, places, wanted, fresh=False, on_wait=interrupt(at))  # type: ignore[arg-type]
+    assert [place.steps for place in places] == [left, right]

@@ -11,7 +11,7 @@ from typing import Any
 from followspot.control.host import Host, HostLost
 from followspot.control.swap import ChangeOrder, ChangePhase, Rested, Step
 from followspot.errors import FollowspotError
-from followspot.operator.change_under_way import OnWait, named, nobody
+from followspot.operator.change_under_way import GIVEN_UP, OnWait, named, nobody
 
 _TIMEOUT = 60.0
 """Seconds in which a step must be done: some stages load models."""
@@ -90,7 +90,7 @@ class ChangeSteps:
         """Let all build what is new. Raises FollowspotError: what was built is discarded then."""
         try:
             self.do("build", "built")
-        except FollowspotError:
+        except GIVEN_UP:
             self.discard()
             raise
 

@@ -15,7 +15,7 @@ from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.operator.change.change_steps import ChangeSteps, HostPart
 from followspot.operator.change.rewire import rewire
-from followspot.operator.change_under_way import OnWait, nobody
+from followspot.operator.change_under_way import GIVEN_UP, OnWait, nobody
 from followspot.operator.changed import Changed, changed, with_change
 from followspot.operator.run_requests import ChangeStages
 
@@ -53,7 +53,7 @@ def change_hosts(
     steps.build()
     try:
         steps.do("take_over", "done")
-    except FollowspotError:
+    except GIVEN_UP:
         _undo(plan, hosts, wanted.stages, on_wait)
         raise
 

@@ -16,7 +16,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.change.difference import differing_workers
 from followspot.graph.plan import Plan
 from followspot.operator.change.change_steps import ChangeSteps, HostPart
-from followspot.operator.change_under_way import OnWait
+from followspot.operator.change_under_way import GIVEN_UP, OnWait
 
 _BEGIN_TIMEOUT = 5.0
 """Seconds in which workers that start must run."""
@@ -57,7 +57,7 @@ def rewire_together(
             steps.do("rest", "resting", leaving=[name for group in _leaving(old, new) for name in group])
         else:
             _settle_replay(steps, old, new)
-    except FollowspotError:
+    except GIVEN_UP:
         steps.discard()
         raise
     steps.do("take_over", "done")

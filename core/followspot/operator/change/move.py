@@ -16,7 +16,7 @@ from followspot.graph.change.move import anew, moved
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_to_data
 from followspot.host.heartbeat import SILENCE
-from followspot.operator.change_under_way import OnWait, named, nobody
+from followspot.operator.change_under_way import GIVEN_UP, OnWait, named, nobody
 from followspot.operator.changed import Moved
 from followspot.operator.run_requests import MoveStages
 
@@ -57,13 +57,13 @@ def move_hosts(old: Plan, new: Plan, hosts: Sequence[Host], on_wait: OnWait = no
     leaving = anew(old, new)
     try:
         _replace(new, hosts, leaving, on_wait)
-    except FollowspotError as error:
+    except GIVEN_UP as error:
         _go_back(old, hosts, leaving, on_wait, error)
         raise
 
 
 def _go_back(
-    old: Plan, hosts: Sequence[Host], leaving: set[str], on_wait: OnWait, error: FollowspotError
+    old: Plan, hosts: Sequence[Host], leaving: set[str], on_wait: OnWait, error: BaseException
 ) -> None:
     """Bring all workers back to their old places. error: why the move failed.
 
@@ -72,7 +72,7 @@ def _go_back(
     try:
         _replace(old, hosts, leaving, on_wait, back=True)
     except FollowspotError as after:
-        raise FollowspotError(f"{error}\n    on the way back: {after}") from None
+        raise FollowspotError(f"{str(error) or 'interrupted'}\n    on the way back: {after}") from None
 
 
 def _replace(

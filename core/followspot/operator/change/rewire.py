@@ -19,7 +19,7 @@ from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_to_data
 from followspot.operator.change.change_steps import ChangeSteps, HostPart
 from followspot.operator.change.joint_rewire import rewire_together
-from followspot.operator.change_under_way import OnWait, named
+from followspot.operator.change_under_way import GIVEN_UP, OnWait, named
 from followspot.worker.wiring import Wiring
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def _rewire_alone(host: Host, old: Plan, order: ChangeOrder, on_wait: OnWait) ->
     steps.build()
     try:
         steps.do("take_over", "done")
-    except FollowspotError:
+    except GIVEN_UP:
         with suppress(FollowspotError):
             host.ask(MoveOrder(plan=plan_to_data(old)))
         raise
