@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 from pathlib import Path
@@ -115,6 +116,20 @@ def shortened(line: str) -> list[str]:
         "simulate": ["--frames", "10"],
     }
     return [*words, *few.get(words[0], [])]
+
+
+def test_the_parts_of_a_room_shown_track_every_ball(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "graphs").symlink_to(ROOT / "graphs")
+    parts = [line for line in shown("composing.md") if "--cameras" in line]
+    assert len(parts) == 2
+    for line in parts:
+        words = [*shlex.split(line)[1:], "--frames", "60", "--quiet", "--json"]
+        assert main(words) == 0
+        found = json.loads(capsys.readouterr().out)["targets"]
+        assert min(target["coverage"] for target in found.values()) > 0.9, line
 
 
 @pytest.mark.parametrize("begin", ELSEWHERE)
