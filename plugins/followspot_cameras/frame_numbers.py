@@ -23,9 +23,9 @@ class FrameNumbers:
         """How often the camera began its numbers anew."""
 
     def next(self, identifier: int) -> int | None:
-        """Number of frames that are missing before this one, whose number is then `number`.
+        """Take the next frame: gives how many are missing before it, and sets `number` to its number.
 
-        None for a frame that came before: it has no new number.
+        None for the identifier of the last frame again; `number` then stays.
         """
         if self._identifier is None:
             missing = 0

@@ -36,7 +36,8 @@ GAZE, FRONT = 0.35, 0.45
 def outline(xy: Array, height: float, heading: float, center: Array) -> Array:
     """Silhouette of head and shoulders as seen from a camera's centre, a polyline (2 S, 3) m.
 
-    xy: (2,) m; height: m; heading: rad; center: (3,) m. A section is an ellipse that turns with the chest.
+    xy: (2,) m, place on the floor; height: m, of the head's top; heading: rad, of the chest; center: (3,) m,
+    of the camera. A section is an ellipse that turns with the chest; S: their number.
     """
     away = xy - center[:2]
     bearing = np.arctan2(away[1], away[0])
@@ -49,7 +50,11 @@ def outline(xy: Array, height: float, heading: float, center: Array) -> Array:
 
 
 def arrows(xy: Array, height: float, heading: float, pan: float, tilt: float) -> tuple[Array, Array]:
-    """Arrows from head and chest along their headings, each (2, 3) m."""
+    """Arrows from head and chest along their headings, each (2, 3) m: begin and end.
+
+    xy: (2,) m, place on the floor; height: m, of the head's top; heading: rad, of the chest; pan, tilt: rad,
+    of the head against the chest.
+    """
     scale = height / TALL
     gaze, level = heading + pan, np.cos(tilt)
     face = np.array([level * np.cos(gaze), level * np.sin(gaze), np.sin(tilt)])

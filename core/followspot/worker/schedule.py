@@ -29,10 +29,10 @@ class Schedule:
         self._batch_groups: Sequence[BatchGroup] = ()
 
     def arrange(self, runners: Sequence[StageRunner], *, in_rounds: bool) -> None:
-        """Schedule these from now on; none is yet.
+        """Take these runners in place of all others; none of them is scheduled before it is marked.
 
-        in_rounds: each stage that is ready fires once before another fires again, so that one which always
-        has work keeps none waiting; if not, the one nearest to the sinks fires as often as it can.
+        in_rounds: whether each ready stage fires once before another fires again, so that a stage with
+        endless work lets others fire; if not, the one nearest to the sinks fires as often as it can.
         """
         self.ready = []
         self._marked = [False] * len(runners)
@@ -40,7 +40,7 @@ class Schedule:
         self.regroup()
 
     def regroup(self) -> None:
-        """Form the batch groups of the stages that are alike now."""
+        """Form the batch groups anew, after stages were replaced: alike stages fire together."""
         self._batch_groups = batch_groups(self._runners, self.mark)
         self._steps = [
             partial(self._fire_once, runner) if self._in_rounds else runner.step for runner in self._runners

@@ -24,7 +24,8 @@ def ascend(
     """Poses moved uphill and their fitness: at most this number of rounds over all coordinates.
 
     A pose that a round did not improve has half the step in the next one, and is at its maximum when its step
-    is `FINEST` of the first. pose: (P, 6); value: (P,), theirs; eye: (3,) m, the camera.
+    is `FINEST` of the first. pose: (P, 6) x, y, height (m), heading, pan, tilt (rad); value: (P,) their
+    fitness; eye: (3,) m, the camera.
     """
     pose, value, size = pose.copy(), value.copy(), np.ones(len(pose))
     for _ in range(rounds):

@@ -21,13 +21,13 @@ class Acquaintance:
     """A person of the slow instance: tentative, with number 0, until enough boxes confirm it.
 
     initiated, seen: ns, times of the first and of the last box; hits: number of boxes; trust: sum of their
-    scores minus the cost of missing boxes; absent: whether the person has left; boxed: ns, of the
-    detector's last box, while the foreground may prolong `seen`; foreground: mean share of the
+    scores minus the cost of missing boxes; absent: whether the person has left; boxed: ns, time of the
+    detector's last box (the foreground alone may move `seen` beyond it); foreground: mean share of the
     upper body that differs from the background, None while there is no background; comparable: whether the
     person came after the background, or once differed from it, and so is no part of it; left: whether the
     last picture shows the background where the person would be; contact: where the person stood at the last
-    update, None if the feet were not seen; stirring: against the background; first: (H, W, 3) u1, picture of
-    the first box, as long as nothing about the person has changed since, then None.
+    update, None if the feet were not seen; stirring: how much has changed against the background; first:
+    (H, W, 3) u1, picture of the first box, as long as nothing about the person has changed since, then None.
     """
 
     number: int

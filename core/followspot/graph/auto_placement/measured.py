@@ -20,7 +20,10 @@ _MOST_UNITS = 60
 
 @dataclass(frozen=True)
 class Measured:
-    """A graph with the work of its stages. cores: of this host; place: where the report is named."""
+    """A graph with the work of its stages by a report.
+
+    cores: number of cores of this host; place: of the text that names the report, for mistakes.
+    """
 
     expanded: Expanded
     costs: Costs
@@ -53,7 +56,7 @@ def check_measured(measured: Measured) -> Iterator[Mistake]:
 
 
 def auto(measured: Measured, aim: Aim) -> tuple[Mapping[str, str], Mapping[str, str], tuple[str, ...]]:
-    """Worker of each instance, hosts of workers, and lines that explain the choice."""
+    """The worker of each instance, the host of each worker, and lines that explain the choice."""
     hosts = {c.name: c.host for c in measured.expanded.room.carriers if c.host}
     units = _units(tuple(measured.expanded.instances.values()), hosts)
     remote = frozenset(name for unit in units if unit.fixed for name in unit.instances)

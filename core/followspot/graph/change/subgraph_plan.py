@@ -32,7 +32,12 @@ GIVEN = "(given by the graph)"
 
 @dataclass(frozen=True)
 class ComposedFile:
-    """The file in its place. edges, links: into its stages; outputs: the ports behind each, SUBGRAPH.NAME."""
+    """A graph file as the sub-graph of a running graph.
+
+    stages: its instances; edges: into them, as stage and port of the sender, stage and port of the receiver,
+    and delay; links: the same edges with their types; outputs: of each output, SUBGRAPH.NAME, the ports
+    inside that give it; subgraphs: the file and those below it.
+    """
 
     stages: tuple[CheckedStage, ...]
     edges: frozenset[tuple[str, str, str, str, int]]
@@ -72,7 +77,7 @@ def composed_in(plan: Plan, use: SubgraphUse, file: Node, mistakes: list[Mistake
 
 
 def room_document(plan: Plan) -> Node:
-    """What the room says, as far as the plan has it: at least its tunes."""
+    """The document of the room; only its tunes if the plan came from elsewhere, without it."""
     if plan.room_document is not None:
         return plan.room_document
     return node_of({"tune": dict(plan.room.tune)}, Place("tune of the room", 1, 1))

@@ -32,9 +32,9 @@ class Unit:
     """One use of a graph file.
 
     name: of the sub-graph, "" for the graph itself; stages: as in the file, with the parameters that the use
-    gives; wired: inputs of these stages that the use connects; replaced: stages in whose place the use
-    connects something; limits: of the use and of the uses around it; units: the sub-graphs among the stages,
-    several for one that fans out.
+    gives; wired: inputs of these stages that the use connects; replaced: stages that a connected input of
+    the interface replaces; limits: the cameras or members that the use, and those around it, serve; units:
+    the sub-graphs among the stages, several for one that fans out.
     """
 
     name: str
@@ -46,11 +46,11 @@ class Unit:
     replaced: dict[str, Wired] = field(default_factory=dict)
     units: dict[str, tuple[Unit, ...]] = field(default_factory=dict)
     left_out: dict[str, Mistake] = field(default_factory=dict)
-    """The sub-graphs that the room has nothing for, by their names in this unit, with the reasons."""
+    """The optional sub-graphs whose cameras or members the room lacks, by name, with the reasons."""
     apart: dict[str, Unit] = field(default_factory=dict)
-    """What these would be in a room that had it, to check their files."""
+    """The units of these, made as if the room was unknown, so that their files are checked all the same."""
     optional: Place | None = None
-    """Where the stage is that may be left out; None for any other."""
+    """The place of `optional: true` in the use; None for a use that may not be left out."""
     inputs: Mapping[str, Wired] = field(default_factory=dict)
     """The inputs of the interface that the use connects."""
     given: Mapping[str, Node] = field(default_factory=dict)

@@ -50,7 +50,10 @@ class Decoder:
         self.memory = ReaderMemory(self._heads, sock)
 
     def shares(self, end: int, extra: Sequence[tuple[int, int, bytes]]) -> tuple[int, int] | None:
-        """`CARRIES` or `CARRIED` and the edge, if the datagram in the buffer says which edges share."""
+        """`CARRIES` or `CARRIED` and the number of the other edge; None if the datagram is of another kind.
+
+        One edge then carries the messages of both. end, extra: as of :meth:`tokens`.
+        """
         if self.buffer[0] not in (CARRIES, CARRIED) or extra or end != NOTIFICATION.size:
             return None
         return self.buffer[0], int(NOTIFICATION.unpack_from(self.buffer)[-1])
