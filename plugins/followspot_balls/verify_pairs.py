@@ -21,6 +21,7 @@ from followspot_balls.pairs.blob_pairs import (
 )
 from followspot_balls.pairs.clutter_map import ClutterMap
 from followspot_balls.pairs.lying_targets import LyingTargets
+from followspot_balls.pairs.silent_kinds import check_kinds
 from followspot_balls.pairs.time_alignment import aligned, delays
 from followspot_balls.pairs.two_view_geometry import fundamental_stack, homography_stack
 from followspot_balls.targets import lost_targets
@@ -89,8 +90,9 @@ class VerifyPairs(Stage):
 
     @classmethod
     def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
-        """Warn if fewer than two cameras send blobs, or all stand at one place."""
-        return check_two_views(cameras, "a pair needs blobs of")
+        """Warn if fewer than two cameras send blobs, all stand at one place, or one kind is silent."""
+        yield from check_two_views(cameras, "a pair needs blobs of")
+        yield from check_kinds(room, cameras)
 
     def setup(self) -> None:
         self.cameras = tuple(self.room.cameras)

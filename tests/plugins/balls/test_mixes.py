@@ -160,6 +160,16 @@ def test_rooms_in_which_nothing_can_be_found_are_warned_about(tmp_path: Path) ->
     )
 
 
+def test_a_sub_graph_that_leaves_out_a_kind_of_camera_is_warned_about(tmp_path: Path) -> None:
+    """Its stages know the whole room, in which these cameras seem to see no ball."""
+    balls = f"{{graph: {GRAPH}, cameras: 'cameras[kind=color]'}}"
+    text = f"graph: mine\nroom: {GRAPHS}/rooms/simulated.yaml\nstages:\n  balls: {balls}\n"
+    (tmp_path / "mine.yaml").write_text(text)
+    (silent,) = (m for m in fs.check(tmp_path / "mine.yaml") if "send no blobs" in m.text)
+    assert silent.text == "cam1, cam3, cam4 of the room send no blobs, and count as cameras that see no ball"
+    assert silent.remedy == "leave them out of the room: --cameras cam0,cam2,cam5"
+
+
 def test_a_target_without_a_template_in_any_camera_is_warned_about(tmp_path: Path) -> None:
     room = part(room_file.load(GRAPHS / "rooms/simulated.yaml"), Mix(2, 1), seed=7, frames=FRAMES)
     red = replace(room.targets["red"], hue_histogram={})

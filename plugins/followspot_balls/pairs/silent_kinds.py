@@ -1,0 +1,25 @@
+"""Cameras of a kind that takes no part, though the room has it, as in a sub-graph of colour cameras alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from followspot import Camera, Mistake, Room
+
+_WEIGHED = ("color", "infrared")
+"""The kinds of cameras that weigh the places of lost targets."""
+
+
+def check_kinds(room: Room, cameras: Sequence[Camera]) -> Iterator[Mistake]:
+    """A warning for `Stage.check_room` if no camera of a kind sends blobs, and the room has some.
+
+    All cameras of the room weigh the place of a lost target, so these count as cameras that see no ball, and
+    no target is found. Rooms with depth cameras weigh no places. cameras: those whose blobs come.
+    """
+    kinds = {camera.kind for camera in cameras}
+    silent = [c.name for c in room.cameras.values() if c.kind in _WEIGHED and c.kind not in kinds]
+    if not kinds or not silent or any(c.kind == "depth" for c in room.cameras.values()):
+        return
+    text = f"{', '.join(silent)} of the room send no blobs, and count as cameras that see no ball"
+    taking_part = ",".join(camera.name for camera in cameras)
+    yield Mistake(None, text, f"leave them out of the room: --cameras {taking_part}")
