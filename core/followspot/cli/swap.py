@@ -57,7 +57,7 @@ def _swap(args: argparse.Namespace) -> int:
     state of the old one if both stages support that; no message is lost. If a new stage cannot be built, the
     old stages go on, and the command says why. A sub-graph is replaced by another file that offers the
     outputs that are read. If its stages and edges are others, the sources wait until the old stages have
-    processed everything; workers of a live run over several hosts start anew.
+    processed everything; no worker starts anew.
 
     Examples:
       followspot swap fuse=balls.mean --run glowballs
