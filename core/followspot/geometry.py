@@ -11,7 +11,15 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from followspot.lens import POLYNOMIAL, PROJECT, local_rays, normalise, pinhole_image, undistort_polynomial
+from followspot.lens import (
+    POLYNOMIAL,
+    PROJECT,
+    fold,
+    local_rays,
+    normalise,
+    pinhole_image,
+    undistort_polynomial,
+)
 from followspot.messages import Array
 from followspot.room import Camera
 
@@ -45,6 +53,8 @@ class Views:
         lens = [c.distortion if c.model == "pinhole" else np.zeros(5) for c in self.cameras]
         K = np.array([c.matrix for c in self.cameras]).reshape(-1, 9)[:, [0, 2, 4, 5]]
         self.lens = np.hstack([np.reshape(lens, (-1, 5)), K]).T[..., None]
+        self.fold = np.array([fold(c) for c in self.cameras]).reshape(-1, 1)
+        self.size = np.array([c.size for c in self.cameras]).reshape(-1, 1, 2)
 
     def local(self, points: Array) -> Array:
         """Camera coordinates: (N, 3) m in the room -> (C, N, 3) m."""
@@ -67,9 +77,11 @@ class Views:
 
     def in_pictures(self, points: Array) -> Array:
         """Which cameras have which points of the room in their pictures: (N, 3) m -> (C, N) bool."""
-        pixel = self.project_local(self.local(points))  # NaN behind a camera is in no picture
-        size = np.array([c.size for c in self.cameras]).reshape(-1, 1, 2)
-        return np.asarray(((pixel >= 0) & (pixel < size)).all(axis=2))
+        local = self.local(points)
+        pixel = self.project_local(local)  # NaN behind a camera is in no picture
+        across = np.hypot(local[..., 0], local[..., 1])
+        unfolded = across / self.fold <= np.abs(local[..., 2])
+        return np.asarray(((pixel >= 0) & (pixel < self.size)).all(axis=2) & unfolded)
 
 
 def undistort(camera: Camera, pixel: Array) -> Array:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from followspot.messages import Array
 from followspot.room import Camera
@@ -54,6 +55,22 @@ PROJECT: dict[str, Callable[[Camera, Array], Array]] = {
     "cylinder": _project_cylinder,
 }
 """By model: images of points in camera coordinates, (N, 3) m -> (N, 2) px with distortion."""
+
+
+def fold(camera: Camera) -> float:
+    """Tangent of the angle off the axis at which a lens begins to image farther points nearer to its middle.
+
+    There a polynomial that was fitted to the picture turns round; images of points beyond mean nothing.
+    Infinite for a lens that does not, and for models without polynomials of the tangent.
+    """
+    if camera.model not in POLYNOMIAL:
+        return np.inf
+    k1, k2, _, _, k3, k4, k5, k6 = np.pad(camera.distortion, (0, 8 - len(camera.distortion)))
+    over, under = Polynomial([1.0, k1, k2, k3]), Polynomial([1.0, k4, k5, k6])
+    s = Polynomial([0.0, 1.0])  # squared tangent; the image is at r over(s) / under(s)
+    growth = (over + 2 * s * over.deriv()) * under - 2 * s * over * under.deriv()
+    turns = np.concatenate([growth.trim().roots(), under.trim().roots()])
+    return float(np.sqrt(turns.real[(turns.imag == 0) & (turns.real > 0)].min(initial=np.inf)))
 
 
 def local_rays(camera: Camera, pixel: Array) -> Array:

@@ -17,12 +17,14 @@ from followspot.geometry import (
     fundamental_matrix,
     plane_homography,
     project,
+    project_local,
     ray,
     transfer,
     triangulate_pairs,
     triangulate_views,
     undistort,
 )
+from followspot.lens import fold
 from followspot.messages import Array
 from followspot.room import Camera, LensModel
 
@@ -232,3 +234,26 @@ def test_a_camera_has_a_point_in_its_picture_if_the_image_lies_there() -> None:
         assert np.array_equal(seen, (x >= 0) & (x < width) & (y >= 0) & (y < height))
         assert 0 < seen.sum() < len(points)
     assert Views([]).in_pictures(points).shape == (0, 300)
+
+
+@pytest.mark.parametrize("model", ["pinhole", "rational"])
+def test_a_place_far_aside_is_in_no_picture_though_the_polynomial_of_the_lens_says_so(
+    model: LensModel,
+) -> None:
+    """Beyond its turning point a polynomial that was fitted to the picture means nothing."""
+    zeros = [0.0] * 3 * (model == "rational")
+    wide = replace(camera(model), distortion=np.array([-0.3, 0.1, 0.0, 0.0, -0.012, *zeros]))
+    aside = np.array([[0.5, 0.0, 1.0], [2.5, 0.0, 1.0], [-2.5, 0.0, 1.0]])  # the lens turns at 2.006
+    x, y = project_local(wide, aside).T
+    assert ((x > 0) & (x < wide.size[0]) & (y > 0) & (y < wide.size[1])).all()
+    room = (aside - wide.translation) @ wide.rotation
+    assert Views([wide]).in_pictures(room).tolist() == [[True, False, False]]
+
+
+def test_only_a_lens_that_turns_has_a_fold() -> None:
+    assert fold(camera("fisheye")) == np.inf
+    straight, barrel = (replace(camera(), distortion=np.array([k, 0, 0, 0, 0.0])) for k in (0.0, -1 / 3))
+    assert fold(straight) == np.inf
+    assert fold(barrel) == pytest.approx(1.0)  # r - r^3 / 3 grows until r is 1
+    pole = replace(camera("rational"), distortion=np.array([0, 0, 0, 0, 0, -0.25, 0, 0.0]))
+    assert fold(pole) == pytest.approx(2.0)

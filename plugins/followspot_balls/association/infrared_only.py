@@ -9,12 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from followspot import Array, Field, Room, StageParams
+from followspot.geometry import Views
 from followspot.tracking import MISSING, Candidates, Forecast, Positions
-from followspot_balls.measurement.points import point_images
 from followspot_balls.targets import target_radii
-
-NEAREST = 1e-3
-"""Smallest depth of a place that has an image, m."""
 
 
 class ColorlessParams(StageParams):
@@ -37,8 +34,7 @@ class Colorless:
         color = [c for c in room.cameras.values() if c.kind == "color"]
         depth = any(c.kind == "depth" for c in room.cameras.values())
         self.applies = bool(color) and not depth and self.limit > 0
-        self.P = np.array([c.projection for c in color]).reshape(-1, 3, 4)
-        self.size = np.array([c.size for c in color], float).reshape(-1, 2)
+        self.color = Views(color)
         self.radius2 = np.square(target_radii(room))
         self.since = np.zeros(len(self.radius2))
         """(T,) s."""
@@ -83,6 +79,4 @@ class Colorless:
 
     def in_picture(self, xyz: Array) -> Array:
         """Whether places lie in the picture of a colour camera: (M, 3) m -> (M,) bool."""
-        seen = point_images(self.P, xyz)
-        inside = ((seen.xy >= 0) & (seen.xy < self.size)).all(axis=2)
-        return np.asarray((inside & (seen.depth > NEAREST)).any(axis=1))
+        return np.asarray(self.color.in_pictures(xyz).any(axis=0))

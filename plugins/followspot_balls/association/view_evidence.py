@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from followspot.geometry import Views
 from followspot.messages import Array
 from followspot.room import Room
 from followspot.tracking import Candidates, Forecast
@@ -74,7 +75,7 @@ class ViewEvidence:
         self.remembering = remembering
         self.P = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
         self.focal = np.array([c.matrix[0, 0] for c in cameras])
-        self.size = np.array([c.size for c in cameras], float).reshape(-1, 2)
+        self.pictures = Views(cameras)
         self.radii = target_radii(room)
         self.outlines = Outlines(room)
 
@@ -103,7 +104,7 @@ class ViewEvidence:
         table, seen = blobs.table, point_images(self.P, xyz)
         off = table.xy - seen.xy[:, :, None]
         depth, radius = np.maximum(seen.depth, NEAREST), self.radii[target][:, None]
-        inside = ((seen.xy >= 0) & (seen.xy < self.size)).all(axis=2) & (depth > NEAREST)
+        inside = self.pictures.in_pictures(xyz).T & (depth > NEAREST)
         share = blobs.sizes * np.square(depth / radius)[..., None]
         size, possible = self.focal * radius / depth, table.targets[target]
         sight = Sight(np.vecdot(off, off), share, size, possible, inside, table.clutter)

@@ -9,6 +9,7 @@ import pytest
 from tests.plugins.balls.scene import blobs_of, forecast_at, make_room, positions_at
 
 from followspot.context import Context
+from followspot.geometry import ray
 from followspot.sealing import seal
 from followspot.tracking import MISSING, Candidates, Forecast
 from followspot_balls.association.infrared_only import Colorless, ColorlessParams
@@ -80,6 +81,15 @@ def test_a_colour_camera_that_shows_it_starts_the_time_anew(fusion: Fusion) -> N
 def test_a_target_out_of_the_pictures_of_all_colour_cameras_stays(fusion: Fusion) -> None:
     small = {n: replace(c, size=(8, 8)) if c.kind == "color" else c for n, c in ROOM.cameras.items()}
     assert first_silent(stage(fusion, replace(ROOM, cameras=small))) is None
+
+
+def test_the_border_of_a_distorted_picture_belongs_to_it() -> None:
+    first = ROOM.cameras["cam0"]
+    barrel = replace(first, distortion=np.array([-0.3, 0.1, 0.0, 0.0, -0.012]))
+    place = first.center + 2.0 * ray(barrel, np.array([[3.0, 60.0]]))
+    for cameras, there in (({"cam0": barrel}, True), ({"cam0": first}, False)):
+        made = Colorless(replace(ROOM, cameras=cameras), ColorlessParams())
+        assert made.in_picture(place).tolist() == [there]
 
 
 @FUSIONS
