@@ -32,6 +32,8 @@ class BallModel(NamedTuple):
     """What adds to it, over the radius of the ball's image."""
     hidden_sigma: float
     """What an outline adds to it that is all hidden, likewise."""
+    smallest: Array | float = 0.0
+    """(C,) radius of a ball's image below which clutter is no denser, px."""
 
 
 class Sight(NamedTuple):
@@ -85,7 +87,7 @@ def clutter_density(model: BallModel, sight: Sight) -> Array:
     reach2 = np.square(model.neighbourhood * sight.radius)
     near = (sight.possible & (sight.squares < reach2[..., None])).sum(axis=2)
     counted = np.maximum(near - 1, 0) / (np.pi * reach2)
-    usual = (model.clutter / np.square(sight.radius))[..., None]
+    usual = (model.clutter / np.square(np.maximum(sight.radius, model.smallest)))[..., None]
     share = np.fmax(np.fmin(sight.clutter, 1.0), RARE)
     return np.asarray(np.maximum(counted[..., None], usual * share))
 

@@ -28,6 +28,10 @@ from followspot_balls.targets import target_radii
 
 NEAREST = 1e-3
 """Smallest depth of a place that has an image, m."""
+SMALLEST = 0.008
+"""Radius of a ball's image over the longer side of the picture below which false blobs are no denser. Where
+the radius is smaller, a fixed number in its square would be hundreds in the picture: two views that agree
+about a small ball could never outweigh them."""
 STEPS = 2
 """Gauss-Newton steps of a place."""
 
@@ -70,7 +74,13 @@ class ViewEvidence:
         """remembering: whether there is less clutter where a view showed nothing while a target was lost."""
         p, cameras = params, list(room.cameras.values())
         self.model = BallModel(
-            p.detection, p.clutter, p.neighbourhood, p.blob_sigma, p.relative_sigma, p.hidden_sigma
+            p.detection,
+            p.clutter,
+            p.neighbourhood,
+            p.blob_sigma,
+            p.relative_sigma,
+            p.hidden_sigma,
+            SMALLEST * np.array([max(c.size) for c in cameras], float),
         )
         self.remembering = remembering
         self.P = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)

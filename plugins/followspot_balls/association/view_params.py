@@ -28,8 +28,8 @@ class ViewParams(StageParams):
         0.015,
         gt=0,
         unit="1",
-        description="smallest clutter density: false blobs in a square whose side is the ball's radius; "
-        "raising it requires more views",
+        description="smallest clutter density: false blobs in a square whose side is the ball's radius, at "
+        "least 0.8 % of the picture's longer side; raising it requires more views",
     )
     neighbourhood: float = Field(
         3.0,

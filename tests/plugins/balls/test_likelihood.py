@@ -70,6 +70,13 @@ def test_what_cannot_be_the_target_has_no_density() -> None:
     assert densities(MODEL, sight)[0] == 0
 
 
+def test_clutter_around_balls_below_a_radius_is_no_denser() -> None:
+    limited = MODEL._replace(smallest=np.array([3.0]))
+    for radius, counts in ((1.0, 3.0), (3.0, 3.0), (4.0, 4.0)):
+        density = clutter_density(limited, seen([0], [1.0], radius=radius))
+        assert density == pytest.approx(MODEL.clutter / counts**2)
+
+
 def test_other_blobs_nearby_count_as_clutter_and_far_ones_do_not() -> None:
     least = MODEL.clutter / 4.0**2
     assert clutter_density(MODEL, seen([0], [1.0])) == pytest.approx(least)

@@ -70,6 +70,17 @@ def test_a_ball_in_clear_view_keeps_its_support(fusion: Fusion) -> None:
 
 
 @FUSIONS
+def test_two_views_find_a_ball_that_is_small_in_large_pictures(fusion: Fusion) -> None:
+    """Of 28 pixels among 1228800, without any other blob."""
+    size, K = (1280, 960), np.array([[960.0, 0.0, 639.5], [0.0, 960.0, 479.5], [0.0, 0.0, 1.0]])
+    room = room_of("cccc")
+    cameras = {name: replace(room.cameras[name], size=size, matrix=K) for name in ("cam0", "cam1")}
+    small = {name: replace(target, radius=0.011) for name, target in room.targets.items()}
+    found = fused(fusion, replace(room, cameras=cameras, targets=small), "01")
+    assert found.xyz == pytest.approx(np.array([BALL]), abs=1e-3)
+
+
+@FUSIONS
 def test_one_colour_blob_on_the_ray_to_a_reflector_makes_many_pairs_and_no_sure_place(fusion: Fusion) -> None:
     """Four infrared cameras see the reflector, one of five colour cameras has a blob there by chance."""
     found = fused(fusion, room_of("cicicicic"), "01357", off=OFF)
