@@ -16,8 +16,6 @@ from followspot_balls.targets import lost_targets, target_radii
 
 MARGIN = 2
 """Margin of a window around a ball on its search circle, px: blobs at the window's edge may be cut off."""
-FARTHEST_OFF = 0.1
-"""Smallest cosine of the angle from the optical axis for the elongation of outlines."""
 TINY = np.finfo(float).tiny
 
 
@@ -158,12 +156,15 @@ def forecast_images(room: Room, forecast: Forecast) -> Images:
     views, count, radii = room_views(room), len(room.targets), target_radii(room)
     here = forecast.xyz
     local = views.local(np.concatenate([forecast.last, here, here, forecast.before, here, here]))
-    local[:, 4 * count : 5 * count, 0] += radii
-    local[:, 5 * count :, 1] += radii
+    around, outward = across(local[:, count : 2 * count])
+    outward *= radii[:, None] / 2  # to both sides, because the outer half looks longer
+    local[:, 2 * count : 3 * count] -= outward
+    local[:, 4 * count : 5 * count] += around * radii[:, None]
+    local[:, 5 * count :] += outward
     start, end = views.project_local(local).reshape(len(local), 2, 3, count, 2).swapaxes(0, 1)
     offset = end - start
-    travel, right, down = np.hypot(offset[..., 0], offset[..., 1]).swapaxes(0, 1)
-    center, ball = start[:, 1], (right + down) / 2 * elongation(local[:, count : 2 * count])
+    travel, narrow, long = np.hypot(offset[..., 0], offset[..., 1]).swapaxes(0, 1)
+    center, ball = start[:, 1], (narrow + long) / 2
     lost = forecast.state == LOST
     if lost.any():
         center[:, lost], ball[:, lost] = np.nan, np.nan
@@ -183,14 +184,21 @@ def room_pictures(room: Room) -> Pictures:
     return Pictures(size / 2, size.max(axis=2, initial=0))
 
 
-def elongation(local: Array) -> Array:
-    """Mean semi-axis of a sphere's outline over that across the axis, (...,).
+def across(local: Array) -> tuple[Array, Array]:
+    """Unit vectors square to rays, along which the semi-axes of a sphere's outline lie: (..., 3) each.
 
-    A sphere seen at an angle a from the optical axis looks 1 / cos a longer towards it than across.
+    The first goes around the optical axis, the second away from it. How long their images are depends on the
+    lens: a pinhole camera draws a sphere aside longer outwards, a fisheye hardly.
     local: (..., 3) m, in camera coordinates.
     """
-    distance = np.sqrt(np.vecdot(local, local))
-    return np.asarray(0.5 + 0.5 * distance / np.maximum(local[..., 2], FARTHEST_OFF * distance + TINY))
+    x, y, z = np.moveaxis(local, -1, 0)
+    aside = np.hypot(x, y)
+    middle = aside <= TINY
+    safe = np.where(middle, 1.0, aside)
+    cos, sin = np.where(middle, 1.0, x / safe), y / safe
+    distance = np.maximum(np.hypot(aside, z), TINY)
+    around = np.stack([-sin, cos, np.zeros_like(cos)], axis=-1)
+    return around, np.stack([cos * z, sin * z, -aside], axis=-1) / distance[..., None]
 
 
 def distances(points: Array, centers: Array) -> Array:

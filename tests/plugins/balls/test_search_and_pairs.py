@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.plugins.balls.scene import RADIUS, blobs_of, forecast_at, make_room
@@ -9,7 +11,7 @@ from tests.plugins.balls.scene import RADIUS, blobs_of, forecast_at, make_room
 from followspot.context import Context
 from followspot.geometry import project
 from followspot.messages import Array
-from followspot.room import Room
+from followspot.room import Camera, LensModel, Room
 from followspot.sealing import seal
 from followspot.tracking import LOST, TRACKED, Blobs, Forecast, Pairs
 from followspot_balls.bounding_planes import facing_planes
@@ -45,6 +47,43 @@ def views(pairs: Pairs) -> list[list[int]]:
 def test_search_radius_is_10_px_or_one_and_a_half_times_the_travel() -> None:
     travel = np.array([0.0, 10.0, 10.1, 20.0, np.nan])
     assert search_radius(travel, 10.0, 1.5) == pytest.approx([10.0, 10.0, 15.15, 30.0, 10.0])
+
+
+LENSES: dict[str, tuple[LensModel, list[float]]] = {
+    "straight": ("pinhole", [0.0] * 5),
+    "barrel": ("pinhole", [-0.26, 0.08, 0.0, 0.0, -0.01]),
+    "fisheye": ("fisheye", [0.02, -0.01, 0.003, -0.001]),
+    "panorama": ("cylinder", []),
+}
+
+
+@pytest.mark.parametrize("angle", [0.0, 25.0, 50.0])
+@pytest.mark.parametrize("lens", LENSES)
+def test_the_ball_in_a_search_circle_is_as_large_as_its_outline_aside_of_the_axis(
+    lens: str, angle: float
+) -> None:
+    """Its mean semi-axis, that of a circle as long as the outline, whichever way the lens stretches it."""
+    model, distortion = LENSES[lens]
+    camera = replace(ROOM.cameras["cam0"], model=model, distortion=np.array(distortion), size=(1000, 1000))
+    room = replace(ROOM, cameras={"cam0": camera})
+    aside, ahead = np.array([np.sin(np.radians(angle)), np.cos(np.radians(angle))])
+    for way in (0.0, 0.8, np.pi / 2):
+        place = (
+            camera.center
+            + 2.0 * np.array([aside * np.cos(way), aside * np.sin(way), ahead]) @ camera.rotation
+        )
+        found = search_circles(room, "cam0", forecast_at([tuple(place), BALL]), 10.0, 1.5)
+        assert found.ball[0] == pytest.approx(mean_semi_axis(camera, place), rel=0.02)
+
+
+def mean_semi_axis(camera: Camera, place: Array) -> float:
+    """Half the mean of the longest and the shortest width of a ball's outline there, px."""
+    ray = (place - camera.center) / np.linalg.norm(place - camera.center)
+    square = np.linalg.svd(ray[None])[2][1:]
+    turn = np.linspace(0, 2 * np.pi, 180, endpoint=False)
+    rim = project(camera, place + RADIUS * np.stack([np.cos(turn), np.sin(turn)], axis=1) @ square)
+    width = np.linalg.norm(rim[:90] - rim[90:], axis=1)
+    return float(width.max() + width.min()) / 4
 
 
 def test_search_circle_lies_on_the_reprojected_forecast() -> None:
