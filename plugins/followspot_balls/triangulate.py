@@ -10,7 +10,7 @@ from followspot import Array, Field, Latest, Room, Stage, StageParams
 from followspot.tracking import Candidates, Forecast, Pairs
 from followspot_balls.bounding_planes import facing_planes
 from followspot_balls.detection.hue import BINS
-from followspot_balls.measurement.outline import unit_outline
+from followspot_balls.measurement.outline import Stretch, unit_outline
 from followspot_balls.pairs.disagreement import UNCOVERED, Disagreement
 from followspot_balls.pairs.rays import PairRays
 from followspot_balls.pairs.three_views import threefold
@@ -93,7 +93,8 @@ class Triangulate(Stage):
         self.projection = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
         self.infrared = np.array([c.kind == "infrared" for c in cameras], bool)
         self.focal = np.array([c.matrix[0, 0] for c in cameras])
-        self.unit_outline = unit_outline(self.room)
+        self.unit_outline, self.stretch = unit_outline(self.room), Stretch(self.room)
+        self.ahead = np.array([c.rotation[2] for c in cameras]).reshape(-1, 3)
         self.radii2 = np.square(self.radii)
         self.alike = alike(self.room)
         self.ambiguous = bool(self.alike.any())
@@ -107,7 +108,8 @@ class Triangulate(Stage):
         whole = smaller >= self.params.minimum_evident_area * self.radii2
         if not tracked.all():
             targets &= self.unclaimed(pairs, forecast)
-            targets &= tracked | self.plausible(shares, pairs, targets & ~tracked, whole)
+            largest = (shares / self.stretched(xyz, pairs)).max(axis=1)
+            targets &= tracked | self.plausible(shares, largest, pairs, targets & ~tracked, whole)
             if np.count_nonzero(tracked) < len(tracked) - 1:
                 targets &= ~(nameless(pairs)[:, None] & lost_targets(forecast, len(self.radii)))
         evident = pairs.evident & (targets & whole).any(axis=1)
@@ -178,15 +180,22 @@ class Triangulate(Stage):
         distance2 = np.vecdot(offset, offset)
         return np.asarray(pairs.area * distance2 / self.unit_outline.take(pairs.view))
 
-    def plausible(self, shares: Array, pairs: Pairs, sought: Array, whole: Array) -> Array:
+    def stretched(self, xyz: Array, pairs: Pairs) -> Array:
+        """How much larger than these outlines the lenses draw balls there: (N, 2)."""
+        offset = xyz[:, None] - self.centers.take(pairs.view, axis=0)
+        depth = np.vecdot(offset, self.ahead.take(pairs.view, axis=0))
+        return self.stretch.at(pairs.view, np.vecdot(offset, offset) / np.square(depth))
+
+    def plausible(self, shares: Array, largest: Array, pairs: Pairs, sought: Array, whole: Array) -> Array:
         """Which pairs have the size of a sought target at that distance: (N, T) bool.
 
         A tracked ball may be partly hidden. A sought one must be visible, but only to two cameras: a blob
         that pairs with both blobs of an evident pair may be small.
-        shares: (N, 2), of :meth:`unit_shares`; sought: (N, T) bool, pairs that may show a sought target;
-        whole: (N, T) bool, pairs of blobs that are both large enough for an evident pair.
+        shares: (N, 2), of :meth:`unit_shares`; largest: (N,) of both, over what the lens stretches;
+        sought: (N, T) bool, pairs that may show a sought target; whole: (N, T) bool, pairs of blobs that are
+        both large enough for an evident pair.
         """
-        sought = sought & (shares.max(axis=1)[:, None] <= self.params.maximum_area * self.radii2)
+        sought = sought & (largest[:, None] <= self.params.maximum_area * self.radii2)
         large = shares.min(axis=1)[:, None] >= self.params.minimum_area * self.radii2
         evident = sought & whole & pairs.evident[:, None]
         return np.asarray(sought & (large | threefold(pairs, sought, evident)))

@@ -76,6 +76,30 @@ def test_the_ball_in_a_search_circle_is_as_large_as_its_outline_aside_of_the_axi
         assert found.ball[0] == pytest.approx(mean_semi_axis(camera, place), rel=0.02)
 
 
+def test_a_lost_ball_that_a_wide_straight_lens_stretches_makes_a_candidate() -> None:
+    """Two cameras look straight down, and a ball is 55 degrees off their axes: five times as large."""
+    down = np.diag([1.0, -1.0, -1.0])
+    K = np.array([[150.0, 0.0, 400.0], [0.0, 150.0, 400.0], [0.0, 0.0, 1.0]])
+    cameras = {
+        name: replace(
+            ROOM.cameras[name],
+            **{"size": (800, 800), "matrix": K, "distortion": np.zeros(5), "rotation": down},
+            translation=-down @ np.array([0.0, y, 3.0]),
+        )
+        for name, y in (("cam0", 0.5), ("cam2", -0.5))
+    }
+    room, place = replace(ROOM, cameras=cameras, planes={}), (2.85, 0.0, 1.0)
+    verify, triangulate = VerifyPairs(Context(room=room)), Triangulate(Context(room=room))
+    verify.setup()
+    triangulate.setup()
+    blobs = [named(room, name, [place]) for name in cameras]
+    for stretch, count in ((1 / np.cos(np.radians(55.0)) ** 3, 1), (12.0, 0)):
+        distance2 = 2.0**2 + 2.85**2 + 0.5**2
+        area = np.full(1, stretch * np.pi * (150.0 * RADIUS) ** 2 / distance2)
+        pairs = verify.process(tuple(seal(replace(b, area=area)) for b in blobs))
+        assert len(triangulate.process(seal(pairs)).xyz) == count
+
+
 def mean_semi_axis(camera: Camera, place: Array) -> float:
     """Half the mean of the longest and the shortest width of a ball's outline there, px."""
     ray = (place - camera.center) / np.linalg.norm(place - camera.center)
