@@ -18,7 +18,11 @@ class SearchParams(StageParams):
     """How far from the forecast a target is searched for in a picture."""
 
     minimum_search_radius: float = Field(
-        10.0, gt=0, unit="px", description="smallest search radius; raising it survives jumps and costs time"
+        10.0,
+        gt=0,
+        unit="px",
+        description="smallest search radius in a picture of 320 pixels across; it grows in proportion in "
+        "larger ones; raising it survives jumps and costs time",
     )
     search_radius_scale: float = Field(
         1.5, gt=0, unit="1", description="search radius over the expected travel; raising it survives turns"

@@ -16,6 +16,9 @@ from followspot_balls.targets import lost_targets, target_radii
 
 MARGIN = 2
 """Margin of a window around a ball on its search circle, px: blobs at the window's edge may be cut off."""
+USUAL = 320.0
+"""Longer side of the pictures that the smallest search radius is for, px. In larger ones it grows in
+proportion, because a target travels as many more pixels in a frame."""
 TINY = np.finfo(float).tiny
 
 
@@ -79,10 +82,10 @@ class Pictures(NamedTuple):
     """(C, 1) px, the longer of these."""
 
 
-def search_radius(travel: Array, minimum: float, scale: float) -> Array:
+def search_radius(travel: Array, minimum: float | Array, scale: float) -> Array:
     """T_2D: `minimum` while the expected travel is at most that, else `scale` times the travel (eq. 3).
 
-    travel: (...,) px between the last two estimates, NaN if one has no image; minimum: px.
+    travel: (...,) px between the last two estimates, NaN if one has no image; minimum: px, for all or (C, 1).
     """
     return np.asarray(np.where(travel > minimum, scale * travel, minimum))
 
@@ -92,7 +95,7 @@ def search_circles(
 ) -> Circles:
     """Circles around the forecasts reprojected into one view (section 3.3), and the balls in them.
 
-    minimum: px; scale: of the expected travel.
+    minimum: px, in a picture of `USUAL` pixels; scale: of the expected travel.
     """
     return search_regions(room, [camera], [forecast], minimum, scale).circles
 
@@ -124,8 +127,8 @@ def room_regions(room: Room, forecast: Forecast | None, minimum: float, scale: f
         circles = Circles(nowhere, np.full(views * count, minimum), nowhere[:, 0], rows_lost)
         return RoomRegions(circles, np.zeros(views * count, bool), nothing, nothing[:, 0])
     images = forecast_images(room, forecast)
-    radius = search_radius(images.travel, minimum, scale)
     pictures = room_pictures(room)
+    radius = search_radius(images.travel, minimum * np.maximum(1.0, pictures.side / USUAL), scale)
     inside = reaching(images.center, radius, pictures)
     corners, sides = windows(images.center, radius + images.ball, inside, pictures)
     center, ball = images.center.reshape(-1, 2), images.ball.reshape(-1)

@@ -49,6 +49,15 @@ def test_search_radius_is_10_px_or_one_and_a_half_times_the_travel() -> None:
     assert search_radius(travel, 10.0, 1.5) == pytest.approx([10.0, 10.0, 15.15, 30.0, 10.0])
 
 
+@pytest.mark.parametrize(("across", "radius"), [(160, 10.0), (320, 10.0), (1280, 40.0)])
+def test_the_smallest_search_circle_grows_with_pictures_above_320_px(across: int, radius: float) -> None:
+    """Else a target that begins fast is found in one frame and lost in the next one, again and again."""
+    camera = replace(ROOM.cameras["cam0"], size=(across, across // 2))
+    room = replace(ROOM, cameras={"cam0": camera})
+    found = search_circles(room, "cam0", forecast_at([BALL, BALL]), 10.0, 1.5)
+    assert found.radius == pytest.approx([radius, radius])
+
+
 LENSES: dict[str, tuple[LensModel, list[float]]] = {
     "straight": ("pinhole", [0.0] * 5),
     "barrel": ("pinhole", [-0.26, 0.08, 0.0, 0.0, -0.01]),
