@@ -143,6 +143,7 @@ class Coordinator:
         """Block until a run that has begun ends, or until `leave`; return its report."""
         started = time.monotonic() - self._age_s
         self._watch_to_end(on_progress)
+        self._note_lost_hosts()
         self.log.gather()
         report = self._view().report(time.monotonic() - started, self._silent, stopped=self.stopped)
         return replace(report, errors=(self._cut_short,)) if self._cut_short and report.ok else report
@@ -209,6 +210,14 @@ class Coordinator:
                 return
             if self.order.restart:
                 self._announce_ended_workers()
+
+    def _note_lost_hosts(self) -> None:
+        """Note once more why hosts are lost: one may have lost the run since it was polled last."""
+        for host in self.hosts:
+            try:
+                host.attend(0.0)
+            except HostLost as error:
+                self._silent[host.name] = str(error)
 
     def _end_sensors(self, order_of: Callable[[Plan, Iterable[WorkerStatus]], EndSensors | None]) -> None:
         """Send the order that ends the sensors of a run of N frames, as soon as it is known."""

@@ -166,3 +166,26 @@ def test_a_run_without_restarts_fails_if_the_silence_of_a_host_cut_it_short(
     assert cut_short == [False] * (when == "over")
     assert [error.partition(":")[0] for error in report.errors] == ["host far does not answer"] * fails
     assert far.polls > 4
+
+
+class Robbed(Lasting):
+    """A host whose run another operator ends, which is known when the last poll is over."""
+
+    gone = False
+
+    def attend(self, seconds: float) -> None:
+        if self.gone:
+            raise HostLost("host far no longer has the run")
+        self.gone = True
+        self.workers = (WorkerStatus(self.worker, "over"),)
+
+
+def test_why_a_host_has_no_report_is_told_though_it_is_known_only_at_the_end(plan: Plan) -> None:
+    apart = [replace(worker, host={"b": "far"}.get(worker.name, "")) for worker in plan.workers]
+    near = Lasting("", "a", lasts=1)
+    hosts = [near, Robbed("far", "b")]
+    run = Coordinator(replace(plan, workers=tuple(apart)), hosts, order(plan))  # type: ignore[arg-type]
+    assert run.begin()
+    near.end()
+    report = run.watch()
+    assert report.errors == ("worker b was not there at the end: host far no longer has the run",)

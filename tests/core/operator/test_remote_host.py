@@ -83,6 +83,8 @@ def test_an_observer_does_not_resume_an_ended_run(monkeypatch: pytest.MonkeyPatc
         time.sleep(0.02)
     host.leave()
     assert set(agent.asked) == {"get_host_status", "find_run"}
+    with pytest.raises(HostLost, match="host pc-left no longer has the run: another operator ended it"):
+        host.attend(0.0)
 
 
 def test_the_age_of_a_status_counts_from_its_answer(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -60,6 +60,8 @@ class RemoteHost:
         """News from before the agent restarted."""
         self._missing = ""
         """The agent's answer that it has no such run, "" if it has the run."""
+        self._gone = False
+        """Whether the agent has no such run for good."""
         self._status = HostStatus((), ())
         self._heard = self._taken = time.monotonic()
         """Monotonic times, s, of the last answer and of the kept status."""
@@ -94,10 +96,10 @@ class RemoteHost:
         self._poller.start()
 
     def attend(self, timeout: float) -> None:
-        """Wait for a new status. Raises HostLost if the heartbeat of the host has stopped."""
+        """Wait for a new status. Raises HostLost if the host has no heartbeat, or no longer has the run."""
         self._news.wait(timeout)
         self._news.clear()
-        if self._heartbeat.silent({self.name: self._heard}, time.monotonic()):
+        if self._gone or self._heartbeat.silent({self.name: self._heard}, time.monotonic()):
             raise HostLost(self._missing or f"host {self.name} does not answer{self._invalid}")
 
     def status(self) -> HostStatus:
@@ -173,7 +175,7 @@ class RemoteHost:
         self._missing = f"host {self.name} no longer has the run: {why}"
         if time.monotonic() - self._heard > _RESUME_TIMEOUT:
             workers = tuple(replace(worker, phase="over") for worker in self._status.workers)
-            self._status = replace(self._status, workers=workers)
+            self._status, self._gone = replace(self._status, workers=workers), True
             self._news.set()
 
     def _resume(self) -> None:
