@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from followspot.html import html_table
 from followspot.tables import table
+
+
+def data_frame(columns: Iterable[str], rows: Iterable[Sequence[Any]]) -> Any:
+    """A DataFrame of these rows. Raises ImportError with the remedy if pandas is not installed."""
+    try:
+        import pandas
+    except ImportError as error:
+        raise ImportError("to_pandas needs the package pandas: pip install pandas", name="pandas") from error
+    return pandas.DataFrame(list(rows), columns=list(columns))
 
 
 class Table:
@@ -24,9 +33,7 @@ class Table:
 
     def to_pandas(self) -> Any:
         """A DataFrame. Raises ImportError if pandas is not installed."""
-        import pandas
-
-        return pandas.DataFrame(list(self.rows), columns=list(self.columns))
+        return data_frame(self.columns, self.rows)
 
     def __repr__(self) -> str:
         return table(self.columns, self._texts())

@@ -11,6 +11,7 @@ from followspot import Room
 from followspot.closing import Closing
 from followspot.errors import FollowspotError, did_you_mean
 from followspot.graph.plan import Plan
+from followspot.library.table import data_frame
 from followspot.messages import Message
 from followspot_record.embedded import offered_ports, plan_of_recording
 from followspot_record.export import recorded_room, type_of
@@ -35,11 +36,8 @@ class RecordedPort:
 
     def to_pandas(self) -> Any:
         """A DataFrame with a row for each row of each message. Raises ImportError without pandas."""
-        import pandas
-
         room = recorded_room(self._recording)
-        found = [row for message in self for row in rows(message, room)]
-        return pandas.DataFrame(found, columns=list(headings(self.type, room)))
+        return data_frame(headings(self.type, room), (row for message in self for row in rows(message, room)))
 
     def __repr__(self) -> str:
         return f"<{self.name}: {self.type.__name__}>"
