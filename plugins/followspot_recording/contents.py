@@ -58,7 +58,7 @@ def _from_index(file: IO[bytes], size: int) -> Contents | None:
     summary = file.read(end - start + _FOOTER.length - 4)
     if footer.summary_crc and zlib.crc32(summary) != footer.summary_crc:
         raise Damaged("the checksum of the index is wrong")
-    reading = _Index(Contents(), Definitions(), start)
+    reading = _Index(Contents(summary=start), Definitions(), start)
     offset = 0
     while offset + HEAD.size <= end - start:
         opcode, length = HEAD.unpack_from(summary, offset)

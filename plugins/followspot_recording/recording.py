@@ -25,6 +25,7 @@ from followspot_recording.records import (
     Contents,
     Damaged,
     Recorded,
+    check_data,
     parse,
     read_attachment,
     read_chunk,
@@ -140,8 +141,13 @@ class Recording(Closing):
                     yield message._replace(data=_restored(message.data))
 
     def examine(self) -> None:
-        """Read all chunks, so that `problem` says for certain whether the file is whole."""
-        all(self._chunk(span) is not None for span in self._contents.chunks)
+        """Read the whole file, so that `problem` says for certain whether it is whole."""
+        contents = self._contents
+        if all(self._chunk(span) is not None for span in contents.chunks) and not contents.problem:
+            try:
+                check_data(self._file, contents.summary)
+            except Damaged as error:
+                contents.problem = str(error)
 
     def _chunk(self, span: ChunkSpan) -> Chunk | None:
         """The chunk, None if it or one before it is damaged."""

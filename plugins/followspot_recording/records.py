@@ -29,6 +29,8 @@ MAX_FILE = 1 << 62
 MAX_RECORD = 64 << 20
 """Largest other record, bytes."""
 _MESSAGE = struct.Struct("<HIQQ")
+_DATA_END = HEAD.size + 4
+_PIECE = 1 << 20
 
 
 class Damaged(FollowspotError):
@@ -68,7 +70,7 @@ class Contents:
     """The contents of a file.
 
     problem: why and at which byte it ends early, empty if it is whole; good: byte up to which chunks are
-    known to be good.
+    known to be good; summary: byte at which the index begins that was read, 0 if there is none.
     """
 
     channels: dict[int, Channel] = field(default_factory=dict)
@@ -77,6 +79,7 @@ class Contents:
     metadata: dict[str, Span] = field(default_factory=dict)
     problem: str = ""
     good: int = MAX_FILE
+    summary: int = 0
 
 
 class Recorded(NamedTuple):
@@ -121,6 +124,21 @@ def read_attachment(file: IO[bytes], span: Span) -> bytes:
         raise Damaged("the checksum of an attachment is wrong")
     attachment: records.Attachment = parse(records.Attachment, data)
     return attachment.data
+
+
+def check_data(file: IO[bytes], summary: int) -> None:
+    """Compare all bytes before the index with their checksum, if the file has one. Raises Damaged.
+
+    summary: byte at which the index begins. Facts, and indices of messages, have no other checksum.
+    """
+    end = summary - _DATA_END
+    told: records.DataEnd = parse(records.DataEnd, read_span(file, Span(end, _DATA_END), Opcode.DATA_END))
+    file.seek(0)
+    checksum = 0
+    for start in range(0, end, _PIECE):
+        checksum = zlib.crc32(file.read(min(_PIECE, end - start)), checksum)
+    if told.data_section_crc not in (0, checksum):
+        raise Damaged("the checksum of all data is wrong: facts about the run may be, too")
 
 
 def read_chunk(file: IO[bytes], span: Span, definitions: Definitions | None = None) -> Chunk:

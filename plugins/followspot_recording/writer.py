@@ -42,9 +42,9 @@ class McapWriter:
         self._file = file
         self._compression = compression
         self._pause = 0
-        self._offset = 0
-        self._whole = 0
-        """Where the end begins that `finish` wrote, B."""
+        self._offset = self._checksum = 0
+        self._whole = 0, 0
+        """Where the end begins that `finish` wrote, B, and the checksum up to there."""
         self._definitions: list[bytes] = []
         self._indices: list[bytes] = []
         self._statistics = records.Statistics(0, 0, {}, 0, 0, 0, 0, 0, 0)
@@ -105,8 +105,8 @@ class McapWriter:
     def finish(self) -> None:
         """Write the last chunk, the index of all, and the end."""
         self.flush()
-        self._whole = self._offset
-        self._put(_packed(records.DataEnd(0)))
+        self._whole = self._offset, self._checksum
+        self._put(_packed(records.DataEnd(self._checksum)))
         summary = [*self._definitions, _packed(self._statistics), *self._indices]
         start = self._offset
         self._put(*summary)
@@ -119,9 +119,9 @@ class McapWriter:
 
     def resume(self) -> None:
         """Go on after `finish`: the file loses its index and its end until `finish` is called again."""
-        self._file.seek(self._whole)
+        self._offset, self._checksum = self._whole
+        self._file.seek(self._offset)
         self._file.truncate()
-        self._offset = self._whole
 
     def _compressed(self, chunk: ChunkBuilder) -> tuple[str, list[bytes]]:
         """A chunk's content as it is stored, and its compression."""
@@ -155,6 +155,7 @@ class McapWriter:
         for part in parts:
             self._file.write(part)
             self._offset += len(part)
+            self._checksum = zlib.crc32(part, self._checksum)
 
 
 def _packed(record: Any) -> bytes:

@@ -109,6 +109,32 @@ def test_a_flipped_bit_never_makes_a_wrong_message(
     assert len(found) == COUNT or problem
 
 
+@settings(max_examples=120, deadline=None)
+@given(share=st.floats(0.0, 1.0, exclude_max=True), bit=st.integers(0, 7))
+def test_an_examination_tells_every_flipped_bit(
+    whole: bytes, tmp_path_factory: pytest.TempPathFactory, share: float, bit: int
+) -> None:
+    data = bytearray(whole)
+    data[int(share * len(data))] ^= 1 << bit
+    path = tmp_path_factory.mktemp("flip") / "a.mcap"
+    if data.startswith(MAGIC):
+        assert examined(path, bytes(data))
+
+
+def test_an_examination_tells_a_flipped_bit_in_the_facts_about_a_run(whole: bytes, tmp_path: Path) -> None:
+    assert not examined(tmp_path / "whole.mcap", whole)
+    damaged = whole.replace(b"toy", b"tox", 1)
+    assert "facts about the run" in examined(tmp_path / "a.mcap", damaged)
+
+
+def examined(path: Path, data: bytes) -> str:
+    """What an examination of all bytes says."""
+    path.write_bytes(data)
+    with Recording(path) as recording:
+        recording.examine()
+        return recording.problem
+
+
 def test_a_flipped_bit_in_a_chunk_ends_the_recording_there(whole: bytes, tmp_path: Path) -> None:
     data = bytearray(whole)
     data[data.index(b"lz4", len(data) // 4) + 60] ^= 1  # in the content of a chunk

@@ -14,7 +14,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mcap.reader import make_reader
+from mcap.reader import NonSeekingReader, make_reader
+from mcap.records import DataEnd
+from mcap.stream_reader import StreamReader
 
 from followspot import Context
 from followspot.errors import FollowspotError
@@ -124,6 +126,22 @@ def test_the_reader_of_the_mcap_package_opens_it(tmp_path: Path) -> None:
     assert topics - set(exact) - cameras == {"/camera/cam0", "/track/tracks", "/log"}
     assert attachments == {"graph/toy.yaml": b"graph: toy\n"}
     assert metadata["followspot"] == {"graph": "toy"}
+
+
+def test_the_mcap_package_finds_the_checksum_of_all_data_right_also_of_a_file_that_went_on(
+    tmp_path: Path,
+) -> None:
+    recorder = Recorder(tmp_path / "a.mcap", Chunking(1, 1.0, "none"))
+    for number in range(3):
+        recorder.note(f"mark {number}", {"text": "now"})
+        recorder.add("/log", "json", Schema("log", "jsonschema", "{}"), number, number, b"{}")
+        recorder.complete()
+    recorder.close()
+    with recorder.path.open("rb") as file:
+        assert len(list(NonSeekingReader(file, validate_crcs=True).iter_messages())) == 3
+    with recorder.path.open("rb") as file:
+        (end,) = (one for one in StreamReader(file).records if isinstance(one, DataEnd))
+    assert end.data_section_crc
 
 
 @pytest.mark.parametrize("pictures", ["jpeg", "png", "raw"])
