@@ -120,13 +120,17 @@ def empty_crowd(model: BodyModel[S], views: Views) -> Crowd[S]:
 def after(
     crowd: Crowd[S], model: BodyModel[S], views: Views, sets: Sequence[Detections], rules: Rules
 ) -> Crowd[S]:
-    """The people after one set of detections, each camera's at its own time of exposure."""
+    """The people after one set of detections, each camera's at its own time of exposure.
+
+    That may lie before an exposure of the set before, if cameras are out of step by more than a set.
+    """
     before, crowd = crowd.time, replace(crowd, bodies=model.fresh(crowd.bodies))
     left, tally = [], Tally.none(len(crowd.bodies))
     strangers, known = crowd.strangers.copy(), bool((crowd.lives.number > 0).any())
     for one in sorted(sets, key=lambda each: each.time):
-        crowd = _moved(crowd, model, one.time)
+        crowd = as_of(_moved(crowd, model, one.time), model, one.time)
         crowd, tally, free = _seen(crowd, tally, model, views.each[one.camera], one, rules)
+        crowd = as_of(crowd, model, 2 * crowd.time - one.time)
         left.append(replace(one, found=one.found[free], colors=one.colors[free]))
         strangers[one.camera] += known * np.array([len(free), np.count_nonzero(free)])
     weight = independence((crowd.time - before) * NANOSECOND)
@@ -137,7 +141,7 @@ def after(
 
 
 def as_of(crowd: Crowd[S], model: BodyModel[S], time: int) -> Crowd[S]:
-    """The people at a time, ns, near that of the last exposure, for a report."""
+    """The people at a time, ns, near that of the last exposure: for a report, or for an earlier exposure."""
     return replace(crowd, bodies=model.shifted(crowd.bodies, (time - crowd.time) * NANOSECOND))
 
 

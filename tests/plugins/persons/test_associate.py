@@ -42,9 +42,10 @@ def test_cameras_that_are_half_a_frame_out_of_step_keep_the_identities() -> None
         assert one.mean_m < mean, kind
 
 
-def test_known_delays_of_cameras_are_no_error() -> None:
-    late = (0.0, 0.12, 0.06, 0.12)
-    room, sets, truth = crowded(people=2, frames=24, fps=4, seed=6, late=late)
+@pytest.mark.parametrize(("fps", "late"), [(4, (0.0, 0.12, 0.06, 0.12)), (20, (0.0, 0.12, 0.0, 0.06))])
+def test_known_delays_of_cameras_are_no_error(fps: int, late: tuple[float, ...]) -> None:
+    """At 20 pictures a second they are longer than the time from one picture to the next."""
+    room, sets, truth = crowded(people=2, frames=6 * fps, fps=fps, seed=6, late=late)
     cameras = {
         name: replace(camera, clock_offset=by)
         for (name, camera), by in zip(room.cameras.items(), late, strict=True)
@@ -52,7 +53,8 @@ def test_known_delays_of_cameras_are_no_error() -> None:
     guessed = score_persons(table(sets, followed(room, sets, "points")), truth).tracking
     known_room = replace(room, cameras=cameras)
     known = score_persons(table(sets, followed(known_room, sets, "points")), truth).tracking
-    assert known.mean_m < 0.03 < guessed.mean_m
+    assert known.mean_m < 0.03
+    assert known.mean_m < 0.5 * guessed.mean_m
 
 
 def test_boxes_of_four_cameras_become_people_on_the_floor() -> None:
