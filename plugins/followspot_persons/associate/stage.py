@@ -20,6 +20,7 @@ from followspot.two_views import check_two_views
 from followspot_persons.associate.box_model import BoxModel
 from followspot_persons.associate.box_tracks import BoxTracks
 from followspot_persons.associate.crowd import Crowd, Detections, Rules, after, as_of, empty_crowd
+from followspot_persons.associate.ends import doubt_of_ends
 from followspot_persons.associate.found import Found, boxes_of, joints_of
 from followspot_persons.associate.joint_model import JointModel
 from followspot_persons.associate.joint_tracks import JointTracks
@@ -68,6 +69,8 @@ class Associate(Stage):
     """How far the joints of each camera have reached."""
     strangers: Mapping[str, Sequence[int]] = MappingProxyType({})
     """Detections of each camera while there were people, and those that were none of these."""
+    last: Mapping[str, int] = MappingProxyType({})
+    """Time stamp of the last message of each camera, ns."""
 
     @classmethod
     def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
@@ -98,6 +101,8 @@ class Associate(Stage):
         self, points: Joined[Points2D] = (), boxes: Joined[Boxes] = (), frames: Joined[Frame] = ()
     ) -> Outputs | None:
         pictures = {frame.camera: frame.pixels for frame in frames}
+        detections: Sequence[Points2D | Boxes] = (*points, *boxes)
+        self.last = {**self.last, **{one.camera: one.header.time for one in detections}}
         if points:
             return self.with_joints(points, pictures)
         return self.with_boxes(boxes, pictures) if boxes else None
@@ -161,10 +166,14 @@ class Associate(Stage):
         return Outputs(poses, Skeletons.empty())
 
     def close(self) -> None:
-        """Warn of cameras whose joints seem to be of smaller pictures, or that find other people."""
-        for doubt in (doubt_of_size(self.reach, self.room.cameras), doubt_of_strangers(self.strangers)):
-            if doubt:
-                self.context.warn(doubt)
+        """Warn of cameras whose joints may be of smaller pictures, with other people, or that end early."""
+        doubts = (
+            doubt_of_size(self.reach, self.room.cameras),
+            doubt_of_strangers(self.strangers),
+            doubt_of_ends(self.last),
+        )
+        for doubt in filter(None, doubts):
+            self.context.warn(doubt)
 
     def state(self) -> Any:
         return {
