@@ -12,6 +12,7 @@ from followspot.errors import Mistake
 from followspot.graph.checks.flow import Flow
 from followspot.graph.checks.lengths import odd_lengths
 from followspot.graph.checks.rates import joins_of_unequal_rates
+from followspot.graph.checks.shared_containers import shared_containers
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.distinct_mistakes import told_once
 from followspot.graph.expand import Expanded
@@ -34,6 +35,7 @@ def warnings(flow: Flow, expanded: Expanded) -> list[Mistake]:
         *joins_of_unequal_rates(flow, room),
         *_foreseen(flow, room),
         *odd_lengths(room, expanded.room_node),
+        *shared_containers(flow),
     ]
     return [replace(mistake, warning=True) for mistake in told_once(found)]
 
