@@ -13,12 +13,15 @@ from followspot.messages import MAX_TIME
 from followspot.rotation import canonical
 from followspot.stuck_readings import REMEDY, runs, stuck
 from followspot_imu.attitude import GRAVITY, AttitudeFilter, Complementary
+from followspot_imu.resampled import UNKNOWN, carried, evenly
 from followspot_imu.versatile import Versatile
 
 COUNTED, COUNTED_TIME = 32, 0.2
 """Least readings, and the least time, s, over which their rate is measured."""
 RATE_ERROR = 1.25
 """Factor by which the rate that was said may differ from the measured one."""
+FIELD_TIME = 1.0
+"""Longest time, s, for which the first reading of the magnetometer is awaited."""
 FIRST_SPEED = 3.0
 """Sigma of the velocity that a sensor gains while its first readings are averaged, m/s."""
 STEEPEST = 1.0
@@ -89,6 +92,8 @@ class FindOrientation(Stage):
         """Forget the orientation."""
         self.filter: AttitudeFilter | None = None
         self.period, self.count, self.magnetic = 0.0, 0, False
+        self.field = UNKNOWN
+        """The field at the latest reading, (3,) uT."""
         self.time, self.values = np.zeros(0, np.int64), np.zeros((0, 9))
 
     def filter_of(self, period: float) -> AttitudeFilter:
@@ -104,13 +109,16 @@ class FindOrientation(Stage):
         if not len(time):
             return None
         self.check_rate(time)
-        if len(self.time) and (time[0] - self.time[-1]) * NANOSECOND > self.params.maximum_gap:
+        gaps = np.diff(np.concatenate([self.time[-1:], time])) * NANOSECOND > self.params.maximum_gap
+        if gaps.any():
+            behind = len(time) - len(gaps) + int(np.flatnonzero(gaps)[-1])
+            time, values = time[behind:], values[behind:]
             self.begin_anew()
         self.time, self.values = np.concatenate([self.time, time]), np.concatenate([self.values, values])
         first = len(self.time) - len(time)
         if self.filter is None:
             period = 1 / self.rate if self.rate else usual_period(self.time)
-            if period is None:
+            if period is None or self.awaits_field():
                 return None
             first = self.begin(period)
         message = self.filtered(readings.sensor, first)
@@ -143,12 +151,29 @@ class FindOrientation(Stage):
                 "wrong; correct the sensor's `rate`, or leave it out"
             )
 
+    def awaits_field(self) -> bool:
+        """Whether a magnetometer that reads less often than the sensor may still give its first field."""
+        if not self.params.magnetometer or self.field_known().any():
+            return False
+        return bool((self.time[-1] - self.time[0]) * NANOSECOND < FIELD_TIME)
+
+    def field_known(self) -> Array:
+        """Whether the magnetometer gave the field with each reading, (N,)."""
+        return np.asarray(np.isfinite(self.values[:, 6:]).all(axis=1))
+
     def begin(self, period: float) -> int:
-        """Make the filter for the readings so far; the first of them is number 0. period: s."""
+        """Make the filter for the readings so far, with a magnetometer for those from its first field on.
+
+        Returns the number of the first reading, 0. period: s.
+        """
         self.period = period
         self.filter = self.filter_of(self.period)
-        self.magnetic = self.params.magnetometer and bool(np.isfinite(self.values[0, 6:]).all())
-        if self.params.magnetometer and not self.magnetic:
+        known = self.field_known()
+        self.magnetic = self.params.magnetometer and bool(known.any())
+        if self.magnetic:
+            start = int(known.argmax())
+            self.time, self.values = self.time[start:], self.values[start:]
+        elif self.params.magnetometer:
             self.context.warn("the sensor has no magnetometer: the heading is arbitrary")
         return 0
 
@@ -156,11 +181,15 @@ class FindOrientation(Stage):
         """The orientations of the readings from one on, with the filter brought up to them."""
         assert self.filter is not None
         before = max(first - 1, 0)
-        values, index = evenly(self.time[before:], self.values[before:], self.period)
+        values, index = evenly(self.time[before:], self.values[before:, :6], self.period)
+        field = np.full((len(values), 3), np.nan)
+        field[index] = self.values[before:, 6:]
         if first:
-            values, index = values[1:], index[1:] - 1
-        field = held(values[:, 6:]) if self.magnetic else None
-        found = self.filter.update(values[:, :3], values[:, 3:6], field)
+            values, field, index = values[1:], field[1:], index[1:] - 1
+        if self.magnetic:
+            field = carried(self.field, field, values[:, :3] * self.period)
+            self.field = field[-1]
+        found = self.filter.update(values[:, :3], values[:, 3:6], field if self.magnetic else None)
         age = (self.count + index + 1) * self.period
         self.count += len(values)
         sigma = np.hypot(self.params.inclination_sigma, first_inclination(age, self.params.time_constant))
@@ -172,6 +201,7 @@ class FindOrientation(Stage):
             "period": self.period,
             "count": self.count,
             "magnetic": self.magnetic,
+            "field": self.field,
             "time": self.time,
             "values": self.values,
             "since": self.latest[0],
@@ -180,7 +210,7 @@ class FindOrientation(Stage):
 
     def restore(self, state: Any) -> None:
         self.period, self.count = float(state["period"]), int(state["count"])
-        self.magnetic = bool(state["magnetic"])
+        self.magnetic, self.field = bool(state["magnetic"]), np.array(state.get("field", UNKNOWN))
         self.time, self.values = np.array(state["time"]), np.array(state["values"])
         self.latest = np.array(state["since"]), np.array(state["latest"])
         if state["filter"]:
@@ -220,22 +250,3 @@ def believed(readings: Inertial) -> tuple[Array, Array]:
     kept = (turning <= BELIEVED[0]) & (force <= BELIEVED[1]) & (np.abs(readings.time) <= MAX_TIME)
     time, first = np.unique(readings.time[kept], return_index=True)
     return time, values[kept][first]
-
-
-def evenly(time: Array, values: Array, period: float) -> tuple[Array, Array]:
-    """The readings, with those that are missing between them interpolated, and the row of each reading.
-
-    time: (N,) ns; values: (N, K). Returns (M, K), M >= N, and (N,).
-    """
-    steps = np.maximum(np.rint(np.diff(time) * (NANOSECOND / period)), 1).astype(np.int64)
-    index = np.concatenate([[0], np.cumsum(steps)])
-    if index[-1] == len(time) - 1:
-        return values, index
-    row = np.arange(index[-1] + 1)
-    return np.stack([np.interp(row, index, column) for column in values.T], axis=1), index
-
-
-def held(field: Array) -> Array:
-    """The field with the value before instead of unknown ones. field: (N, 3); the first row is known."""
-    known = np.isfinite(field).all(axis=1)
-    return np.asarray(field[np.maximum.accumulate(np.where(known, np.arange(len(field)), 0))])

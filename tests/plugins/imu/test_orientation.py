@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from followspot_imu.orientation import FindOrientation, first_inclination, usual
 
 RATE = 100.0
 METHODS = ["vqf", "complementary"]
+S = 1_000_000_000
 
 
 def quaternion(time: Array) -> Array:
@@ -44,6 +46,19 @@ def messages(seconds: float, bias: float = 0.0, count: int = 5, rate: float = RA
         )
         for p in parts
     ]
+
+
+def cut(readings: Inertial, count: int) -> list[Inertial]:
+    """The readings in messages of so many each."""
+    numbers = np.arange(len(readings.time)) // count
+    return [readings.where(numbers == number) for number in np.unique(numbers)]
+
+
+def joined(one: Inertial, other: Inertial) -> Inertial:
+    """The readings of both in one message."""
+    names = ("time", "turn_rate", "specific_force", "field")
+    both = {name: np.concatenate([getattr(one, name), getattr(other, name)]) for name in names}
+    return replace(other, **both)
 
 
 def stage(
@@ -109,6 +124,42 @@ def test_long_gap_begins_anew() -> None:
     time = np.concatenate([m.time for m in found]) / 1e9
     assert sigma[time < 4.0][-1] < 0.1
     assert sigma[time > 6.0][0] > 0.15
+
+
+def test_a_gap_within_a_message_begins_anew_behind_it() -> None:
+    made = stage()
+    (whole,) = messages(8.0, count=800)
+    before, after = whole.where(whole.time < 4.03 * S), whole.where(whole.time > 6.0 * S)
+    readings = [*cut(before, 5), joined(before.where(before.time >= 4.0 * S), after), *cut(after, 5)]
+    found = [m for r in readings if (m := made.process(r)) is not None]
+    late = [m for m in found if m.time[0] > 6.0 * S]
+    assert late[0].inclination_sigma[0] > 0.15
+    assert inclinations(late)[100:].max() < 2.0
+
+
+@pytest.mark.parametrize(("every", "first"), [(1, 0), (4, 0), (4, 3), (40, 39)])
+def test_a_magnetometer_that_reads_less_often_tells_the_heading(every: int, first: int) -> None:
+    said: list[str] = []
+    made = stage(warn=said.append, magnetometer=True)
+    number, found = 0, []
+    for message in messages(12.0):
+        rows = number + np.arange(len(message.time))
+        number += len(rows)
+        field = turned(inverse(quaternion(message.time / S)), np.array([0.0, 20.0, -40.0]))
+        read = (rows % every == first)[:, None]
+        out = made.process(replace(message, field=np.where(read, field, np.nan)))
+        found += [out] if out is not None else []
+    error = [rotation_vector(multiply(m.quaternion, inverse(quaternion(m.time / S)))) for m in found]
+    assert np.degrees(np.abs(np.concatenate(error)[100:])).max() < 1.5
+    assert said == []
+
+
+def test_a_sensor_without_a_magnetometer_is_told_and_has_its_own_heading() -> None:
+    said: list[str] = []
+    made = stage(warn=said.append, magnetometer=True)
+    found = [m for r in messages(6.0) if (m := made.process(r)) is not None]
+    assert inclinations(found)[100:].max() < 1.0
+    assert said == ["the sensor has no magnetometer: the heading is arbitrary"]
 
 
 @pytest.mark.parametrize("method", METHODS)
