@@ -290,6 +290,12 @@ def test_the_command_writes_weights_and_tells_figures_of_strangers(folder, monke
         (lambda folder: rewrite(folder, "c3.png", "../c3.png"), "line 5: .*no name of a file"),
         (lambda folder: rewrite(folder, "torso_heading", "heading"), "line 2: .*torso_heading"),
         (lambda folder: rewrite(folder, "c3.png,3,a", "c3.png,x,a"), "line 5: .*invalid literal"),
+        (lambda folder: rewrite(folder, "c3.png,3,a", f"c3.png,{10**30},a"), "line 5: .*bodies are numbered"),
+        (lambda folder: rewrite(folder, "c3.png,3,a", "c3.png,3,**"), "line 5: .*no name of a room"),
+        (lambda folder: rewrite(folder, ",0.1\nc3.png", ",inf\nc3.png"), "line 4: .*headings are rad"),
+        (lambda folder: cv2.imwrite(str(folder / "c3.png"), np.zeros((90, 96, 3))), "c3.png is no crop of"),
+        (lambda folder: (folder / "boxes.csv").write_bytes(b"\xff\xfe"), "boxes.csv cannot be read: .*utf-8"),
+        (lambda folder: rewrite(folder, "c3.png", "c" * 200_000), "boxes.csv cannot be read: field larger"),
         (lambda folder: (folder / "boxes.csv").unlink(), "no pictures to learn from"),
     ],
 )
@@ -297,6 +303,15 @@ def test_folders_that_cannot_be_learnt_from_are_refused(folder, spoil, cause):
     spoil(folder)
     with pytest.raises(InputError, match=cause):
         read_folder(folder)
+
+
+def test_a_picture_without_people_is_of_one_room_although_names_of_two_begin_alike(folder):
+    rewrite(folder, ",a,", ",hall1,")
+    rewrite(folder, ",b,", ",hall10,")
+    for name, shade in (("hall1_0", 1), ("hall10_0", 10), ("hall100", 10)):
+        cv2.imwrite(str(folder / f"neg_{name}.png"), np.full((150, 170, 3), shade, np.uint8))
+    found = [(one.place, int(one.pixels.max())) for one in read_folder(folder).backgrounds]
+    assert found == [("hall1", 1), ("hall10", 10), ("hall10", 10)]
 
 
 def rewrite(folder, old, new):

@@ -15,6 +15,7 @@ from followspot_cameras.images import read_picture
 
 COLUMNS = ("file", "body", "torso_heading", "head_pan", "head_tilt", "y0", "y1", "neck_u")
 MAX_CROPS = 20_000
+LARGEST = 1e6
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,11 +45,11 @@ def read_crops(folder: Path) -> Crops:
             rows = [row for row, _ in zip(csv.DictReader(file), range(MAX_CROPS), strict=False)]
         columns = {name: [row[name] for row in rows] for name in COLUMNS}
         numbers = {name: np.array(columns[name], float) for name in COLUMNS[1:]}
-        if not rows or not all(np.isfinite(n).all() for n in numbers.values()):
-            raise ValueError("no rows, or a number that is not finite")
+        if not rows or not all((np.abs(n) <= LARGEST).all() for n in numbers.values()):
+            raise ValueError(f"no rows, or a number that is not finite or beyond {LARGEST:.0f}")
     except KeyError as error:
         raise _mistake(table, f"has no column {error}") from None
-    except (OSError, ValueError, TypeError) as error:
+    except (OSError, ValueError, TypeError, csv.Error) as error:
         raise _mistake(table, str(error)) from None
     return Crops(
         pixels=_pictures(folder, columns["file"]),

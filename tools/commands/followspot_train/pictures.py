@@ -8,6 +8,8 @@ that have the upper body always in the same place, and `neg_ROOM...` pictures; t
 from __future__ import annotations
 
 import csv
+import re
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,6 +28,10 @@ PEDESTRIAN = np.array([28.0, 30.0, 68.0, 74.0])
 """Box of the upper body in a crop of the INRIA form, px."""
 PLACES = 4
 """Parts into which pictures of the INRIA form are divided, each a place of its own."""
+REMEDY = "columns: file, body, room, torso_heading, head_pan, ..."
+_ROOM = re.compile(r"[\w-]+")
+_TURNS, _BODIES = 100.0, 2**31 - 1
+"""Largest angle, rad, and largest number of a body in `boxes.csv`."""
 MOST = 20_000
 """Pictures of one folder."""
 
@@ -77,33 +83,49 @@ def read_folder(folder: Path) -> Pictures:
 
 
 def _with_boxes(folder: Path) -> Pictures:
+    table = folder / "boxes.csv"
     persons = []
-    with open_text(folder / "boxes.csv") as stream:
-        for line, row in enumerate(csv.DictReader(stream), start=2):
-            try:
-                persons.append(_person(folder, row))
-            except (KeyError, TypeError, ValueError) as error:
-                text = f"{folder / 'boxes.csv'}, line {line}: {error!r}"
-                raise _mistake(text, "columns: file, body, room, torso_heading, head_pan, ...") from None
-    rooms = sorted({person.place for person in persons})
-    backgrounds = [
-        Background(_picture(file), room, str(folder))
-        for room in rooms
-        for file in sorted(folder.glob(f"neg_{room}*"))
-    ]
-    return Pictures(tuple(persons), tuple(backgrounds))
+    try:
+        with open_text(table) as stream:
+            for line, row in enumerate(csv.DictReader(stream), start=2):
+                persons.append(_row(folder, row, f"{table}, line {line}"))
+    except (OSError, UnicodeError, csv.Error) as error:
+        raise _mistake(f"{table} cannot be read: {error}", REMEDY) from None
+    return Pictures(tuple(persons), _backgrounds(folder, {person.place for person in persons}))
+
+
+def _row(folder: Path, row: dict[str, str], where: str) -> Person:
+    try:
+        return _person(folder, row)
+    except (KeyError, TypeError, ValueError) as error:
+        raise _mistake(f"{where}: {error!r}", REMEDY) from None
+
+
+def _backgrounds(folder: Path, rooms: Collection[str]) -> tuple[Background, ...]:
+    """The pictures neg_ROOM...; of rooms whose names begin alike, each is of the longest that it names."""
+    found = []
+    for file in folder.glob("neg_*"):
+        rooms_of_it = [room for room in rooms if file.name.startswith(f"neg_{room}")]
+        found += [(max(rooms_of_it, key=len), file)] if rooms_of_it else []
+    return tuple(Background(_picture(file), room, str(folder)) for room, file in sorted(found))
 
 
 def _person(folder: Path, row: dict[str, str]) -> Person:
     """The crops are cut around the body, so that its box in them is the same for all."""
-    name, torso = row["file"], float(row["torso_heading"])
+    name, room = row["file"], row["room"]
+    torso, pan, body = float(row["torso_heading"]), float(row["head_pan"]), int(row["body"])
     if Path(name).name != name:
         raise ValueError(f"{name} is no name of a file in this folder")
+    if not _ROOM.fullmatch(room):
+        raise ValueError(f"{room!r} is no name of a room: letters, digits, _ and -")
+    if abs(torso) > _TURNS or abs(pan) > _TURNS or not -1 <= body <= _BODIES:
+        raise ValueError("headings are rad, nan if unknown, and bodies are numbered from 0, -1 if unknown")
     across, top = MIDDLE
     box = np.array([across - UPPER / 3, top, across + UPPER / 3, top + UPPER])
     pixels = _picture(folder / name)
-    head = torso + float(row["head_pan"])
-    return Person(pixels, box, int(row["body"]), row["room"], torso, head, str(folder))
+    if (pixels.shape[:2] < box[:1:-1]).any():
+        raise ValueError(f"{name} is no crop of at least {box[2]:.0f} x {box[3]:.0f} px")
+    return Person(pixels, box, body, room, torso, torso + pan, str(folder))
 
 
 def _pedestrians(folder: Path) -> Pictures:
