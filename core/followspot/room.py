@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any, Literal
@@ -182,6 +182,10 @@ class Room:
                         groups = found.setdefault((name, tag), {})
                         groups.setdefault(value, []).append(Member(name, owner.name))
         return {key: {v: tuple(m) for v, m in groups.items()} for key, groups in found.items()}
+
+    def with_cameras(self, names: Collection[str]) -> Room:
+        """The room with those of its cameras that are named, in its own order."""
+        return replace(self, cameras={name: c for name, c in self.cameras.items() if name in names})
 
     def members(self, name: str) -> Mapping[str, Camera | Sensor | Target]:
         """The members of one of `SETS` by name."""

@@ -76,10 +76,10 @@ class Stage:
     process_together: ClassVar[Callable[..., Any] | None] = None
     """Optional batch version of `process`: a classmethod `(stages, inputs) -> outputs`.
 
-    stages: instances of this class with the same parameters in one room; inputs: the arguments of `process`
-    for each; outputs: the results of `process` for each, bit for bit, in the same order. A worker calls it
-    with any subset of the instances that are ready at once. If it raises, the worker calls `process` of each
-    instead, so it must not change the stages before it raises.
+    stages: instances of this class with the same parameters that know the same cameras of the room; inputs:
+    the arguments of `process` for each; outputs: the results of `process` for each, bit for bit, in the same
+    order. A worker calls it with any subset of the instances that are ready at once. If it raises, the worker
+    calls `process` of each instead, so it must not change the stages before it raises.
     """
 
     for_type: ClassVar[Callable[..., Any] | None] = None

@@ -48,6 +48,7 @@ ENVELOPE = (
     "uses",
     "each",
     "serves",
+    "sees",
     "optional",
     "in",
     "with",

@@ -30,6 +30,7 @@ from followspot_balls.measurement.points import (
     solved,
     weighted,
 )
+from followspot_balls.pairs.camera_numbers import numbered
 from followspot_balls.targets import lost_targets
 
 USED = 0.4
@@ -125,6 +126,7 @@ class Bundle(Fusion):
         self.outlines = Outlines(self.room)
 
     def process(self, candidates: Candidates, forecast: Latest[Forecast] = None) -> Positions:
+        candidates = numbered(candidates, self.cameras)
         lost = lost_targets(forecast, candidates.targets.shape[1])
         seeds = candidates.targets.T & (candidates.confirmed | ~lost[:, None])
         target = np.flatnonzero(seeds.any(axis=1))

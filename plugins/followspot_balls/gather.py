@@ -10,6 +10,7 @@ import numpy as np
 from followspot import Array, Field, Joined, Latest, Stage, StageParams
 from followspot.tracking import Blobs, Candidates, Forecast
 from followspot_balls.association.color_views import ColorViews
+from followspot_balls.pairs.camera_numbers import numbered
 from followspot_balls.targets import lost_targets, target_radii, tracked_targets
 
 
@@ -49,20 +50,13 @@ class Gather(Stage):
         blobs: Joined[Blobs] = (),
         forecast: Latest[Forecast] = None,
     ) -> Candidates:
-        parts = [self.numbered(part) for part in candidates if len(part.xyz)]
+        parts = [numbered(part, self.cameras) for part in candidates if len(part.xyz)]
         if not parts:
             return self.nothing
         if len(parts) == 1:
             return self.named(parts[0], blobs, forecast)
         columns = {name: np.concatenate([getattr(p, name) for p in parts]) for name in Candidates.array_names}
         return self.named(Candidates(cameras=self.cameras, **columns), blobs, forecast)
-
-    def numbered(self, part: Candidates) -> Candidates:
-        """The candidates with views that are numbers of the room's cameras. Raises ValueError."""
-        if part.cameras == self.cameras:
-            return part
-        number = np.array([self.cameras.index(name) for name in part.cameras], np.int32)
-        return replace(part, cameras=self.cameras, view=number[part.view])
 
     def named(self, found: Candidates, blobs: Sequence[Blobs], forecast: Forecast | None) -> Candidates:
         """The candidates; those of depth cameras with the names that colour gives them, or none."""

@@ -13,6 +13,7 @@ from followspot_balls.fusion.kernels import epipolar_weight
 from followspot_balls.fusion.mode_covariance import ModeCovariance, rivals_covariance
 from followspot_balls.fusion.modes import Modes, Sample, densest, seek_modes, weighted_mean
 from followspot_balls.fusion.validation import Fusion
+from followspot_balls.pairs.camera_numbers import numbered
 from followspot_balls.targets import lost_targets
 
 FAINT = 1e-200
@@ -110,6 +111,7 @@ class MeanShift(Fusion):
         self.covariance = ModeCovariance(self.room, self.params, self.params.depth_sigma)
 
     def process(self, candidates: Candidates, forecast: Latest[Forecast] = None) -> Positions:
+        candidates = numbered(candidates, self.cameras)
         lost = lost_targets(forecast, candidates.targets.shape[1])
         threshold = self.threshold(candidates, lost)
         weights = epipolar_weight(candidates.epipolar, threshold) * candidates.targets.T

@@ -11,6 +11,7 @@ from followspot.tracking import Candidates, Forecast, Pairs
 from followspot_balls.bounding_planes import facing_planes
 from followspot_balls.detection.hue import BINS
 from followspot_balls.measurement.outline import Stretch, unit_outline
+from followspot_balls.pairs.camera_numbers import numbered
 from followspot_balls.pairs.disagreement import UNCOVERED, Disagreement
 from followspot_balls.pairs.rays import PairRays
 from followspot_balls.pairs.three_views import threefold
@@ -86,6 +87,7 @@ class Triangulate(Stage):
 
     def setup(self) -> None:
         cameras = self.room.cameras.values()
+        self.cameras = tuple(self.room.cameras)
         self.rays = PairRays(self.room)
         self.centers = self.rays.centers
         self.planes = facing_planes(self.room, self.centers)
@@ -100,6 +102,7 @@ class Triangulate(Stage):
         self.ambiguous = bool(self.alike.any())
 
     def process(self, pairs: Pairs, forecast: Latest[Forecast] = None) -> Candidates:
+        pairs = numbered(pairs, self.cameras)
         xyz = self.rays.points(pairs)
         shares = self.unit_shares(xyz, pairs)
         targets = pairs.targets & self.within(xyz, pairs, forecast) & self.above_planes(xyz)

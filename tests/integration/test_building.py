@@ -61,6 +61,7 @@ def jump(merged: Array, zones: Sequence[Array], true: Array) -> Array:
     return np.asarray(np.nanmin(np.linalg.norm(np.diff(merged, axis=0) - steps, axis=3), axis=0))
 
 
+@pytest.mark.filterwarnings("error:.*each works alone")
 @pytest.mark.parametrize("frames", [120, pytest.param(1200, marks=pytest.mark.thorough)])
 def test_merged_tracks_are_where_the_balls_are(tmp_path: Path, frames: int) -> None:
     with fs.run(GRAPHS / "building.yaml", out=tmp_path, frames=frames) as run:

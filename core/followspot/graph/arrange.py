@@ -21,6 +21,7 @@ from followspot.graph.plan import (
     live_depth,
     nearest_kind,
 )
+from followspot.graph.seen_cameras import seen_cameras
 from followspot.room import Room
 
 EdgeChoice = Literal["auto", "reference", "ring", "zenoh"]
@@ -100,6 +101,7 @@ def planned_stage(checked: CheckedStage, placed: Placed, room: Room) -> PlannedS
         depth=declared.depth or live_depth(nominal_rate(checked, room) if checked.stage.live else None),
         concurrency=declared.concurrency,
         kept=kept(instance),
+        sees=seen_cameras(checked, room),
     )
 
 

@@ -86,6 +86,8 @@ class StageDeclaration:
     concurrency: int = 1
     serves: tuple[Selector, ...] = ()
     """The members of sub-graphs that fan out around the stage: of other members it takes nothing."""
+    sees: tuple[Selector, ...] = ()
+    """The cameras that the sub-graphs around the stage are given: it knows no others."""
     places: Mapping[str, Place] = field(default_factory=dict, compare=False)
     """Of the value of each key that is written."""
 
@@ -112,17 +114,19 @@ def read_stage(name: str, node: Node, mistakes: list[Mistake]) -> StageDeclarati
         optional=form.switch("optional"),
         depth=form.whole("depth", least=1, most=MAX_DEPTH),
         concurrency=form.whole("concurrency", least=1, most=MAX_CONCURRENCY) or PlannedStage.concurrency,
-        serves=_serves(form.get("serves"), mistakes),
+        serves=_selectors(form, "serves", mistakes),
+        sees=_selectors(form, "sees", mistakes),
         places=_places(form),
     )
 
 
-def _serves(node: Node | None, mistakes: list[Mistake]) -> tuple[Selector, ...]:
+def _selectors(form: Form, key: str, mistakes: list[Mistake]) -> tuple[Selector, ...]:
     """The selectors of a list, or the only one."""
+    node = form.get(key)
     if node is None:
         return ()
     items = node.value if isinstance(node.value, tuple) else (node,)
-    found = (read_selector(item, mistakes, "serves") for item in items)
+    found = (read_selector(item, mistakes, key) for item in items)
     return tuple(selector for selector in found if selector.readable)
 
 

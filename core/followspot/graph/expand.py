@@ -118,7 +118,7 @@ def _nothing(loaded: Loaded, text: str, remedy: str, mistakes: list[Mistake]) ->
 def _members(stage: StageDeclaration, loaded: Loaded, mistakes: list[Mistake]) -> Sequence[Member | None]:
     """The members that a stage fans out over; a single None if it does not fan out."""
     if loaded.room is not None:
-        empty = (served for served in stage.serves if not served.select(loaded.room))
+        empty = (served for served in (*stage.serves, *stage.sees) if not served.select(loaded.room))
         mistakes += [lack(stage, served, loaded, loaded.room) for served in empty]
     if stage.each is None:
         return [None]

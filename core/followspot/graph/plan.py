@@ -72,6 +72,8 @@ class PlannedStage:
     """Most answers of a stage with `Deferred` outputs that are under way at once."""
     kept: tuple[str, ...] = ()
     """The parameters that `--set` or a change gave, so that a tune or another graph file leaves them."""
+    sees: tuple[str, ...] | None = None
+    """The cameras that the stage knows, in a sub-graph that is given a part of the room; None for all."""
 
     @property
     def camera(self) -> str | None:
@@ -220,6 +222,10 @@ class Plan:
     def live(self) -> bool:
         """True if any source delivers at its own pace; otherwise no message is dropped."""
         return any(stage.live for stage in self.stages)
+
+    def room_of(self, stage: PlannedStage) -> Room:
+        """The room as the stage knows it."""
+        return self.room if stage.sees is None else self.room.with_cameras(stage.sees)
 
     def worker_of(self, stage: str) -> str:
         """Name of the worker that runs this stage. Raises KeyError."""

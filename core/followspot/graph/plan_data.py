@@ -74,7 +74,8 @@ def plan_to_data(plan: Plan) -> dict[str, Any]:
 
 
 def _stage(stage: PlannedStage) -> dict[str, Any]:
-    return {**asdict(stage), "params": dict(stage.params), "kept": list(stage.kept)}
+    sees = None if stage.sees is None else list(stage.sees)
+    return {**asdict(stage), "params": dict(stage.params), "kept": list(stage.kept), "sees": sees}
 
 
 def _worker(worker: PlannedWorker) -> dict[str, Any]:

@@ -99,7 +99,7 @@ class Repetition:
         self._answered = threading.Event()
         context = Context(
             stage.name,
-            plan.room,
+            plan.room_of(stage),
             stage.member,
             out,
             plan.seed,

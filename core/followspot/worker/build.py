@@ -159,7 +159,7 @@ class Builder:
         """What a stage sees of its run."""
         return Context(
             name=stage.name,
-            room=self.plan.room,
+            room=self.plan.room_of(stage),
             member=stage.member,
             out=self.options.out,
             seed=self.plan.seed,

@@ -18,6 +18,7 @@ from followspot_balls.association.recovery_evidence import appearing
 from followspot_balls.association.view_evidence import PlaceViews, ViewEvidence
 from followspot_balls.association.view_params import ViewParams
 from followspot_balls.association.visibility import predicted, updated
+from followspot_balls.pairs.camera_numbers import numbered
 from followspot_balls.targets import lost_targets, tracked_targets
 
 SHOWN = 0.1
@@ -80,7 +81,7 @@ class ViewAssociation(Stage, ABC):
 
     def setup(self) -> None:
         p = self.params
-        cameras = list(self.room.cameras.values())
+        self.cameras, cameras = tuple(self.room.cameras), list(self.room.cameras.values())
         self.color = np.array([c.kind == "color" for c in cameras], bool)
         self.colored = bool(self.color.any())
         self.depth = any(c.kind == "depth" for c in cameras)
@@ -123,7 +124,8 @@ class ViewAssociation(Stage, ABC):
             return Associated(candidates, self.existence_odds(*np.zeros((2, count), bool)))
         if forecast is not None and not len(forecast.state):
             forecast = None
-        candidates, forecast = finite_candidates(candidates), finite_forecast(forecast)
+        candidates = finite_candidates(numbered(candidates, self.cameras))
+        forecast = finite_forecast(forecast)
         lost, tracked = lost_targets(forecast, count), tracked_targets(forecast, count)
         clear = self.unweighed(candidates, forecast, tracked)
         if clear.all():

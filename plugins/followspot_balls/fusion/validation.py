@@ -25,6 +25,7 @@ class Fusion(Stage, ABC):
     params: Params
 
     def setup(self) -> None:
+        self.cameras = tuple(self.room.cameras)
         cameras = self.room.cameras.values()
         self.bounds = facing_planes(self.room, np.array([c.center for c in cameras]).reshape(-1, 3))
         self.radii = target_radii(self.room)

@@ -1,4 +1,4 @@
-"""Cameras of a kind that takes no part, though the room has it, as in a sub-graph of colour cameras alone."""
+"""Cameras of a kind that takes no part, though the room has it."""
 
 from __future__ import annotations
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.tracking import Candidates, Forecast, Pairs
+from followspot_balls.pairs.camera_numbers import numbered
 from followspot_balls.pairs.rays import PairRays
 from followspot_balls.search_spheres import search_spheres
 from followspot_balls.targets import lost_targets
@@ -34,9 +35,11 @@ class PlainTriangulate(Stage):
     params: Params
 
     def setup(self) -> None:
+        self.cameras = tuple(self.room.cameras)
         self.rays = PairRays(self.room)
 
     def process(self, pairs: Pairs, forecast: Latest[Forecast] = None) -> Candidates:
+        pairs = numbered(pairs, self.cameras)
         xyz = self.rays.points(pairs)
         targets = pairs.targets & self.within(xyz, pairs.confirmed, forecast)
         rows = np.flatnonzero(targets.any(axis=1))

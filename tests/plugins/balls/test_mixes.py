@@ -160,14 +160,48 @@ def test_rooms_in_which_nothing_can_be_found_are_warned_about(tmp_path: Path) ->
     )
 
 
-def test_a_sub_graph_that_leaves_out_a_kind_of_camera_is_warned_about(tmp_path: Path) -> None:
-    """Its stages know the whole room, in which these cameras seem to see no ball."""
-    balls = f"{{graph: {GRAPH}, cameras: 'cameras[kind=color]'}}"
-    text = f"graph: mine\nroom: {GRAPHS}/rooms/simulated.yaml\nstages:\n  balls: {balls}\n"
-    (tmp_path / "mine.yaml").write_text(text)
+def test_a_graph_that_leaves_out_a_kind_of_camera_is_warned_about(tmp_path: Path) -> None:
+    balls = f"extends: {GRAPH}\nstages:\n  infrared: null\n"
+    (tmp_path / "mine.yaml").write_text(
+        f"graph: mine\nroom: {GRAPHS}/rooms/simulated.yaml\n{balls}"
+        "  verify: {in: {blobs: color}}\n  bridge: {in: {blobs: color}}\n"
+    )
     (silent,) = (m for m in fs.check(tmp_path / "mine.yaml") if "send no blobs" in m.text)
     assert silent.text == "cam1, cam3, cam4 of the room send no blobs, and count as cameras that see no ball"
     assert silent.remedy == "leave them out of the room: --cameras cam0,cam2,cam5"
+
+
+@pytest.mark.parametrize("cameras", ["cam0,cam2,cam5", "cam1,cam3,cam4"])
+def test_a_sub_graph_of_one_kind_of_camera_tracks_like_a_room_of_these_alone(
+    tmp_path: Path, cameras: str
+) -> None:
+    room = tmp_path / "room.yaml"
+    room_file.save(part(room_file.load(GRAPHS / "rooms/simulated.yaml"), Mix(3, 3, 1), 7, FRAMES), room)
+    balls = f"{{graph: {GRAPH}, cameras: 'cameras[name={cameras.replace(',', '|')}]'}}"
+    (tmp_path / "mine.yaml").write_text(f"graph: mine\nroom: room.yaml\nstages:\n  balls: {balls}\n")
+    assert not [m for m in fs.check(tmp_path / "mine.yaml") if "send no blobs" in m.text]
+    with fs.run(tmp_path / "mine.yaml", out=tmp_path / "mine") as run:
+        run.wait()
+    with fs.run(GRAPH, room=room, cameras=cameras.split(","), out=tmp_path / "alone") as run:
+        run.wait()
+    alone = (tmp_path / "alone/tracks.csv").read_bytes()
+    assert alone.count(b"\n") > FRAMES / 2
+    assert (tmp_path / "mine/tracks.csv").read_bytes() == alone
+
+
+def test_pairs_of_a_part_of_the_room_are_triangulated_in_the_whole() -> None:
+    known = pairs_of("cam1", "cam3")
+    room, names = make_room(), ("cam1", "cam3")
+    whole, some = Triangulate(Context(room=room)), VerifyPairs(Context(room=room.with_cameras(names)))
+    for stage in (whole, some):
+        stage.setup()
+    partly = some.process(tuple(blobs_of(room.cameras[n], [RED], [[True, False]]) for n in names))
+    assert partly.cameras == names != known.cameras
+    forecast = forecast_at([RED, GREEN])
+    found, expected = whole.process(partly, forecast), whole.process(known, forecast)
+    assert found.xyz == pytest.approx(expected.xyz)
+    assert len(expected.xyz) == 1
+    np.testing.assert_array_equal(found.view, expected.view)
 
 
 def test_a_target_without_a_template_in_any_camera_is_warned_about(tmp_path: Path) -> None:

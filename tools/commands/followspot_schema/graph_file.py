@@ -117,6 +117,11 @@ def _stage(offered: Mapping[str, type[Stage]]) -> Schema:
                 "anyOf": [TEXT, {"type": "array", "items": TEXT}],
                 "description": 'members of the sub-graphs around it, in a flat file: "zone[name=hall]"',
             },
+            "sees": {
+                "anyOf": [TEXT, {"type": "array", "items": TEXT}],
+                "description": "cameras that the sub-graphs around it are given, in a flat file:"
+                ' "cameras[zone=hall]"; it knows no others',
+            },
             "optional": _OPTIONAL,
             "in": {"type": "object", "description": "input port -> what feeds it"},
             "with": {"type": "object", "description": "parameters"},

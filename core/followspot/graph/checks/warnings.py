@@ -17,6 +17,7 @@ from followspot.graph.connections import CheckedEdge
 from followspot.graph.distinct_mistakes import told_once
 from followspot.graph.expand import Expanded
 from followspot.graph.instances import CheckedStage, Instance
+from followspot.graph.seen_cameras import seen_cameras
 from followspot.ports import ports
 from followspot.room import Camera, Member, Room, Sensor
 from followspot.stage import Stage
@@ -118,7 +119,8 @@ def _foreseen(flow: Flow, room: Room) -> Iterator[Mistake]:
         first = group[0]
         seen = reduce(or_, (reach[one.instance.name] for one in group))
         cameras = [camera for bit, camera in enumerate(room.cameras.values()) if seen >> bit & 1]
-        for mistake in _said(first, room, cameras):
+        seen_room = room if (names := seen_cameras(first, room)) is None else room.with_cameras(names)
+        for mistake in _said(first, seen_room, cameras):
             yield replace(mistake, place=mistake.place or first.instance.declared.place)
 
 

@@ -1,4 +1,4 @@
-"""What the stages of a sub-graph belong to: the members it fans out over, and the cameras it sees."""
+"""What the stages of a sub-graph belong to: the members it fans out over, and the cameras it is given."""
 
 from __future__ import annotations
 
@@ -14,23 +14,28 @@ from followspot.graph.selector import Condition, Selector, read_selector
 from followspot.room import Member
 
 
-def serving(entry: Mapping[str, Node], node: Node, limits: Sequence[Limit]) -> dict[str, Node]:
-    """The entry of a stage with the members of the sub-graphs around it, its own fan-out aside.
+def belonging(entry: Mapping[str, Node], node: Node, limits: Sequence[Limit]) -> dict[str, Node]:
+    """The entry of a stage with the members of the sub-graphs around it, its own fan-out aside, and the
+    cameras that they are given.
 
     node: that the entry is the value of.
     """
     members = [
         limit for limit in limits if isinstance(limit, Member) and limit.set != _set(entry.get("each"))
     ]
-    written = items(entry["serves"]) if "serves" in entry else ()
-    texts = [
-        Selector(member.set, (Condition("name", (member.name,)),), node.key).text
-        for member in dict.fromkeys(members)
-    ]
+    serves = [Selector(member.set, (Condition("name", (member.name,)),), node.key) for member in members]
+    sees = [limit for limit in limits if isinstance(limit, Selector)]
+    return _with(_with(entry, "serves", serves, node), "sees", sees, node)
+
+
+def _with(entry: Mapping[str, Node], key: str, selectors: Sequence[Selector], node: Node) -> dict[str, Node]:
+    """The entry with these selectors after those that are written at the key."""
+    texts = dict.fromkeys(selector.text for selector in selectors)
     if not texts:
         return dict(entry)
+    written = items(entry[key]) if key in entry else ()
     found = (*written, *(Node(text, node.key, node.key) for text in texts))
-    return {**entry, "serves": found[0] if len(found) == 1 else Node(found, node.key, node.key)}
+    return {**entry, key: found[0] if len(found) == 1 else Node(found, node.key, node.key)}
 
 
 def seen_only(stages: Mapping[str, Node], units: Iterable[Unit]) -> dict[str, Node]:

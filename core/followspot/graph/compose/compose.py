@@ -8,7 +8,7 @@ from pathlib import Path
 
 from followspot.document import Node, child
 from followspot.errors import Mistake, Place, did_you_mean
-from followspot.graph.compose.belonging import seen_only, serving
+from followspot.graph.compose.belonging import belonging, seen_only
 from followspot.graph.compose.feeds import items, origin
 from followspot.graph.compose.graph_file import GraphFiles
 from followspot.graph.compose.narrowing import narrowed
@@ -192,7 +192,7 @@ def _flat(name: str, node: Node, unit: Unit, mistakes: list[Mistake]) -> Node:
     entry = dict(node.value)
     if "each" in entry:
         entry["each"] = narrowed(entry["each"], unit.limits)
-    entry = serving(entry, node, unit.limits)
+    entry = belonging(entry, node, unit.limits)
     inputs = entry.get("in")
     wired = {port: found for (stage, port), found in unit.wired.items() if stage == name}
     if wired and inputs is None:

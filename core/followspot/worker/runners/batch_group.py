@@ -54,11 +54,14 @@ class BatchGroup:
 
 
 def batch_groups(runners: Sequence[StageRunner], mark: Callable[[int], None]) -> list[BatchGroup]:
-    """The batch groups of a worker: two or more runners of one stage class with equal parameters."""
-    alike: dict[tuple[type, str], list[StageRunner]] = defaultdict(list)
+    """The batch groups of a worker: two or more runners of one stage class with equal parameters, that know
+    the same cameras.
+    """
+    alike: dict[tuple[type, str, tuple[str, ...]], list[StageRunner]] = defaultdict(list)
     for runner in runners:
-        if runner.stage.process_together is not None and type(runner) is StageRunner:
-            alike[type(runner.stage), runner.stage.params.model_dump_json()].append(runner)
+        stage = runner.stage
+        if stage.process_together is not None and type(runner) is StageRunner:
+            alike[type(stage), stage.params.model_dump_json(), tuple(stage.room.cameras)].append(runner)
     return [BatchGroup(members, mark) for members in alike.values() if len(members) > 1]
 
 
