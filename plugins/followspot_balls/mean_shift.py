@@ -23,11 +23,6 @@ FAINT = 1e-200
 class MeanShift(Fusion):
     """Seek the mode of each target's candidates, from the forecast or from the densest candidate."""
 
-    advice = (
-        "no pair is evidence of a target: a colour and an infrared camera must see it at once, or two "
-        "cameras where all are of one kind"
-    )
-
     class Params(Fusion.Params):
         """Modes, and which candidates count."""
 

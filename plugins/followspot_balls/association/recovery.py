@@ -23,6 +23,7 @@ from followspot_balls.association.likelihood import (
     precision,
     reflector_ratio,
 )
+from followspot_balls.association.refusals import Refusals
 from followspot_balls.association.view_evidence import PlaceViews, ViewEvidence
 from followspot_balls.association.view_params import ViewParams
 from followspot_balls.targets import lost_targets, tracked_targets
@@ -74,6 +75,7 @@ class Recovery:
         """(T,) nats, what frames in a row said for an evident place of each lost target."""
         self.place = np.zeros((len(room.targets), 3))
         """(T, 3) m, that place."""
+        self.refusals = Refusals(tuple(room.targets))
         self.evidence = ViewEvidence(room, p, remembering=True)
 
     def judged(self, positions: Positions, candidates: Candidates, forecast: Forecast | None) -> Positions:
@@ -100,7 +102,10 @@ class Recovery:
         positions = self.believed(
             positions, weighed, ratio, np.where(ball_likely, np.maximum(ratio, total), ratio)
         )
-        return positions if likely.all() else positions.where(likely)
+        if likely.all():
+            return positions
+        self.refusals.frames[positions.target[~likely]] += 1
+        return positions.where(likely)
 
     def added_up(self, positions: Positions, ratio: Array, forecast: Forecast | None) -> Array:
         """The ratios against reflectors, with those of the frames in a row before: (M,).

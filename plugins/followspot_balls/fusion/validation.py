@@ -19,6 +19,12 @@ from followspot_balls.targets import target_radii
 class Fusion(Stage, ABC):
     """Base of fusions: lost targets are found where all views make them likely, and colourless tracks end."""
 
+    advice = (
+        "either no pair is evidence of a target, for which a colour and an infrared camera must see it at "
+        "once, or two cameras where all are of one kind; or all views contradict the pairs, of which the "
+        "stage warns"
+    )
+
     class Params(BlobParams, RecoveryParams, ColorlessParams):
         """How exactly blobs tell places, and what the views must say of a target."""
 
@@ -36,12 +42,25 @@ class Fusion(Stage, ABC):
         """The positions that the views do not contradict, none of them in a plane."""
         positions = raised(positions, self.bounds, self.radii, self.params.plane_sigma)
         likely = self.recovery.judged(positions, candidates, forecast)
+        self.recovery.refusals.found[likely.target] = True
         return self.colorless.bounded(likely, candidates, forecast)
 
+    def close(self) -> None:
+        """Warn the user of targets that were never found because the views contradict their pairs."""
+        if text := self.recovery.refusals.warning():
+            self.context.warn(text)
+
     def state(self) -> Any:
-        return {"since": self.colorless.since, "odds": self.recovery.odds, "place": self.recovery.place}
+        return {
+            "since": self.colorless.since,
+            "odds": self.recovery.odds,
+            "place": self.recovery.place,
+            "refusals": self.recovery.refusals.state(),
+        }
 
     def restore(self, state: Any) -> None:
         self.colorless.since = np.array(state["since"], float)
         self.recovery.odds = np.array(state["odds"], float)
         self.recovery.place = np.array(state["place"], float)
+        if "refusals" in state:  # not in recordings of before
+            self.recovery.refusals.restore(state["refusals"])

@@ -160,12 +160,16 @@ def test_rooms_in_which_nothing_can_be_found_are_warned_about(tmp_path: Path) ->
     )
 
 
-def test_a_graph_that_leaves_out_a_kind_of_camera_is_warned_about(tmp_path: Path) -> None:
-    balls = f"extends: {GRAPH}\nstages:\n  infrared: null\n"
-    (tmp_path / "mine.yaml").write_text(
-        f"graph: mine\nroom: {GRAPHS}/rooms/simulated.yaml\n{balls}"
+def without_infrared() -> str:
+    """A graph whose infrared cameras send no blobs."""
+    return (
+        f"graph: mine\nroom: {GRAPHS}/rooms/simulated.yaml\nextends: {GRAPH}\nstages:\n  infrared: null\n"
         "  verify: {in: {blobs: color}}\n  bridge: {in: {blobs: color}}\n"
     )
+
+
+def test_a_graph_that_leaves_out_a_kind_of_camera_is_warned_about(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text(without_infrared())
     (silent,) = (m for m in fs.check(tmp_path / "mine.yaml") if "send no blobs" in m.text)
     assert silent.text == "cam1, cam3, cam4 of the room send no blobs, and count as cameras that see no ball"
     assert silent.remedy == "leave them out of the room: --cameras cam0,cam2,cam5"
@@ -234,3 +238,14 @@ def test_targets_of_one_colour_are_warned_about(tmp_path: Path) -> None:
 def test_a_mark_of_no_target_is_refused() -> None:
     with pytest.raises(InputError, match='no target "gren"'):
         Kalman(Context(room=make_room()), marks={"gren": GREEN}).setup()
+
+
+@pytest.mark.parametrize("fusion", ["balls.mean_shift", "balls.bundle"])
+def test_targets_that_all_views_contradict_are_told_with_the_parameter(tmp_path: Path, fusion: str) -> None:
+    (tmp_path / "mine.yaml").write_text(without_infrared())
+    with fs.run(tmp_path / "mine.yaml", set={"fuse.uses": fusion}, frames=30, out=tmp_path) as run:
+        report = run.wait()
+    (told,) = (text for text in report.warnings if "least_recovery_evidence" in text)
+    assert 'never found, though pairs of blobs were evidence: "green" (30 frames), "red"' in told
+    (silence,) = (one for one in report.silences if "fuse" in str(one))
+    assert "all views contradict the pairs" in silence.advice
