@@ -21,6 +21,7 @@ from followspot_balls.detection.detector import (
 )
 from followspot_balls.detection.hough import disc_centers, own_area
 from followspot_balls.detection.hue import BINS, bhattacharyya, hue_bits, normalised
+from followspot_balls.detection.rival_colors import best_fitting, rivals
 from followspot_balls.detection.search_circles import Circles, Regions, search_regions
 from followspot_balls.detection.strip import Windows, abreast, row_and_column
 
@@ -50,10 +51,15 @@ class Templates(NamedTuple):
     """(rows,) u16, bits of the hues of the target."""
     area: Array
     """(rows, 2) smallest and largest, px."""
+    rival: Array
+    """(rows, T) bool, the targets whose blobs are taken for those of the target, and the other way round."""
 
 
 class ColorBlobs(Stage):
-    """Find blobs of the targets' colours near the forecasts; in the whole image for lost targets."""
+    """Find blobs of the targets' colours near the forecasts; in the whole image for lost targets.
+
+    A blob that may belong to two targets of similar hues belongs to the one whose template it fits best.
+    """
 
     per_camera = True
     advice = (
@@ -125,16 +131,16 @@ class ColorBlobs(Stage):
     def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
         """Warn about targets without a template, and about those of one colour."""
         yield from without_template(room, cameras, "colour", lambda target: target.hue_histogram)
-        yield from of_one_color(room, cameras, params.similarity)
+        yield from of_one_color(room, cameras)
 
     def setup(self) -> None:
         name, p = self.camera.name, self.params
         targets = self.room.targets.values()
         histograms = np.array([t.hue_histogram.get(name, np.zeros(BINS)) for t in targets]).reshape(-1, BINS)
         area = np.array([t.area.get(name, (1.0, 0.0)) for t in targets]).reshape(-1, 2)
-        self.templates = Templates(
-            histograms, hue_bits(histograms, p.minimum_hue_share), area * [p.minimum_area, p.maximum_area]
-        )
+        hues = hue_bits(histograms, p.minimum_hue_share)
+        rival = rivals(histograms, hues, p.similarity, p.minimum_area)
+        self.templates = Templates(histograms, hues, area * [p.minimum_area, p.maximum_area], rival)
 
     def process(self, frame: Frame, forecast: Latest[Forecast] = None) -> Blobs:
         return self.process_together([self], [(frame, forecast)])[0]
@@ -176,7 +182,10 @@ def blobs_of(
         smallest = templates.area[:, 0].take(owner)
         sought = in_pictures(pictures, owner, bits, limits, smallest)
         found.append(measured(sought, templates, p, count))
-    return found[-1] if len(found) < 3 else Found(*map(np.concatenate, zip(*found, strict=True)))
+    blobs = found[-1] if len(found) < 3 else Found(*map(np.concatenate, zip(*found, strict=True)))
+    if not templates.rival.any():
+        return blobs
+    return Found(*(column[best_fitting(*blobs, templates.rival)] for column in blobs))
 
 
 @lru_cache(maxsize=8)

@@ -12,6 +12,7 @@ from followspot.geometry import undistort
 from followspot.room import Camera, Room, Target
 from followspot.tracking import Blobs
 from followspot_balls.detection.hue import BINS
+from followspot_balls.detection.rival_colors import TOLD_APART
 
 
 class SearchParams(StageParams):
@@ -59,17 +60,14 @@ def without_template(
             yield Mistake(None, text, "followspot calibrate targets --room ROOM.yaml --clips CLIPS learns it")
 
 
-def of_one_color(room: Room, cameras: Sequence[Camera], least: float) -> Iterator[Mistake]:
-    """The targets that no camera tells from another one, each with the first such.
-
-    least: similarity of hues from which a blob is taken for a target.
-    """
+def of_one_color(room: Room, cameras: Sequence[Camera]) -> Iterator[Mistake]:
+    """The targets that no camera tells from another one, each with the first such."""
     targets = list(room.targets.values())
     hues = [[t.hue_histogram.get(c.name, np.zeros(BINS)) for c in cameras] for t in targets]
     roots = np.sqrt(np.array(hues).reshape(len(targets), len(cameras), BINS))
     known = np.asarray(roots.any(axis=2))
     both = known[:, None] & known  # (T, T, C)
-    apart = both & (np.einsum("acb,dcb->adc", roots, roots) <= least)
+    apart = both & (np.einsum("acb,dcb->adc", roots, roots) < TOLD_APART)
     alike = np.tril(both.any(axis=2) & ~apart.any(axis=2), -1)
     for row in np.flatnonzero(alike.any(axis=1)):
         first, other = targets[row].name, targets[alike[row].argmax()].name

@@ -86,6 +86,30 @@ def test_a_saturated_white_core_does_not_break_a_blob(forecast: Forecast | None)
     assert blobs.pixel == pytest.approx(places[blobs.targets.argmax(axis=1)], abs=0.2)
 
 
+@pytest.mark.parametrize("forecast", [None, FORECAST])
+@pytest.mark.parametrize("owner", [0, 1])
+def test_a_blob_of_two_similar_colours_belongs_to_the_one_that_it_fits_best(
+    owner: int, forecast: Forecast | None
+) -> None:
+    """Red of 352 to 8 degrees and orange of 20: each template accepts blobs of the other."""
+    room = make_room()
+    for target, shares in zip(room.targets.values(), ({0: 0.7, 15: 0.3}, {0: 1.0}), strict=True):
+        target.hue_histogram["cam0"][:] = 0  # type: ignore[index]
+        target.hue_histogram["cam0"][list(shares)] = list(shares.values())  # type: ignore[index]
+    stage = ColorBlobs(Context.serving(room.cameras["cam0"], room))
+    stage.setup()
+    x, y = project(room.cameras["cam0"], np.array([HERE]))[0]
+    pixels = painted("cam0", [(x, y, 3.3, (0, 85, 255))]).pixels.copy()
+    if owner == 0:
+        ball = pixels.any(axis=2)
+        rows = np.arange(len(pixels))[:, None]
+        pixels[ball] = (0, 20, 255)
+        pixels[ball & (rows > y + 1)] = (40, 0, 255)
+    near = None if forecast is None else forecast_at([HERE, HERE])
+    blobs = stage.process(seal(Frame(camera="cam0", pixels=pixels)), near)
+    assert blobs.targets.tolist() == [[owner == 0, owner == 1]]
+
+
 def test_similarity_must_exceed_the_threshold() -> None:
     # half of the ball shows a hue of the neighbouring target: similarity sqrt(1/2) with either template
     mixed = make_room()

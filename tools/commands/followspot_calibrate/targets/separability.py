@@ -10,6 +10,7 @@ import numpy as np
 from followspot import Target
 from followspot.messages import Array
 from followspot_balls.detection.hue import bhattacharyya, normalised
+from followspot_balls.detection.rival_colors import TOLD_APART
 from followspot_balls.templates.from_clip import ColorSpots
 
 SIMILARITY, HUE_SHARE, SMALLEST, LARGEST = 0.8, 0.02, 0.3, 1.5
@@ -18,6 +19,11 @@ ALIKE = 0.8
 """Similarity of two templates from which there is a warning."""
 CONFUSED = 0.1
 """Share of a target's blobs accepted as another target from which there is a warning."""
+_REMEDY = (
+    "each blob goes to the target that it fits best, which fails if light changes the hues; for more safety "
+    "choose another colour for one"
+)
+_NOT_TOLD_APART = "nothing tells them apart: choose another colour for one, 30 degrees of hue away or more"
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +50,8 @@ class Separability:
                     one, other = (a, b) if self.accepted[i, j] >= self.accepted[j, i] else (b, a)
                     found.append(
                         f"{b} and {a} look alike in {self.camera}: similarity {self.similarity[i, j]:.2f}; "
-                        f"{100 * share:.0f} % of the blobs of {one} would be taken for {other}; choose "
-                        "another colour for one, or raise balls.color_blobs similarity"
+                        f"{100 * share:.0f} % of the blobs of {one} would pass for {other}; "
+                        + (_REMEDY if self.similarity[i, j] < TOLD_APART else _NOT_TOLD_APART)
                     )
         return found
 
