@@ -17,6 +17,7 @@ from tests.tools.calibrate.rooms import made_room
 from followspot import Camera, Room
 from followspot.cli.main import main
 from followspot.geometry import project
+from followspot.messages import Array
 from followspot.room_file import load, save
 from followspot_calibrate.triangulation import triangulate
 
@@ -44,19 +45,45 @@ def off(pixels: float) -> list[Camera]:
     return [replace(c, matrix=move @ c.matrix) for c, move in zip(TRUE, moves, strict=True)]
 
 
-def write_clips(folder: Path, late: int = 0) -> Path:
-    """A green ball as the true cameras see it, in pictures; late: frames by which cam1 begins later."""
+def write_clips(folder: Path, late: int = 0, light: Array | None = None) -> Path:
+    """A green ball as the true cameras see it, in pictures.
+
+    late: frames by which cam1 begins later; light: (3,) direction to a lamp that shades the ball, which glows
+    without one.
+    """
     for camera in TRUE:
         place = folder / "green" / camera.name
         place.mkdir(parents=True)
         shift = late if camera.name == "cam1" else 0
         for number, point in enumerate(np.roll(POINTS, -shift, axis=0)):
             picture = np.zeros((SIZE[1], SIZE[0], 3), np.uint8)
-            middle = np.rint(16 * project(camera, point[None])[0]).astype(int).tolist()
-            radius = round(16 * RADIUS * camera.matrix[0, 0] / np.linalg.norm(point - camera.center))
-            cv2.circle(picture, middle, radius, (0, 255, 0), -1, cv2.LINE_AA, shift=4)
+            middle = project(camera, point[None])[0]
+            radius = RADIUS * camera.matrix[0, 0] / np.linalg.norm(point - camera.center)
+            if light is None:
+                fine = np.rint(16 * middle).astype(int).tolist()
+                cv2.circle(picture, fine, round(16 * radius), (0, 255, 0), -1, cv2.LINE_AA, shift=4)
+            else:
+                picture[..., 1] = shaded(middle, float(radius), camera.rotation @ light)
             cv2.imwrite(str(place / f"{number:03}.png"), picture)
     return folder
+
+
+def shaded(middle: Array, radius: float, light: Array) -> Array:
+    """A matt ball in the light of a lamp, (H, W) u8.
+
+    light: (3,) direction to the lamp in coordinates of the camera.
+    """
+    level = np.zeros((SIZE[1], SIZE[0]))
+    corner = np.floor(middle - radius).astype(int) - 1
+    side = int(2 * radius) + 4
+    row, column = (axis / 4 - 0.375 for axis in np.mgrid[: 4 * side, : 4 * side])  # four times finer
+    right, down = (column + corner[0] - middle[0]) / radius, (row + corner[1] - middle[1]) / radius
+    ahead = 1 - right**2 - down**2
+    cosine = np.stack([right, down, -np.sqrt(np.maximum(ahead, 0))], axis=2) @ light
+    fine = np.where(ahead > 0, 10 + 200 * np.maximum(cosine, 0), 0)
+    window = fine.reshape(side, 4, side, 4).mean(axis=(1, 3))
+    level[corner[1] : corner[1] + side, corner[0] : corner[0] + side] = window
+    return level.astype(np.uint8)
 
 
 @pytest.fixture(scope="module")
@@ -108,6 +135,20 @@ def test_cameras_that_agree_are_to_stay_or_are_not_synchronised_are_left_alone(
     given = without_targets(path)
     assert main(["calibrate", "targets", "--room", str(path), "--clips", str(clips), *words, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["correction"] is None
+    assert without_targets(path) == given
+
+
+@pytest.mark.parametrize("lamp", [(0.8, 0.0, 0.6), (0.5, -0.7, 0.5)])
+def test_the_light_on_a_ball_is_no_reason_to_correct_exact_cameras(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], lamp: tuple[float, float, float]
+) -> None:
+    clips = write_clips(tmp_path / "clips", light=np.array(lamp) / np.linalg.norm(lamp))
+    path = room_of(TRUE, tmp_path)
+    given = without_targets(path)
+    assert main(["calibrate", "targets", "--room", str(path), "--clips", str(clips), "--json"]) == 0
+    said = capsys.readouterr()
+    assert json.loads(said.out)["correction"] is None
+    assert "contradict" not in said.err
     assert without_targets(path) == given
 
 

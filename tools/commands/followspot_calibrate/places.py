@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from followspot import Camera
@@ -23,6 +24,11 @@ OFF_MIDDLE = 0.03
 Lamps and reflective patches are not in the middle, and infrared cameras see other ones than colour cameras.
 That shifts all sightings of a camera alike, so averaging does not help: it counts for each sighting.
 """
+DIM = 0.25
+"""Level over that of the bright part down to which pixels around it belong to the target, which a lamp may
+light from one side."""
+WIDEST = 4.0
+"""Largest area of these over that of the bright part; more is other light."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,31 +54,47 @@ def find_places(clips: Path, cameras: Sequence[Camera], progress: Progress | Non
         if progress is not None:
             progress(f"target {folder.name}", number / len(folders))
         found.append(_places(folder, cameras))
-    pixel, width = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    pixel, width, aside = (np.concatenate(parts) for parts in zip(*found, strict=True))
     rows = np.isfinite(width).sum(axis=1) >= 2
     if not rows.any():
         raise FollowspotError(f"{clips}: no target is seen by two cameras at the same frame of their clips")
-    return Places(pixel[rows], OFF_MIDDLE * np.nanmean(width[rows], axis=1))
+    middle = OFF_MIDDLE * np.nanmean(width[rows], axis=1)
+    return Places(pixel[rows], np.maximum(middle, np.nanmean(aside[rows], axis=1)))
 
 
-def _places(folder: Path, cameras: Sequence[Camera]) -> tuple[Array, Array]:
-    """Of one target: (F, C, 2) px and its width in each picture, (F, C) px; NaN if it is not seen."""
+def _places(folder: Path, cameras: Sequence[Camera]) -> tuple[Array, Array, Array]:
+    """Of one target: (F, C, 2) px, the width of its bright part in each picture, and how far the middle of
+    that is from the middle of all that is lit, (F, C) px; NaN if it is not seen.
+    """
     pixel = np.full((MOST_FRAMES, len(cameras), 2), np.nan)
-    width = np.full((MOST_FRAMES, len(cameras)), np.nan)
+    width, aside = np.full((2, MOST_FRAMES, len(cameras)), np.nan)
     recordings = find_recordings(folder, [camera.name for camera in cameras])
     for number, camera in enumerate(cameras):
-        for spot in _spots(recordings[camera.name], camera) if camera.name in recordings else ():
-            rows, columns = np.nonzero(spot.inside)
-            pixel[spot.frame, number] = columns.mean(), rows.mean()
+        for spot, lit in _spots(recordings[camera.name], camera) if camera.name in recordings else ():
+            pixel[spot.frame, number] = _middle(spot.inside)
             width[spot.frame, number] = np.sqrt(4 / np.pi * spot.area)
-    return pixel, width
+            aside[spot.frame, number] = np.linalg.norm(pixel[spot.frame, number] - _middle(lit))
+    return pixel, width, aside
 
 
-def _spots(recording: Path, camera: Camera) -> list[Spot]:
-    """The target in each frame that shows it; none if the clip shows none."""
+def _middle(mask: Array) -> Array:
+    """The mean place of the pixels of a mask, (2,) px."""
+    return np.array([axis.mean() for axis in np.nonzero(mask)[::-1]])
+
+
+def _spots(recording: Path, camera: Camera) -> list[tuple[Spot, Array]]:
+    """The target in each frame that shows it, with all of it that is lit; none if the clip shows none."""
     frames = read_frames(recording, camera, MOST_FRAMES)
     edge = COLOR_EDGE if camera.kind == "color" else INFRARED_EDGE
+    levels = [brightness(frame) for frame in frames]
     try:
-        return glowing([brightness(frame) for frame in frames], edge)
+        return [(spot, _lit(levels[spot.frame], spot)) for spot in glowing(levels, edge)]
     except ValueError:
         return []
+
+
+def _lit(level: Array, spot: Spot) -> Array:
+    """The pixels of a target down to `DIM`, (H, W) bool; its bright part if other light touches it."""
+    _, label = cv2.connectedComponents((level >= DIM * spot.level).view(np.uint8), connectivity=8)
+    lit = np.asarray(label == label[spot.inside].max())
+    return lit if spot.area <= lit.sum() <= WIDEST * spot.area else spot.inside

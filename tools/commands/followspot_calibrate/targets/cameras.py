@@ -44,7 +44,10 @@ def agreement(room: Room, clips: Path, progress: Progress | None = None) -> Agre
         return Agreement(problem=f"cameras were not held against each other: {reason}")
     given = chosen(cameras, places.pixel)
     if apart := elsewhere(given, places):
-        cause = "the clips of a target do not begin at the same moment, or a camera has moved"
+        cause = (
+            "the clips of a target do not begin at the same moment, a camera has moved, or a lamp lights the "
+            "target from one side"
+        )
         return Agreement(
             problem=f"{apart} and the other cameras see the targets at different places: {cause}"
         )
