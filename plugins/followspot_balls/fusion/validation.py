@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -35,8 +36,12 @@ class Fusion(Stage, ABC):
         cameras = self.room.cameras.values()
         self.bounds = facing_planes(self.room, np.array([c.center for c in cameras]).reshape(-1, 3))
         self.radii = target_radii(self.room)
-        self.recovery = Recovery(self.room, self.params)
         self.colorless = Colorless(self.room, self.params)
+
+    @cached_property
+    def recovery(self) -> Recovery:
+        """What the views must say of places; also there if the stage is closed before it is set up."""
+        return Recovery(self.room, self.params)
 
     def validated(self, positions: Positions, candidates: Candidates, forecast: Forecast | None) -> Positions:
         """The positions that the views do not contradict, none of them in a plane."""

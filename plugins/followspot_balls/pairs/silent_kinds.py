@@ -14,11 +14,12 @@ def check_kinds(room: Room, cameras: Sequence[Camera]) -> Iterator[Mistake]:
     """A warning for `Stage.check_room` if no camera of a kind sends blobs, and the room has some.
 
     All cameras of the room weigh the place of a lost target, so these count as cameras that see no ball, and
-    no target is found. Rooms with depth cameras weigh no places. cameras: those whose blobs come.
+    no target is found. Rooms with depth cameras weigh no places; a camera alone finds nothing in any
+    case. cameras: those whose blobs come.
     """
     kinds = {camera.kind for camera in cameras}
     silent = [c.name for c in room.cameras.values() if c.kind in _WEIGHED and c.kind not in kinds]
-    if not kinds or not silent or any(c.kind == "depth" for c in room.cameras.values()):
+    if len(cameras) < 2 or not silent or any(c.kind == "depth" for c in room.cameras.values()):
         return
     text = f"{', '.join(silent)} of the room send no blobs, and count as cameras that see no ball"
     taking_part = ",".join(camera.name for camera in cameras)
