@@ -31,6 +31,7 @@ from followspot_target_filter.life_cycle import (
 )
 from followspot_target_filter.marks import marked, untold
 from followspot_target_filter.motion_model import MotionModel
+from followspot_target_filter.never_found import never_found
 from followspot_target_filter.parameters import TargetFilterParams
 
 SHOWING = 3
@@ -59,6 +60,8 @@ class TargetFilter(Stage, ABC):
         """The life cycle."""
 
     params: Params
+    measured: Array = np.zeros((0, 3))
+    """(T, 3) m, the last measured places; none before the stage is set up."""
 
     @abstractmethod
     def motion_model(self, count: int) -> MotionModel:
@@ -131,6 +134,11 @@ class TargetFilter(Stage, ABC):
         self.life = coasted(life, measured, bridged, p.maximum_missed_frames)
         self.remember(target, target[new], measured)
         return Outputs(self.tracks(), self.forecast())
+
+    def close(self) -> None:
+        """Warn the user of targets that were never found, though others were."""
+        if text := never_found(self.room, np.asarray(self.measured.any(axis=1))):
+            self.context.warn(text)
 
     def doubted(self) -> Array:
         """Targets that are also sought elsewhere in the next frame: (T,) bool."""

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from tests.plugins.balls.scene import positions_at
+from tests.plugins.balls.scene import make_room, positions_at
 from tests.plugins.balls.watched import FPS, HERE, THERE, kalman, watch
 
+from followspot.context import Context
+from followspot.room import StageUse
 from followspot.tracking import LOST, MISSING, PREDICTED, STATES, TRACKED
 from followspot_balls.kalman import Kalman
 from followspot_balls.motion import Motion, initiated, predict, update
@@ -268,3 +272,21 @@ def test_a_successor_carries_on_where_its_predecessor_stopped() -> None:
     a, b = watch(old, 1, first=10)[0], watch(new, 1, first=10)[0]
     assert a.tracks.xyz.tobytes() == b.tracks.xyz.tobytes()
     assert a.forecast.covariance.tobytes() == b.forecast.covariance.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("frames", "truth", "told"),
+    [(3, False, True), (0, False, False), (3, True, False)],
+    ids=["one of two", "none", "scores tell"],
+)
+def test_targets_that_are_never_found_are_named_at_the_end(frames: int, truth: bool, told: bool) -> None:
+    said: list[str] = []
+    room = make_room()
+    if truth:
+        room = replace(room, truth=StageUse("cameras.truth_csv", {}))
+    stage = Kalman(Context(room=room, warn=said.append))
+    stage.setup()
+    watch(stage, frames)
+    stage.close()
+    first, second = room.targets
+    assert [f"never found: {second} (found: {first})" in text for text in said] == [True] * told
