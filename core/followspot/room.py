@@ -183,9 +183,20 @@ class Room:
                         groups.setdefault(value, []).append(Member(name, owner.name))
         return {key: {v: tuple(m) for v, m in groups.items()} for key, groups in found.items()}
 
-    def with_cameras(self, names: Collection[str]) -> Room:
-        """The room with those of its cameras that are named, in its own order."""
-        return replace(self, cameras={name: c for name, c in self.cameras.items() if name in names})
+    def with_cameras(self, names: Collection[str] | None) -> Room:
+        """The room with those of its cameras that are named, in its own order; None: all.
+
+        The same object for the same cameras, so that stages share what they derive from it.
+        """
+        kept = {name: camera for name, camera in self.cameras.items() if names is None or name in names}
+        if len(kept) == len(self.cameras):
+            return self
+        return self._parts.setdefault(tuple(kept), replace(self, cameras=kept))
+
+    @cached_property
+    def _parts(self) -> dict[tuple[str, ...], Room]:
+        """The rooms of :meth:`with_cameras` by the names of their cameras."""
+        return {}
 
     def members(self, name: str) -> Mapping[str, Camera | Sensor | Target]:
         """The members of one of `SETS` by name."""

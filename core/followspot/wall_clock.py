@@ -1,4 +1,4 @@
-"""Whether the wall clock of this computer was set: its lead over the monotonic clock, which nobody sets."""
+"""Whether the wall clock of this computer was set, by its lead over the monotonic clock, which cannot be."""
 
 from __future__ import annotations
 

@@ -9,6 +9,7 @@ from followspot.frame_times import NANOSECOND
 from followspot.rotation import from_rotation_vector, inverse, turned
 
 UNKNOWN = np.full(3, np.nan)
+"""A field, (3,) uT, before the magnetometer has given one."""
 
 
 def evenly(time: Array, values: Array, period: float) -> tuple[Array, Array]:
@@ -25,10 +26,11 @@ def evenly(time: Array, values: Array, period: float) -> tuple[Array, Array]:
 
 
 def carried(last: Array, field: Array, turn: Array) -> Array:
-    """The field at each reading; where it was not read, that of before, against which the sensor has turned.
+    """The field at each reading, in the sensor's axes: as it was read, or else that of the reading before,
+    turned back by the sensor's rotation since then.
 
-    last: (3,) before the first reading; field: (N, 3), NaN where it was not read; turn: (N, 3) rotation
-    vectors of the sensor in its axes up to each reading, rad. Returns (N, 3).
+    last: (3,) uT, at the reading before the first; field: (N, 3) uT, NaN if it was not read; turn: (N, 3)
+    rotation vectors from each reading's predecessor to the reading, rad. Returns (N, 3) uT.
     """
     known: Array = np.asarray(np.isfinite(field).all(axis=1))
     if known.all():

@@ -31,7 +31,7 @@ from followspot_target_filter.life_cycle import (
 )
 from followspot_target_filter.marks import marked, untold
 from followspot_target_filter.motion_model import MotionModel
-from followspot_target_filter.never_found import never_found
+from followspot_target_filter.not_found import not_found
 from followspot_target_filter.parameters import TargetFilterParams
 
 SHOWING = 3
@@ -136,8 +136,8 @@ class TargetFilter(Stage, ABC):
         return Outputs(self.tracks(), self.forecast())
 
     def close(self) -> None:
-        """Warn the user of targets that were never found, though others were."""
-        if text := never_found(self.room, np.asarray(self.measured.any(axis=1))):
+        """Warn the user of targets that were not found, though others were."""
+        if text := not_found(self.room, np.asarray(self.measured.any(axis=1))):
             self.context.warn(text)
 
     def doubted(self) -> Array:

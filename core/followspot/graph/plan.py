@@ -225,7 +225,7 @@ class Plan:
 
     def room_of(self, stage: PlannedStage) -> Room:
         """The room as the stage knows it."""
-        return self.room if stage.sees is None else self.room.with_cameras(stage.sees)
+        return self.room.with_cameras(stage.sees)
 
     def worker_of(self, stage: str) -> str:
         """Name of the worker that runs this stage. Raises KeyError."""

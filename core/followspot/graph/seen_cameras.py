@@ -11,7 +11,8 @@ from followspot.room import Member, Room
 def seen_cameras(checked: CheckedStage, room: Room) -> tuple[str, ...] | None:
     """Names of the cameras that the sub-graphs around a stage are given, in the order of the room.
 
-    None for all: outside such sub-graphs, and for sources, which render or read what is there, whoever looks.
+    None for all cameras: outside such sub-graphs, and for sources, whose device or renderer does not depend
+    on the sub-graph.
     """
     if ports(checked.stage).source:
         return None

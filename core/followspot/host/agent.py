@@ -168,7 +168,7 @@ class Agent:
         )
 
     def _read_clock(self, run: str) -> ClockReading:
-        """The clocks here, as a run has them that goes on here."""
+        """The clocks of this host; for a run that goes on here as if the wall clock had not been set."""
         clocks = (found.run.clock for found in self.agent_runs if found.order.run == run)
         return next(clocks, HostClock(known=self.options.clock_offset)).read()
 

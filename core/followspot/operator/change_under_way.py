@@ -9,13 +9,14 @@ from threading import Lock
 from followspot.errors import FollowspotError
 
 GIVEN_UP = (FollowspotError, KeyboardInterrupt)
-"""What a change is undone for, half-way: where a command leads it, Ctrl-C must not leave the run so."""
+"""Exceptions for which a change that has begun is undone. Ctrl-C is one of them, because a command may lead
+the change itself: it must not leave the run half changed."""
 OnWait = Callable[[str], None]
 """Called with what a change waits for from now on, for example "host pc-left to build the new stages"."""
 
 
-def nobody(_: str) -> None:
-    """An `OnWait` if nobody asks."""
+def untold(_: str) -> None:
+    """The `OnWait` of a caller that does not tell what the change waits for."""
 
 
 def named(hosts: Iterable[str]) -> str:

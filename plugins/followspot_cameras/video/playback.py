@@ -96,7 +96,7 @@ class Playback(Video):
             self.setup()
 
     def _rounds_over(self) -> tuple[int, int]:
-        """The time, ns, and the frames of the whole rounds played; 0 if nobody knows their length."""
+        """The time, ns, and the frames of the whole rounds played; 0 if the length of the file is unknown."""
         frames = super().length() or 0
         first, last = self.capture_time(0), self.capture_time(frames - 1)
         if not self.params.loop or frames < 2 or first is None or last is None:

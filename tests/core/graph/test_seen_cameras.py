@@ -5,17 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from tests.core.graph.composed import planned
+from tests.core.graph.test_belonging import MAIN as DETECTORS
 from tests.core.graph.test_belonging import TAGGED, ZONE
 
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_from_data, plan_to_data
 
-MAIN = """\
-graph: main
-room: room.yaml
-stages:
-  eyes:   {uses: room.source, each: cameras}
-  detect: {uses: toy.detect, each: cameras, in: {frame: eyes}}
+AREA = """\
   area:   {graph: zone.yaml, in: {blobs: detect}, LIMIT}
   all:    {uses: toy.pair, in: {blobs: detect}}
 """
@@ -30,7 +26,7 @@ stages:
 
 
 def plan_of(folder: Path, limit: str) -> Plan:
-    return planned(folder, MAIN.replace("LIMIT", limit), room=TAGGED, zone=ZONE)
+    return planned(folder, (DETECTORS + AREA).replace("LIMIT", limit), room=TAGGED, zone=ZONE)
 
 
 def known(plan: Plan) -> dict[str, list[str]]:
@@ -50,8 +46,16 @@ def test_a_sub_graph_for_each_zone_knows_the_cameras_of_its_zone(tmp_path: Path)
     assert (found["area/hall/gather"], found["area/stage/gather"]) == (["cam0"], ["cam1"])
 
 
+def test_stages_of_one_part_share_its_room_and_what_they_derive_from_it(tmp_path: Path) -> None:
+    plan = plan_of(tmp_path, "each: zones")
+    rooms = {stage.name: plan.room_of(stage) for stage in plan.stages}
+    assert rooms["area/hall/gather"] is rooms["area/hall/own"]
+    assert rooms["area/hall/gather"] is not rooms["area/stage/gather"]
+    assert rooms["all"] is plan.room
+
+
 def test_sources_inside_know_the_whole_room(tmp_path: Path) -> None:
-    main = MAIN.replace("in: {blobs: detect}, LIMIT", 'cameras: "cameras[zone=hall]"')
+    main = (DETECTORS + AREA).replace("in: {blobs: detect}, LIMIT", 'cameras: "cameras[zone=hall]"')
     found = known(planned(tmp_path, main, room=TAGGED, zone=EYES))
     assert found["area/eyes/cam0"] == ["cam0", "cam1"]
     assert found["area/detect/cam0"] == found["area/gather"] == ["cam0"]

@@ -279,7 +279,7 @@ def test_a_successor_carries_on_where_its_predecessor_stopped() -> None:
     [(3, False, True), (0, False, False), (3, True, False)],
     ids=["one of two", "none", "scores tell"],
 )
-def test_targets_that_are_never_found_are_named_at_the_end(frames: int, truth: bool, told: bool) -> None:
+def test_targets_that_are_not_found_are_named_at_the_end(frames: int, truth: bool, told: bool) -> None:
     said: list[str] = []
     room = make_room()
     if truth:
@@ -289,4 +289,4 @@ def test_targets_that_are_never_found_are_named_at_the_end(frames: int, truth: b
     watch(stage, frames)
     stage.close()
     first, second = room.targets
-    assert [f"never found: {second} (found: {first})" in text for text in said] == [True] * told
+    assert [f"not found: {second} (found: {first})" in text for text in said] == [True] * told

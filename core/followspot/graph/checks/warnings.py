@@ -119,8 +119,7 @@ def _foreseen(flow: Flow, room: Room) -> Iterator[Mistake]:
         first = group[0]
         seen = reduce(or_, (reach[one.instance.name] for one in group))
         cameras = [camera for bit, camera in enumerate(room.cameras.values()) if seen >> bit & 1]
-        seen_room = room if (names := seen_cameras(first, room)) is None else room.with_cameras(names)
-        for mistake in _said(first, seen_room, cameras):
+        for mistake in _said(first, room.with_cameras(seen_cameras(first, room)), cameras):
             yield replace(mistake, place=mistake.place or first.instance.declared.place)
 
 

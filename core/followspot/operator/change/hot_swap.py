@@ -15,7 +15,7 @@ from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.operator.change.change_steps import ChangeSteps, HostPart
 from followspot.operator.change.rewire import rewire
-from followspot.operator.change_under_way import GIVEN_UP, OnWait, nobody
+from followspot.operator.change_under_way import GIVEN_UP, OnWait, untold
 from followspot.operator.changed import Changed, changed, with_change
 from followspot.operator.run_requests import ChangeStages
 
@@ -42,7 +42,7 @@ def change_stages(run: Coordinator, request: ChangeStages) -> Changed:
 
 
 def change_hosts(
-    plan: Plan, hosts: Sequence[Host], wanted: Change, *, fresh: bool, on_wait: OnWait = nobody
+    plan: Plan, hosts: Sequence[Host], wanted: Change, *, fresh: bool, on_wait: OnWait = untold
 ) -> None:
     """Replace the stages of the names in `wanted`. Safe beside the thread that attends the hosts.
 

@@ -16,7 +16,7 @@ from followspot.graph.change.move import anew, moved
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_to_data
 from followspot.host.heartbeat import SILENCE
-from followspot.operator.change_under_way import GIVEN_UP, OnWait, named, nobody
+from followspot.operator.change_under_way import GIVEN_UP, OnWait, named, untold
 from followspot.operator.changed import Moved
 from followspot.operator.run_requests import MoveStages
 
@@ -46,7 +46,7 @@ def move_stages(run: Coordinator, request: MoveStages) -> Moved:
         return report
 
 
-def move_hosts(old: Plan, new: Plan, hosts: Sequence[Host], on_wait: OnWait = nobody) -> None:
+def move_hosts(old: Plan, new: Plan, hosts: Sequence[Host], on_wait: OnWait = untold) -> None:
     """Bring a run from the old plan to the new one. Safe beside the thread that attends the hosts.
 
     Raises FollowspotError if a host refuses the new plan, before any worker has left; or if a worker cannot
