@@ -128,9 +128,11 @@ def after(
     left, tally = [], Tally.none(len(crowd.bodies))
     strangers, known = crowd.strangers.copy(), bool((crowd.lives.number > 0).any())
     for one in sorted(sets, key=lambda each: each.time):
-        crowd = as_of(_moved(crowd, model, one.time), model, one.time)
+        crowd = _moved(crowd, model, one.time)
+        late = crowd.time - one.time
+        crowd = _shifted(crowd, model, -late)
         crowd, tally, free = _seen(crowd, tally, model, views.each[one.camera], one, rules)
-        crowd = as_of(crowd, model, 2 * crowd.time - one.time)
+        crowd = _shifted(crowd, model, late)
         left.append(replace(one, found=one.found[free], colors=one.colors[free]))
         strangers[one.camera] += known * np.array([len(free), np.count_nonzero(free)])
     weight = independence((crowd.time - before) * NANOSECOND)
@@ -141,8 +143,13 @@ def after(
 
 
 def as_of(crowd: Crowd[S], model: BodyModel[S], time: int) -> Crowd[S]:
-    """The people at a time, ns, near that of the last exposure: for a report, or for an earlier exposure."""
-    return replace(crowd, bodies=model.shifted(crowd.bodies, (time - crowd.time) * NANOSECOND))
+    """The people at a time, ns, near that of the last exposure, for a report."""
+    return _shifted(crowd, model, time - crowd.time)
+
+
+def _shifted(crowd: Crowd[S], model: BodyModel[S], by: int) -> Crowd[S]:
+    """The people as their motion has them some ns later, or earlier; the time of the crowd stays."""
+    return replace(crowd, bodies=model.shifted(crowd.bodies, by * NANOSECOND)) if by else crowd
 
 
 def _moved(crowd: Crowd[S], model: BodyModel[S], time: int) -> Crowd[S]:
