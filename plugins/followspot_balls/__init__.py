@@ -1,7 +1,9 @@
 """Glowing balls among interfering projections (Jin & Qian 2008): detection, pairing, fusion, filtering.
 
-Modules here are stages, and what several of them use. Parts of one stage, or of one idea, have a folder. In
-the order of the pipeline: templates of targets, detection in pictures and in depth images, measurement (how
-a ball shows in cameras), pairs of blobs, places from a single view, the association with targets, and
-fusion. Beside it: the published method without additions (plain), inertial navigation, smoothing, and throws.
+Each module here is a stage. Its parts, and what several stages use, are in one folder for each idea, in the
+order of the pipeline: templates of targets, detection in pictures, depth (detection in depth images),
+measurement (how a ball shows in cameras), pairs of blobs, single_view (positions from one camera),
+association of candidates with targets, fusion and filtering. scene is what the room and the forecast tell of
+planes and targets. Beside it: the published method without additions (plain), inertial navigation,
+smoothing, and throws.
 """

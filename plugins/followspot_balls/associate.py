@@ -9,7 +9,7 @@ from followspot.tracking import Candidates, Forecast
 from followspot_balls.association.existence import Confirmation, Existence, Seen, sought
 from followspot_balls.association.likelihood import ball_ratio
 from followspot_balls.association.view_association import ViewAssociation, Weighed
-from followspot_balls.targets import lost_targets
+from followspot_balls.scene.targets import lost_targets
 from followspot_balls.triangulate import alike
 
 CLEAR = 4

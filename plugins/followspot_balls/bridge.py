@@ -11,9 +11,10 @@ from followspot import Array, Field, Joined, Latest, Stage
 from followspot.tracking import Blobs, ExistenceOdds, Forecast, Positions
 from followspot_balls.association.color_views import ColorViews
 from followspot_balls.association.infrared_only import Colorless, ColorlessParams
+from followspot_balls.filtering.predicted_positions import with_predicted
 from followspot_balls.measurement.outline import unit_outline
 from followspot_balls.pairs.time_alignment import delays
-from followspot_balls.predicted_positions import with_predicted
+from followspot_balls.scene.targets import lost_targets, target_radii, tracked_targets
 from followspot_balls.single_view.course import Course
 from followspot_balls.single_view.position import (
     COURSE,
@@ -25,7 +26,6 @@ from followspot_balls.single_view.position import (
     resting,
     settled,
 )
-from followspot_balls.targets import lost_targets, target_radii, tracked_targets
 
 
 class Bridge(Stage):

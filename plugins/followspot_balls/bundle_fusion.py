@@ -9,7 +9,6 @@ import numpy as np
 from followspot import Array, Field, Latest
 from followspot.tracking import Candidates, Forecast, Positions
 from followspot_balls.association.recovery_evidence import appearing, recovery_credit
-from followspot_balls.bounding_planes import nearest_planes
 from followspot_balls.fusion.blob_assignment import Claims, assigned, shares, squared_errors
 from followspot_balls.fusion.contradiction import contradicted
 from followspot_balls.fusion.validation import Fusion
@@ -31,7 +30,8 @@ from followspot_balls.measurement.points import (
     weighted,
 )
 from followspot_balls.pairs.camera_numbers import numbered
-from followspot_balls.targets import lost_targets
+from followspot_balls.scene.bounding_planes import nearest_planes
+from followspot_balls.scene.targets import lost_targets
 
 USED = 0.4
 """Weight above which a view counts as support: that of an error of three quarters of the cutoff."""

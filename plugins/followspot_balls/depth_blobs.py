@@ -14,8 +14,8 @@ from followspot.tracking import Candidates, DepthImage, Forecast
 from followspot_balls.depth.background import foreground, learnt, rendered
 from followspot_balls.depth.spheres import Lens, Spheres, spheres
 from followspot_balls.detection.search_circles import forecast_images
-from followspot_balls.search_spheres import in_search_spheres, search_spheres
-from followspot_balls.targets import lost_targets, target_radii
+from followspot_balls.detection.search_spheres import in_search_spheres, search_spheres
+from followspot_balls.scene.targets import lost_targets, target_radii
 
 ON_SPHERE = 2.5
 """Largest distance of points from a sphere that they lie on, in sigmas of a depth."""

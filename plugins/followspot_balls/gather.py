@@ -11,7 +11,7 @@ from followspot import Array, Field, Joined, Latest, Stage, StageParams
 from followspot.tracking import Blobs, Candidates, Forecast
 from followspot_balls.association.color_views import ColorViews
 from followspot_balls.pairs.camera_numbers import numbered
-from followspot_balls.targets import lost_targets, target_radii, tracked_targets
+from followspot_balls.scene.targets import lost_targets, target_radii, tracked_targets
 
 
 class Gather(Stage):

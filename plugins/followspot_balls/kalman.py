@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from followspot import Array
-from followspot_balls.motion import Motion, followed, initiated, predict, slowed
+from followspot_balls.filtering.motion import Motion, followed, initiated, predict, slowed
 from followspot_target_filter.manoeuvre import ManoeuvreParams
 from followspot_target_filter.motion_model import Estimate
 from followspot_target_filter.stage import TargetFilter

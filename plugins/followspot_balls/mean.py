@@ -6,7 +6,7 @@ import numpy as np
 
 from followspot import Latest, Stage
 from followspot.tracking import Candidates, Forecast, Positions
-from followspot_balls.targets import lost_targets
+from followspot_balls.scene.targets import lost_targets
 
 
 class Mean(Stage):

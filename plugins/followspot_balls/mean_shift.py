@@ -14,7 +14,7 @@ from followspot_balls.fusion.mode_covariance import ModeCovariance, rivals_covar
 from followspot_balls.fusion.modes import Modes, Sample, densest, seek_modes, weighted_mean
 from followspot_balls.fusion.validation import Fusion
 from followspot_balls.pairs.camera_numbers import numbered
-from followspot_balls.targets import lost_targets
+from followspot_balls.scene.targets import lost_targets
 
 FAINT = 1e-200
 """Smallest credit of a candidate, so that a distant one can be chosen if there is no other."""

@@ -8,15 +8,15 @@ import numpy as np
 
 from followspot import Array, Field, Latest, Room, Stage, StageParams
 from followspot.tracking import Candidates, Forecast, Pairs
-from followspot_balls.bounding_planes import facing_planes
 from followspot_balls.detection.hue import BINS
+from followspot_balls.detection.search_spheres import in_search_spheres, search_spheres
 from followspot_balls.measurement.outline import Stretch, unit_outline
 from followspot_balls.pairs.camera_numbers import numbered
 from followspot_balls.pairs.disagreement import UNCOVERED, Disagreement
 from followspot_balls.pairs.rays import PairRays
 from followspot_balls.pairs.three_views import threefold
-from followspot_balls.search_spheres import in_search_spheres, search_spheres
-from followspot_balls.targets import lost_targets, target_radii, tracked_targets
+from followspot_balls.scene.bounding_planes import facing_planes
+from followspot_balls.scene.targets import lost_targets, target_radii, tracked_targets
 
 SAME_COLOR = 0.8
 """Bhattacharyya coefficient of two templates above which colour does not distinguish the targets (eq. 2)."""

@@ -24,7 +24,7 @@ from followspot_balls.pairs.lying_targets import LyingTargets
 from followspot_balls.pairs.silent_kinds import check_kinds
 from followspot_balls.pairs.time_alignment import aligned, delays
 from followspot_balls.pairs.two_view_geometry import fundamental_stack, homography_stack
-from followspot_balls.targets import lost_targets
+from followspot_balls.scene.targets import lost_targets
 
 SURE = 0.4
 """Part of the homography test's distance up to which a pair is light for sure: a ball that lies on a plane,

@@ -8,8 +8,8 @@ import numpy as np
 
 from followspot import Array, Room
 from followspot.tracking import Blobs
+from followspot_balls.scene.targets import target_radii
 from followspot_balls.single_view.position import images
-from followspot_balls.targets import target_radii
 
 NEAREST = 1e-9
 """Smallest depth of a place that is divided by, m."""

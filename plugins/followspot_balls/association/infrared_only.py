@@ -11,7 +11,7 @@ import numpy as np
 from followspot import Array, Field, Room, StageParams
 from followspot.geometry import Views
 from followspot.tracking import MISSING, Candidates, Forecast, Positions
-from followspot_balls.targets import target_radii
+from followspot_balls.scene.targets import target_radii
 
 
 class ColorlessParams(StageParams):

@@ -26,7 +26,7 @@ from followspot_balls.association.likelihood import (
 from followspot_balls.association.refusals import Refusals
 from followspot_balls.association.view_evidence import PlaceViews, ViewEvidence
 from followspot_balls.association.view_params import ViewParams
-from followspot_balls.targets import lost_targets, tracked_targets
+from followspot_balls.scene.targets import lost_targets, tracked_targets
 
 ELSEWHERE = 1.0
 """Sigma of the place of a target that is not where it seems to be, m: some place in the room."""

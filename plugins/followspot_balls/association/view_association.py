@@ -19,7 +19,7 @@ from followspot_balls.association.view_evidence import PlaceViews, ViewEvidence
 from followspot_balls.association.view_params import ViewParams
 from followspot_balls.association.visibility import predicted, updated
 from followspot_balls.pairs.camera_numbers import numbered
-from followspot_balls.targets import lost_targets, tracked_targets
+from followspot_balls.scene.targets import lost_targets, tracked_targets
 
 SHOWN = 0.1
 """Ratio of a blob's densities from which it may show the target."""

@@ -24,7 +24,7 @@ from followspot_balls.association.view_params import ViewParams
 from followspot_balls.measurement.blob_table import Sightings, sightings
 from followspot_balls.measurement.center_precision import Outlines
 from followspot_balls.measurement.points import Images, point_images
-from followspot_balls.targets import target_radii
+from followspot_balls.scene.targets import target_radii
 
 NEAREST = 1e-3
 """Smallest depth of a place that has an image, m."""

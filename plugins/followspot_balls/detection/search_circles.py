@@ -12,7 +12,7 @@ from followspot.geometry import Views
 from followspot.messages import Array
 from followspot.room import Room
 from followspot.tracking import LOST, Forecast
-from followspot_balls.targets import lost_targets, target_radii
+from followspot_balls.scene.targets import lost_targets, target_radii
 
 MARGIN = 2
 """Margin of a window around a ball on its search circle, px: blobs at the window's edge may be cut off."""

@@ -22,7 +22,7 @@ from followspot_balls.measurement.glow_shift import glow_sigma
 from followspot_balls.measurement.outline import unit_outline
 from followspot_balls.measurement.points import point_images
 from followspot_balls.pairs.error_propagation import propagation
-from followspot_balls.targets import target_radii
+from followspot_balls.scene.targets import target_radii
 
 UNLIKELY = 1e-8
 """Odds of rivals below which they are left out: 10 cm away they add 10 micrometres to a deviation."""

@@ -12,9 +12,9 @@ from followspot import Stage
 from followspot.tracking import Candidates, Forecast, Positions
 from followspot_balls.association.infrared_only import Colorless, ColorlessParams
 from followspot_balls.association.recovery import Recovery, RecoveryParams
-from followspot_balls.bounding_planes import facing_planes, raised
 from followspot_balls.fusion.blob_params import BlobParams
-from followspot_balls.targets import target_radii
+from followspot_balls.scene.bounding_planes import facing_planes, raised
+from followspot_balls.scene.targets import target_radii
 
 
 class Fusion(Stage, ABC):

@@ -13,6 +13,7 @@ from followspot.inertial import Inertial, Orientation, PosedTracks
 from followspot.messages import stamped
 from followspot.stuck_readings import REMEDY
 from followspot.tracking import PREDICTED, TRACKED, Forecast, Positions, Tracks
+from followspot_balls.filtering.predicted_positions import with_predicted
 from followspot_balls.inertial.checkpoint import Frame
 from followspot_balls.inertial.fix import Fix, fix_at
 from followspot_balls.inertial.history import orientations_of, readings_of, unusable
@@ -21,7 +22,6 @@ from followspot_balls.inertial.navigator import Navigator
 from followspot_balls.inertial.parameters import InertialParams
 from followspot_balls.inertial.sensor_errors import SensorErrors
 from followspot_balls.kalman import Kalman
-from followspot_balls.predicted_positions import with_predicted
 from followspot_target_filter import stage as target_filter
 
 SILENT = 3_000_000_000

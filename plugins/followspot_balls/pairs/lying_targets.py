@@ -7,10 +7,10 @@ import numpy as np
 from followspot.messages import Array
 from followspot.room import Room
 from followspot.tracking import LOST, Forecast
-from followspot_balls.bounding_planes import nearest_planes
 from followspot_balls.measurement.outline import unit_outline
 from followspot_balls.measurement.points import point_images
-from followspot_balls.targets import target_radii
+from followspot_balls.scene.bounding_planes import nearest_planes
+from followspot_balls.scene.targets import target_radii
 
 
 class LyingTargets:

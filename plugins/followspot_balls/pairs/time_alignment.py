@@ -10,7 +10,7 @@ from followspot.frame_times import NANOSECOND
 from followspot.messages import Array
 from followspot.tracking import Blobs, Forecast
 from followspot_balls.detection.search_circles import search_radius
-from followspot_balls.targets import lost_targets
+from followspot_balls.scene.targets import lost_targets
 
 SCALE = 1.5
 """Search radius of a target's image over its travel from frame to frame (Jin & Qian 2008, eq. 3)."""

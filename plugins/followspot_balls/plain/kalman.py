@@ -10,7 +10,7 @@ import numpy as np
 from followspot import Array, Field, Stage, StageParams
 from followspot.frame_times import NANOSECOND
 from followspot.tracking import LOST, MISSING, TRACKED, Forecast, Positions, Tracks
-from followspot_balls.motion import Motion, initiated, predict, update
+from followspot_balls.filtering.motion import Motion, initiated, predict, update
 
 DEFAULT_PERIOD = 1 / 30
 """Frame interval before the second frame, s."""

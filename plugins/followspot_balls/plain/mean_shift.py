@@ -8,7 +8,7 @@ from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.tracking import Candidates, Forecast, Positions
 from followspot_balls.fusion.kernels import epipolar_weight
 from followspot_balls.fusion.modes import Sample, densest, seek_modes
-from followspot_balls.targets import lost_targets
+from followspot_balls.scene.targets import lost_targets
 
 
 class PlainMeanShift(Stage):

@@ -6,10 +6,10 @@ import numpy as np
 
 from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.tracking import Candidates, Forecast, Pairs
+from followspot_balls.detection.search_spheres import search_spheres
 from followspot_balls.pairs.camera_numbers import numbered
 from followspot_balls.pairs.rays import PairRays
-from followspot_balls.search_spheres import search_spheres
-from followspot_balls.targets import lost_targets
+from followspot_balls.scene.targets import lost_targets
 
 
 class PlainTriangulate(Stage):

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.bounding_planes import nearest_planes
+from followspot_balls.scene.bounding_planes import nearest_planes
 
 OPEN = 1.0
 """Sigma of the forecast, m: large, because it only has to fix the depth; the filter weighs the forecast

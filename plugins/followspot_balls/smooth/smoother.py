@@ -10,7 +10,7 @@ import numpy as np
 from followspot import Array
 from followspot.frame_times import NANOSECOND
 from followspot.tracking import Tracks
-from followspot_balls.motion import Motion, initiated, manoeuvred, predict, transition, update
+from followspot_balls.filtering.motion import Motion, initiated, manoeuvred, predict, transition, update
 from followspot_balls.smooth.step import Observation, Step, of_room
 
 LEAST_SIGMA = 1e-4

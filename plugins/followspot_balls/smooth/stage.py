@@ -9,7 +9,7 @@ import numpy as np
 
 from followspot import Field, Lagged, Stage, Window, at
 from followspot.tracking import Positions, Tracks
-from followspot_balls.motion import Motion
+from followspot_balls.filtering.motion import Motion
 from followspot_balls.smooth.smoother import Filtered, MotionParameters, filtered, nothing, smoothed
 from followspot_balls.smooth.step import Step, insert, observation, of_room
 from followspot_target_filter.manoeuvre import ManoeuvreParams

@@ -7,7 +7,7 @@ import pytest
 
 from followspot import Array, Room
 from followspot.tracking import Positions
-from followspot_balls.bounding_planes import facing_planes, raised
+from followspot_balls.scene.bounding_planes import facing_planes, raised
 
 FLOOR, WALL = [0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 2.0]
 RADIUS, SIGMA = 0.07, 0.004

@@ -18,11 +18,11 @@ from followspot.messages import Array
 from followspot.room import Room
 from followspot.sealing import seal
 from followspot.tracking import Candidates, Forecast, Positions
-from followspot_balls.bounding_planes import nearest_planes
 from followspot_balls.bundle_fusion import Bundle
 from followspot_balls.measurement.blob_table import sightings
 from followspot_balls.measurement.center_precision import variance
 from followspot_balls.measurement.glow_shift import glow_sigma
+from followspot_balls.scene.bounding_planes import nearest_planes
 
 ROOM = make_room()
 P = np.array([c.projection for c in ROOM.cameras.values()])

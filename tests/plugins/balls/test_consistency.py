@@ -14,7 +14,7 @@ import pytest
 from tests.plugins.balls.test_covariance import noises
 
 from followspot.messages import Array
-from followspot_balls.motion import Motion, followed, initiated, predict, update
+from followspot_balls.filtering.motion import Motion, followed, initiated, predict, update
 
 TARGETS, STEPS, SECONDS = 60, 60, 1 / 30
 ACCELERATION, SPEED, GATE = 12.0, 3.0, 3.0

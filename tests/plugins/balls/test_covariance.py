@@ -14,8 +14,8 @@ from tests.plugins.balls.scene import make_room, positions_at
 from followspot.context import Context
 from followspot.messages import Array, stamped
 from followspot.tracking import LOST
+from followspot_balls.filtering.motion import Motion, followed, initiated, predict, update
 from followspot_balls.kalman import Kalman
-from followspot_balls.motion import Motion, followed, initiated, predict, update
 
 RATES = (0.2, 1.0, 5.0, 12.5, 30.0, 60.0, 120.0, 240.0)
 """Frames per second."""

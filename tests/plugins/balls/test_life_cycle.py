@@ -12,8 +12,8 @@ from tests.plugins.balls.watched import FPS, HERE, THERE, kalman, watch
 from followspot.context import Context
 from followspot.room import StageUse
 from followspot.tracking import LOST, MISSING, PREDICTED, STATES, TRACKED
+from followspot_balls.filtering.motion import Motion, initiated, predict, update
 from followspot_balls.kalman import Kalman
-from followspot_balls.motion import Motion, initiated, predict, update
 
 
 def test_a_measured_target_is_tracked_and_an_unseen_one_stays_lost() -> None:

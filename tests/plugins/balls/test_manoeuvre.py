@@ -10,8 +10,8 @@ from tests.plugins.balls.scene import make_room, positions_at
 
 from followspot.context import Context
 from followspot.messages import Array
+from followspot_balls.filtering.motion import Motion, initiated, manoeuvred, predict, update
 from followspot_balls.kalman import Kalman
-from followspot_balls.motion import Motion, initiated, manoeuvred, predict, update
 from followspot_target_filter.manoeuvre import jump
 
 T = 0.04

@@ -12,8 +12,8 @@ from followspot.context import Context
 from followspot.messages import Array, Header, stamped
 from followspot.tracking import Forecast
 from followspot_balls.bridge import Bridge
+from followspot_balls.filtering.motion import Motion, initiated, slowed
 from followspot_balls.kalman import Kalman
-from followspot_balls.motion import Motion, initiated, slowed
 
 ROOM = make_room()
 CAMERA = "cam1"

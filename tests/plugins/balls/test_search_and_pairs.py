@@ -14,13 +14,13 @@ from followspot.messages import Array
 from followspot.room import Camera, LensModel, Room
 from followspot.sealing import seal
 from followspot.tracking import LOST, TRACKED, Blobs, Forecast, Pairs
-from followspot_balls.bounding_planes import facing_planes
 from followspot_balls.detection.search_circles import search_circles, search_radius
+from followspot_balls.detection.search_spheres import search_spheres
 from followspot_balls.pairs.blob_pairs import homography_test
 from followspot_balls.pairs.three_views import threefold
 from followspot_balls.pairs.two_view_geometry import fundamental_stack
+from followspot_balls.scene.bounding_planes import facing_planes
 from followspot_balls.search_gate import SearchGate
-from followspot_balls.search_spheres import search_spheres
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from followspot.messages import Array
 from followspot.tracking import TRACKED, Forecast
-from followspot_balls.targets import lost_targets
+from followspot_balls.scene.targets import lost_targets
 
 
 def search_spheres(forecast: Forecast, minimum: float, scale: float) -> Array:
