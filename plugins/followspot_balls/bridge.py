@@ -15,17 +15,17 @@ from followspot_balls.filtering.predicted_positions import with_predicted
 from followspot_balls.measurement.outline import unit_outline
 from followspot_balls.pairs.time_alignment import delays
 from followspot_balls.scene.targets import lost_targets, target_radii, tracked_targets
-from followspot_balls.single_view.course import Course
 from followspot_balls.single_view.position import (
-    COURSE,
-    RISING,
-    Motions,
-    Sight,
-    images,
-    misfit,
-    resting,
-    settled,
+    MAXIMUM_DEVIATION,
+    RISING_SPEED,
+    BallStates,
+    Innovations,
+    most_likely_positions,
+    projections,
+    squared_mahalanobis,
+    supporting_planes,
 )
+from followspot_balls.single_view.steady_motion import SteadyMotion
 
 
 class Bridge(Stage):
@@ -90,7 +90,7 @@ class Bridge(Stage):
         self.planes = np.array(list(self.room.planes.values())).reshape(-1, 4)
         self.radius = target_radii(self.room)
         self.outline = unit_outline(self.room)
-        self.course = Course.unknown(len(self.radius))
+        self.steady = SteadyMotion.unknown(len(self.radius))
         self.color = ColorViews(self.room)
         self.colorless = Colorless(self.room, self.params)
 
@@ -101,103 +101,109 @@ class Bridge(Stage):
         forecast: Latest[Forecast] = None,
         existence: Joined[ExistenceOdds] = (),
     ) -> Positions:
-        wanting = tracked_targets(forecast, len(self.radius))
+        tracked = tracked_targets(forecast, len(self.radius))
         if forecast is None or not len(forecast.xyz):
             return positions
-        before, self.course = self.course, self.course.followed(forecast.xyz, wanting, forecast.period)
-        if not wanting.any():
+        before, self.steady = self.steady, self.steady.updated(forecast.xyz, tracked, forecast.period)
+        if not tracked.any():
             return positions
-        stray = wanting[positions.target] & self.stray(positions, forecast)
-        if stray.any():
-            positions = positions.where(~stray)
-        too_long = self.colorless_too_long(wanting, positions, blobs, forecast)
-        wanting[positions.target] &= (positions.support == 0) & ~positions.evident
+        rejected = tracked[positions.target] & self.outside_gate(positions, forecast)
+        if rejected.any():
+            positions = positions.where(~rejected)
+        too_long = self.colorless_too_long(tracked, positions, blobs, forecast)
+        unmeasured = tracked.copy()
+        unmeasured[positions.target] &= (positions.support == 0) & ~positions.evident
         for one in existence:
-            wanting &= ~one.given_up
-        if not wanting.any() or not any(len(b.xy) for b in blobs):
+            unmeasured &= ~one.given_up
+        if not unmeasured.any() or not any(len(b.xy) for b in blobs):
             return positions
-        target = np.flatnonzero(wanting)
-        sight, found = self.nearest(target, blobs, forecast)
+        target = np.flatnonzero(unmeasured)
+        innovations, found = self.nearest_blobs(target, blobs, forecast)
         found &= ~too_long[target]
         target = target[found]
-        return with_predicted(positions, *self.placed(target, sight.where(found), forecast, before))
+        predicted = self.single_view_positions(target, innovations.where(found), forecast, before)
+        return with_predicted(positions, *predicted)
 
-    def placed(
-        self, target: Array, sight: Sight, forecast: Forecast, course: Course
+    def single_view_positions(
+        self, target: Array, innovations: Innovations, forecast: Forecast, motion: SteadyMotion
     ) -> tuple[Array, Array, Array]:
-        """Targets that single views place, their places (M, 3) m and covariances (M, 3, 3) m^2.
+        """Targets with a position from one view, these positions (M, 3) m and covariances (M, 3, 3) m^2.
 
-        A ball that rolled along a plane, left its course and is far from it now may be anywhere on the ray:
-        it was picked up, or pushed. target: (M,); sight: M blobs; course: before this frame.
+        A ball that rolled along a plane and is now far from where its steady motion would have taken it may
+        be anywhere on the ray: it was picked up, or pushed.
+        target: (M,); innovations: of M blobs; motion: before this frame.
         """
         radius, reach, sigma = self.radius[target], self.params.resting_clearance, self.params.blob_sigma
-        ball = Motions(forecast.xyz[target], forecast.velocity[target], forecast.covariance[target])
-        steady = Motions(course.place[target], course.velocity[target], np.zeros((len(target), 3, 3)))
-        lying = resting(ball, radius, self.planes, reach)
-        normal, _ = resting(steady, radius, self.planes, reach)
-        landed = np.vecdot(steady.velocity, normal) >= -RISING
-        rolled = lying[0].any(axis=1) & normal.any(axis=1) & landed
-        xyz, covariance = settled(ball.place, sight, lying, sigma)
-        stray = np.linalg.norm(course.stray(xyz, target, forecast.period), axis=1)
-        near = ~rolled | (stray <= COURSE)
+        ball = BallStates(forecast.xyz[target], forecast.velocity[target], forecast.covariance[target])
+        steady = BallStates(motion.xyz[target], motion.velocity[target], np.zeros((len(target), 3, 3)))
+        support = supporting_planes(ball, radius, self.planes, reach)
+        normal, _ = supporting_planes(steady, radius, self.planes, reach)
+        landed = np.vecdot(steady.velocity, normal) >= -RISING_SPEED
+        rolled = support[0].any(axis=1) & normal.any(axis=1) & landed
+        xyz, covariance = most_likely_positions(ball.xyz, innovations, support, sigma)
+        deviation = np.linalg.norm(motion.deviation(xyz, target, forecast.period), axis=1)
+        near = ~rolled | (deviation <= MAXIMUM_DEVIATION)
         return target[near], xyz[near], covariance[near]
 
     def colorless_too_long(
-        self, wanting: Array, positions: Positions, blobs: Sequence[Blobs], forecast: Forecast
+        self, tracked: Array, positions: Positions, blobs: Sequence[Blobs], forecast: Forecast
     ) -> Array:
-        """Which tracked targets no colour camera has shown for too long: (T,) bool. wanting: (T,) bool."""
-        too_long = np.zeros(len(wanting), bool)
+        """Which tracked targets no colour camera has shown for too long: (T,) bool. tracked: (T,) bool."""
+        too_long = np.zeros(len(tracked), bool)
         if not self.colorless.applies:
             return too_long
-        target, unconfirmed = wanting.nonzero()[0], wanting.copy()
+        target, unconfirmed = tracked.nonzero()[0], tracked.copy()
         unconfirmed[positions.target[positions.confirmed]] = False
         shown = ~unconfirmed
         if unconfirmed.any():
             shown |= self.color.shown(forecast.xyz, blobs).diagonal()
-        place = forecast.xyz.take(target, axis=0)
-        too_long[target] = self.colorless.unshown_too_long(target, shown[target], place, forecast.period)
+        xyz = forecast.xyz.take(target, axis=0)
+        too_long[target] = self.colorless.unshown_too_long(target, shown[target], xyz, forecast.period)
         return too_long
 
     def state(self) -> Any:
-        return {**self.course._asdict(), "since": self.colorless.since}
+        return {**self.steady._asdict(), "since": self.colorless.since}
 
     def restore(self, state: Any) -> None:
-        self.course = Course(*(np.array(state[name]) for name in Course._fields))
+        self.steady = SteadyMotion(*(np.array(state[name]) for name in SteadyMotion._fields))
         self.colorless.since = np.array(state["since"], float)
 
-    def stray(self, positions: Positions, forecast: Forecast) -> Array:
+    def outside_gate(self, positions: Positions, forecast: Forecast) -> Array:
         """Positions of no supporting pair, or of a single weak one, far from the forecast: (M,) bool."""
-        poor = positions.support < np.where(positions.evident, 1, 2)
-        if not poor.any():
-            return poor
+        weak = positions.support < np.where(positions.evident, 1, 2)
+        if not weak.any():
+            return weak
         single = self.params.single_pair_sigma**2 * np.eye(3)
         known = np.where(np.isfinite(positions.covariance), positions.covariance, single)
         spread = forecast.covariance[positions.target] + known
         offset = positions.xyz - forecast.xyz[positions.target]
-        return np.asarray(poor & (_distance(offset, spread) > self.params.single_pair_gate**2))
+        return np.asarray(weak & (_squared_mahalanobis(offset, spread) > self.params.single_pair_gate**2))
 
-    def nearest(self, target: Array, blobs: Sequence[Blobs], forecast: Forecast) -> tuple[Sight, Array]:
-        """The blob of each target that is nearest to its forecast in any view, and whether it passes the
-        gate.
+    def nearest_blobs(
+        self, target: Array, blobs: Sequence[Blobs], forecast: Forecast
+    ) -> tuple[Innovations, Array]:
+        """The blob of each target that is nearest to its forecast in any view; whether it passes the gate.
 
-        target: (M,) numbers. Returns M sights and (M,) bool.
+        target: (M,) numbers. Returns the innovations of M blobs, and (M,) bool.
         """
         number = np.array([self.number[b.camera] for b in blobs])
         delay = np.zeros(len(self.P))
         delay[number] = delays(blobs, self.clock_offset[number])
-        place = forecast.xyz + delay[:, None, None] * forecast.velocity
-        pixel, slope = images(self.P, place)
+        xyz = forecast.xyz + delay[:, None, None] * forecast.velocity
+        pixel, jacobian = projections(self.P, xyz)
         view = np.repeat(number, [len(b.xy) for b in blobs])
-        sight = Sight(np.concatenate([b.xy for b in blobs])[:, None] - pixel[view], slope[view])
-        possible = self.possible(sight.offset, view, blobs, forecast)
-        error = np.where(possible, misfit(sight, forecast.covariance, self.params.blob_sigma), np.inf)
-        blob = error[:, target].argmin(axis=0)
-        return sight.where((blob, target)), error[blob, target] <= self.params.gate**2
+        measured = np.concatenate([b.xy for b in blobs])[:, None]
+        innovations = Innovations(measured - pixel[view], jacobian[view])
+        compatible = self.compatible(innovations.offset, view, blobs, forecast)
+        distance = squared_mahalanobis(innovations, forecast.covariance, self.params.blob_sigma)
+        distance = np.where(compatible, distance, np.inf)
+        blob = distance[:, target].argmin(axis=0)
+        return innovations.where((blob, target)), distance[blob, target] <= self.params.gate**2
 
-    def possible(self, offset: Array, view: Array, blobs: Sequence[Blobs], forecast: Forecast) -> Array:
+    def compatible(self, offset: Array, view: Array, blobs: Sequence[Blobs], forecast: Forecast) -> Array:
         """Which of N blobs have the size of which target and are nearest to it: (N, T) bool.
 
-        offset: (N, T, 2) px from the targets' images; view: (N,).
+        offset: (N, T, 2) px from the projections of the forecasts; view: (N,).
         """
         away = forecast.xyz - self.centers
         outline = self.outline[:, None] * self.radius**2 / np.vecdot(away, away)
@@ -209,7 +215,7 @@ class Bridge(Stage):
         return np.asarray(allowed & own & fits)
 
 
-def _distance(offset: Array, spread: Array) -> Array:
+def _squared_mahalanobis(offset: Array, spread: Array) -> Array:
     """Squared Mahalanobis distance: (M, 3), (M, 3, 3) -> (M,). A singular covariance gives inf."""
     try:
         distance: Array = np.vecdot(offset, np.linalg.solve(spread, offset[..., None])[..., 0])

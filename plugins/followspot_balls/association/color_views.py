@@ -9,7 +9,7 @@ import numpy as np
 from followspot import Array, Room
 from followspot.tracking import Blobs
 from followspot_balls.scene.targets import target_radii
-from followspot_balls.single_view.position import images
+from followspot_balls.single_view.position import projections
 
 NEAREST = 1e-9
 """Smallest depth of a place that is divided by, m."""
@@ -38,6 +38,6 @@ class ColorViews:
             P = self.P[number]
             depth = np.maximum(xyz @ P[2, :3] + P[2, 3], NEAREST)
             reach = scale * self.focal[number] * self.radii / depth[:, None]
-            apart = np.hypot(*(images(P[None], xyz[None])[0][0][:, None] - one.xy).transpose(2, 0, 1))
+            apart = np.hypot(*(projections(P[None], xyz[None])[0][0][:, None] - one.xy).transpose(2, 0, 1))
             found |= ((apart[..., None] <= reach[:, None]) & one.targets).any(axis=1)
         return found

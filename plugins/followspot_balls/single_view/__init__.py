@@ -1,1 +1,1 @@
-"""A target that one view alone shows: its place on the ray, and whether it keeps to its course."""
+"""A target that one view alone shows: its position on the ray, and whether it keeps to its steady motion."""

@@ -12,7 +12,7 @@ from followspot.context import Context
 from followspot.messages import Array
 from followspot.tracking import Blobs, Forecast, Positions
 from followspot_balls.bridge import Bridge
-from followspot_balls.single_view.position import images
+from followspot_balls.single_view.position import projections
 
 ROOM = make_room()
 PLACE = (0.1, 0.2, 1.0)
@@ -144,7 +144,7 @@ def test_the_first_frame_may_find_a_target_by_one_poor_pair(forecast: Forecast |
 def test_the_derivatives_of_images_are_those_of_differences() -> None:
     P = np.array([c.projection for c in ROOM.cameras.values()])
     place = np.tile([0.2, -0.3, 0.9], (len(P), 1, 1))
-    _, slope = images(P, place)
+    _, jacobian = projections(P, place)
     for axis, step in enumerate(np.eye(3) * 1e-6):
-        change = (images(P, place + step)[0] - images(P, place - step)[0]) / 2e-6
-        assert slope[..., axis] == pytest.approx(change, rel=1e-5, abs=1e-4)
+        change = (projections(P, place + step)[0] - projections(P, place - step)[0]) / 2e-6
+        assert jacobian[..., axis] == pytest.approx(change, rel=1e-5, abs=1e-4)

@@ -113,7 +113,7 @@ def test_one_view_goes_on_after_a_hot_swap_as_before() -> None:
     stage, other = (Bridge(Context(room=ROOM)) for _ in range(2))
     for bridge in (stage, other):
         bridge.setup()
-    stage.course = stage.course.followed(np.ones((2, 3)), np.ones(2, bool), 0.1)
+    stage.steady = stage.steady.updated(np.ones((2, 3)), np.ones(2, bool), 0.1)
     other.restore(stage.state())
     assert {name: values.tolist() for name, values in other.state().items()} == {
         name: values.tolist() for name, values in stage.state().items()
