@@ -1,4 +1,4 @@
-"""Association of all targets, and of places of those that are sought."""
+"""Association of all targets, and confirmation of positions of those without a track."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import numpy as np
 
 from followspot import Array, Field
 from followspot.tracking import Candidates, Forecast
-from followspot_balls.association.existence import Confirmation, Existence, Seen, sought
-from followspot_balls.association.likelihood import ball_ratio
-from followspot_balls.association.view_association import ViewAssociation, Weighed
+from followspot_balls.association.existence import Confirmation, Existence, TargetCandidates, without_track
+from followspot_balls.association.likelihood import ball_log_ratio
+from followspot_balls.association.view_association import ViewAssociation, WeighedHypotheses
 from followspot_balls.scene.targets import lost_targets
 from followspot_balls.triangulate import alike
 
@@ -17,13 +17,13 @@ CLEAR = 4
 
 
 class Associate(ViewAssociation):
-    """Keep the candidates whose blobs the likeliest place of each target explains; none if it is no ball.
+    """Keep the candidates whose blobs the likeliest position of each target explains; none if it is no ball.
 
-    A target moves as forecast, or it jumps to a candidate: each is a hypothesis, at the place nearby that all
-    views make likeliest. All views vote on it, also those that show nothing there, by how often they showed
-    the target lately; other blobs around and other targets count as clutter. Colour cameras tell whose ball
-    it is and infrared cameras that it is one, so a target needs both in the long run if the room has both.
-    A frame that speaks against a tracked target, by blobs that hardly fit, leaves it no candidates.
+    A target moves as forecast, or it jumps to a candidate: each is a hypothesis, at the position nearby that
+    all views make likeliest. All views count, also those that detect nothing there, by how often they
+    detected the target lately; other blobs around and other targets count as clutter. Colour cameras tell
+    whose ball it is and infrared cameras that it is one, so a target needs both in the long run if the room
+    has both. A frame that contradicts a tracked target, by blobs that hardly fit, leaves it no candidates.
 
     If the room has depth cameras, all candidates stay, for the weighing of views does not know their
     measurements. `balls.associate_tracked` weighs tracked targets alone that few candidates show.
@@ -82,8 +82,8 @@ class Associate(ViewAssociation):
 
         Two of them are colour and two infrared cameras where the room has both. Nothing is left to choose.
         """
-        member = (candidates.view[..., None] == np.arange(len(self.color))).sum(axis=1)
-        times = candidates.targets.T.astype(float) @ member
+        uses = (candidates.view[..., None] == np.arange(len(self.color))).sum(axis=1)
+        times = candidates.targets.T.astype(float) @ uses
         seen = times > 0
         views = seen.sum(axis=1)
         each = ((times == views[:, None] - 1) | ~seen).all(axis=1)
@@ -91,28 +91,28 @@ class Associate(ViewAssociation):
         both = np.all([seen[:, kind].sum(axis=1) >= CLEAR // len(kinds) for kind in kinds], axis=0)
         return np.asarray(tracked & each & both)
 
-    def unweighed_gain(self) -> float:
+    def unweighed_log_ratio(self) -> float:
         """The largest log-odds of existence: the target is there."""
-        return self.rules.bound
+        return self.rules.maximum
 
-    def evidence_ratio(self, views: Array, chance: Array) -> Array:
+    def evidence_ratio(self, log_ratio: Array, occam: Array) -> Array:
         """Against whatever else could be there: paint, light and reflectors, as likely as a ball before."""
-        return ball_ratio(views, self.color, chance, 1.0)
+        return ball_log_ratio(log_ratio, self.color, occam, 1.0)
 
-    def left_out(self, found: Weighed, best: int) -> bool:
-        """Whether a frame speaks against a place, and blobs that show it fit hardly better than clutter."""
+    def left_out(self, found: WeighedHypotheses, best: int) -> bool:
+        """Whether a frame contradicts a position, and blobs that show it fit hardly better than clutter."""
         p = self.params
         return bool(found.evidence[best] < p.least_evidence and found.fit[best] < p.least_fit)
 
-    def sought(
-        self, number: int, found: Weighed, forecast: Forecast | None, tracked: Array
+    def without_track(
+        self, number: int, found: WeighedHypotheses, forecast: Forecast | None, tracked: Array
     ) -> tuple[Existence, int]:
-        """Rival places of the target one frame later, of which one may be certain."""
-        mine = (found.target == number).nonzero()[0]
+        """Rival positions of the target one frame later, of which one may be confirmed."""
+        own = (found.target == number).nonzero()[0]
         lost = lost_targets(forecast, len(self.existence))[number]
-        near = None if forecast is None or lost else forecast.xyz[number]
+        center = None if forecast is None or lost else forecast.xyz[number]
         others = int(np.logical_and(self.alike[number], ~tracked).sum())
-        seen = Seen(found.xyz[mine], found.evidence[mine], found.complete[mine])
+        candidates = TargetCandidates(found.xyz[own], found.evidence[own], found.complete[own])
         before = self.existence[number]
-        existence, at = sought(before, seen, near, others, self.rules, self.confirmation)
-        return existence, int(mine[at]) if at >= 0 else -1
+        existence, best = without_track(before, candidates, center, others, self.rules, self.confirmation)
+        return existence, int(own[best]) if best >= 0 else -1

@@ -7,23 +7,24 @@ import numpy as np
 from followspot import Array
 from followspot.tracking import Candidates, Forecast
 from followspot_balls.association.existence import Existence
-from followspot_balls.association.likelihood import reflector_ratio
-from followspot_balls.association.view_association import ViewAssociation, Weighed
+from followspot_balls.association.likelihood import ball_vs_reflector_log_ratio
+from followspot_balls.association.view_association import ViewAssociation, WeighedHypotheses
 
 SETTLED = 3
-"""Candidates at its forecast that settle where a target is."""
-SETTLED_GAIN = 1.0
-"""Evidence of such a frame, nats: one colour blob on the ray to a reflector makes as many candidates."""
+"""Candidates at the forecast of a target that determine its position."""
+SETTLED_LOG_RATIO = 1.0
+"""Log-likelihood ratio of such a frame, nats: little, as one colour blob on the ray to a reflector
+makes as many."""
 GATE = 3.0
-"""Distance from the forecast up to which a candidate is there, sigmas."""
+"""Distance from the forecast up to which a candidate is at it, sigmas."""
 NEAR = 0.03
 """The same if the forecast is more exact than a pair of blobs, m."""
 
 
 class AssociateTracked(ViewAssociation):
-    """Keep the candidates of the likeliest place of a tracked target if fewer than three are at its forecast.
+    """Keep the candidates of a tracked target's likeliest position if fewer than three are at its forecast.
 
-    All views vote on its place, also those that show nothing there, as in `balls.associate`. No frame alone
+    All views count, also those that detect nothing there, as in `balls.associate`. No frame alone
     ends a track: its log-odds against a reflector do, for colour tells whose ball it is. Targets that are
     sought, or that three candidates show, keep all their candidates, for the fusion to weigh. If the room has
     depth cameras, all candidates stay, for the weighing of views does not know their measurements.
@@ -32,7 +33,7 @@ class AssociateTracked(ViewAssociation):
     advice = "give the room more cameras that see each place, or lower silence_odds"
 
     def unweighed(self, candidates: Candidates, forecast: Forecast | None, tracked: Array) -> Array:
-        """Sought targets, and those whose place is settled: (T,) bool."""
+        """Targets without a track, and those whose position is settled: (T,) bool."""
         return ~tracked if forecast is None else ~tracked | self.settled(candidates, forecast)
 
     def settled(self, candidates: Candidates, forecast: Forecast) -> Array:
@@ -43,23 +44,23 @@ class AssociateTracked(ViewAssociation):
         own = candidates.labelled @ there if self.colored else True
         return np.asarray((there.sum(axis=0) >= SETTLED) & own)
 
-    def unweighed_gain(self) -> float:
+    def unweighed_log_ratio(self) -> float:
         """Little, as candidates that agree are no independent evidence."""
-        return SETTLED_GAIN
+        return SETTLED_LOG_RATIO
 
-    def evidence_ratio(self, views: Array, chance: Array) -> Array:
+    def evidence_ratio(self, log_ratio: Array, occam: Array) -> Array:
         """Against a reflector: what colour cameras alone show may be a ball on the floor."""
-        return reflector_ratio(views, self.color, chance)
+        return ball_vs_reflector_log_ratio(log_ratio, self.color, occam)
 
-    def left_out(self, found: Weighed, best: int) -> bool:
+    def left_out(self, found: WeighedHypotheses, best: int) -> bool:
         """No frame alone speaks against a track."""
         return False
 
-    def sought(
-        self, number: int, found: Weighed, forecast: Forecast | None, tracked: Array
+    def without_track(
+        self, number: int, found: WeighedHypotheses, forecast: Forecast | None, tracked: Array
     ) -> tuple[Existence, int]:
-        """What was known of a track fades while it is not followed; of one that was given up nothing is."""
+        """Log-odds of an interrupted track decay; those of a deleted one are forgotten."""
         odds = self.existence[number].odds
-        if odds < self.rules.silent:
+        if odds < self.rules.deletion:
             return Existence.unknown(), -1
         return Existence.unknown()._replace(odds=self.rules.memory ** self.steps(forecast) * odds), -1

@@ -12,7 +12,7 @@ from followspot_balls.association.recovery_evidence import appearing, recovery_c
 from followspot_balls.fusion.blob_assignment import Claims, assigned, shares, squared_errors
 from followspot_balls.fusion.contradiction import contradicted
 from followspot_balls.fusion.validation import Fusion
-from followspot_balls.measurement.blob_table import sightings
+from followspot_balls.measurement.blob_table import blob_table
 from followspot_balls.measurement.center_precision import Outlines, variance
 from followspot_balls.measurement.glow_shift import glow_sigma
 from followspot_balls.measurement.points import (
@@ -132,7 +132,7 @@ class Bundle(Fusion):
         target = np.flatnonzero(seeds.any(axis=1))
         if not len(target):
             return Positions.empty()
-        table = sightings(candidates, len(self.P))
+        table = blob_table(candidates, len(self.P))
         sizes = self.outlines.at_unit_depth(table.xy, table.area)
         claims = Claims(table.xy, table.targets[target], sizes, self.radii[target], lost[target])
         credit = seeds[target] * self.credit(candidates, target, claims.lost, forecast)

@@ -13,15 +13,15 @@ import numpy as np
 from followspot.messages import Array
 from followspot_balls.measurement.center_precision import WHOLE
 
-RARE = 0.02
-"""Least share of the usual clutter: what a view never showed may still appear."""
+MINIMUM_CLUTTER_RATIO = 0.02
+"""Least density of clutter over the usual one: what a view never showed may still appear."""
 
 
 class BallModel(NamedTuple):
     """How balls and clutter show."""
 
     detection: float
-    """Probability that a view shows a ball that is there; people cover it often."""
+    """Probability that a view detects a ball that is there; people cover it often."""
     clutter: float
     """Usual density of clutter, blobs in a square whose side is the ball's radius."""
     neighbourhood: float
@@ -32,28 +32,28 @@ class BallModel(NamedTuple):
     """What adds to it, over the radius of the ball's image."""
     hidden_sigma: float
     """What an outline adds to it that is all hidden, likewise."""
-    smallest: Array | float = 0.0
+    minimum_radius: Array | float = 0.0
     """(C,) radius of a ball's image below which clutter is no denser, px."""
 
 
-class Sight(NamedTuple):
-    """K blobs of C views as seen from M hypotheses, each a place of a target."""
+class BlobResiduals(NamedTuple):
+    """K blobs of C views compared with the projections of M hypotheses, each a position of a target."""
 
-    squares: Array
-    """(M, C, K) squared distances of the blobs from the image of the place, px^2."""
-    share: Array
+    squared_distance: Array
+    """(M, C, K) px^2, of the blobs from the projection of the position."""
+    area_ratio: Array
     """(M, C, K) area of the blobs over that of the target's outline."""
     radius: Array
     """(M, C) radius of the target's image, px."""
-    possible: Array
+    compatible: Array
     """(M, C, K) bool, whether the blob may show the target."""
-    inside: Array
-    """(M, C) bool, whether the place has an image in the picture."""
-    clutter: Array
-    """(C, K) share of the usual clutter around each blob."""
+    in_picture: Array
+    """(M, C) bool, whether the position has an image in the picture."""
+    clutter_ratio: Array
+    """(C, K) density of clutter around each blob over the usual one."""
 
 
-class Likely(NamedTuple):
+class LikeliestBlobs(NamedTuple):
     """The likeliest blob of each view."""
 
     slot: Array
@@ -61,104 +61,114 @@ class Likely(NamedTuple):
     ratio: Array
     """(M, C) its density as the ball over that of whatever else it may be."""
     variance: Array
-    """(M, C) of its distance from the image, px^2."""
+    """(M, C) of its distance from the projection, px^2."""
 
 
-def densities(model: BallModel, sight: Sight, spread: Array | float = 0.0) -> tuple[Array, Array]:
-    """Densities of blobs, 1/px^2, of a ball at the place, and variances of their centres, px^2: (M, C, K).
+def ball_densities(
+    model: BallModel, residuals: BlobResiduals, spread: Array | float = 0.0
+) -> tuple[Array, Array]:
+    """Densities of blobs, 1/px^2, if balls are at the positions, and variances of their centres: (M, C, K).
 
     A covered disc has its centre off by a part of the radius; a blob merged with other light too. Clutter
     is as likely of any size up to the ball's, but a ball shows more of itself rather than less: a fragment is
     poor evidence.
-    spread: variance of the image of the place, px^2.
+    spread: variance of the projection of the position, px^2. The variances are in px^2.
     """
-    size = sight.radius[..., None]
-    off = model.hidden_sigma * np.maximum(1.0 - sight.share, 0.0) + np.maximum(sight.share - WHOLE, 0.0)
+    size, area_ratio = residuals.radius[..., None], residuals.area_ratio
+    off = model.hidden_sigma * np.maximum(1.0 - area_ratio, 0.0) + np.maximum(area_ratio - WHOLE, 0.0)
     variance = model.sigma**2 + (np.square(model.relative_sigma) + np.square(off)) * np.square(size) + spread
-    size_ratio = 2.0 * np.minimum(sight.share, 1.0) * sight.possible
-    return np.asarray(size_ratio * np.exp(-0.5 * sight.squares / variance) / (2 * np.pi * variance)), variance
+    size_ratio = 2.0 * np.minimum(area_ratio, 1.0) * residuals.compatible
+    exponent = -0.5 * residuals.squared_distance / variance
+    return np.asarray(size_ratio * np.exp(exponent) / (2 * np.pi * variance)), variance
 
 
-def clutter_density(model: BallModel, sight: Sight) -> Array:
+def clutter_density(model: BallModel, residuals: BlobResiduals) -> Array:
     """Density of clutter at each blob: (M, C, K) 1/px^2.
 
-    From the blobs around each image but one, the ball's, and at least the share of the usual density.
+    It is counted around each projection, without one blob, the ball's, and at least the known part of the
+    usual density.
     """
-    reach2 = np.square(model.neighbourhood * sight.radius)
-    near = (sight.possible & (sight.squares < reach2[..., None])).sum(axis=2)
+    reach2 = np.square(model.neighbourhood * residuals.radius)
+    near = (residuals.compatible & (residuals.squared_distance < reach2[..., None])).sum(axis=2)
     counted = np.maximum(near - 1, 0) / (np.pi * reach2)
-    usual = (model.clutter / np.square(np.maximum(sight.radius, model.smallest)))[..., None]
-    share = np.fmax(np.fmin(sight.clutter, 1.0), RARE)
-    return np.asarray(np.maximum(counted[..., None], usual * share))
+    usual = (model.clutter / np.square(np.maximum(residuals.radius, model.minimum_radius)))[..., None]
+    ratio = np.fmax(np.fmin(residuals.clutter_ratio, 1.0), MINIMUM_CLUTTER_RATIO)
+    return np.asarray(np.maximum(counted[..., None], usual * ratio))
 
 
-def likeliest(model: BallModel, sight: Sight, rivals: Array) -> Likely:
-    """The likeliest blob of each view. rivals: (M, C, K) 1/px^2, densities of the blobs as other targets."""
-    density, variance = densities(model, sight)
-    ratio = density / (clutter_density(model, sight) + rivals)
+def likeliest_blobs(model: BallModel, residuals: BlobResiduals, rival_density: Array) -> LikeliestBlobs:
+    """The likeliest blob of each view.
+
+    rival_density: (M, C, K) 1/px^2, density of each blob as an image of the other targets.
+    """
+    density, variance = ball_densities(model, residuals)
+    ratio = density / (clutter_density(model, residuals) + rival_density)
     slot = ratio.argmax(axis=2)
     at = (np.arange(len(slot))[:, None], np.arange(slot.shape[1]), slot)
-    return Likely(slot, ratio[at], variance[at])
+    return LikeliestBlobs(slot, ratio[at], variance[at])
 
 
-def view_ratios(shown: Array | float, likely: Likely, inside: Array) -> Array:
-    """Log-likelihood ratio of each view, (M, C): below 0 without a blob, 0 if it cannot see the place.
+def view_log_ratios(detection: Array | float, blobs: LikeliestBlobs, in_picture: Array) -> Array:
+    """Log-likelihood ratio of each view, (M, C): below 0 without a blob, 0 if it cannot see the position.
 
-    shown: (M, C) or for all, probability that a view shows the ball that is there.
+    detection: (M, C) or for all, probability that a view detects the ball that is there.
     """
-    return np.asarray(np.log1p(shown * (likely.ratio - 1.0)) * inside)
+    return np.asarray(np.log1p(detection * (blobs.ratio - 1.0)) * in_picture)
 
 
-def precision(likely: Likely, views: Array) -> Array:
+def precision(blobs: LikeliestBlobs, log_ratio: Array) -> Array:
     """Precision of the blob of each view, weighted by the probability that it is the ball's: (M, C) 1/px^2.
 
-    views: (M, C) of :func:`view_ratios`.
+    log_ratio: (M, C) of :func:`view_log_ratios`.
     """
-    return np.asarray(-np.expm1(-np.maximum(views, 0.0)) / likely.variance)
+    return np.asarray(-np.expm1(-np.maximum(log_ratio, 0.0)) / blobs.variance)
 
 
 def information(jacobian: Array, weight: Array) -> Array:
-    """Information of each view on the place: (M, C, 3, 3) 1/m^2.
+    """Information of each view on the position: (M, C, 3, 3) 1/m^2.
 
-    jacobian: (M, C, 2, 3) px/m, of the images by the place; weight: (M, C) 1/px^2, :func:`precision`.
+    jacobian: (M, C, 2, 3) px/m, of the projections by the position; weight: (M, C) 1/px^2, :func:`precision`.
     """
     return np.asarray((jacobian * weight[..., None, None]).swapaxes(2, 3) @ jacobian)
 
 
-def coincidences(views: Array, color: Array, prior: Array) -> Array:
-    """Logarithms of the shares of the possible places at which the views agree as they do: (3, M), at most 0.
+def log_occam_factors(views: Array, color: Array, prior: Array) -> Array:
+    """Logarithms of Occam factors (MacKay 1992): (3, M), at most 0.
 
-    A place that was chosen to fit the blobs fits them by coincidence, too, the more so the less was known of
-    it: of all views, given what was known; of infrared views, given the colour views; and the reverse.
-    views: (M, C, 3, 3), :func:`information`; color: (C,) bool; prior: (M,) 1/m^2, information on the place.
+    A position that was chosen to fit the blobs also fits them by chance, the more so the less was known of it
+    before: the factor is the volume of the positions that remain possible over that before. It is that of all
+    views, given the prior; of the infrared views, given the colour views; and the reverse.
+    views: (M, C, 3, 3), :func:`information` of each; color: (C,) bool; prior: (M,) 1/m^2, information on the
+    position.
     """
     known = np.eye(3) * prior[:, None, None]
-    colored, infrared = views[:, color].sum(axis=1) + known, views[:, ~color].sum(axis=1) + known
+    colored = views[:, color].sum(axis=1) + known
+    infrared = views[:, ~color].sum(axis=1) + known
     stages = np.linalg.det(np.stack([known, colored, infrared, colored + infrared - known]))
     return np.asarray(0.5 * np.log(stages[:3] / stages[3]))
 
 
-def ball_ratio(views: Array, color: Array, chance: Array, other: float) -> Array:
+def ball_log_ratio(log_ratio: Array, color: Array, occam: Array, other: float) -> Array:
     """Log-likelihood ratio of a ball against whatever else could be there: (M,).
 
     Coloured light or paint shows to colour cameras alone and a reflector to infrared cameras alone. Each
-    explains the views of its kind as well as a ball does, so only both kinds together tell a ball, where
-    there are both.
-    views: (M, C); color: (C,) bool; chance: (3, M), :func:`coincidences`; other: probability of paint, and of
-    a reflector, over that of a ball.
+    explains the views of its kind as well as a ball does, so only both kinds together tell a ball, if the
+    room has both.
+    log_ratio: (M, C) of the views; color: (C,) bool; occam: (3, M), :func:`log_occam_factors`; other:
+    probability of paint, and of a reflector, over that of a ball.
     """
     if color.all() or not color.any():
-        return np.asarray(views.sum(axis=1) + chance[0])
-    colored, infrared = views[:, color].sum(axis=1), views[:, ~color].sum(axis=1)
-    either = np.log(other) + np.logaddexp(-infrared - chance[1], -colored - chance[2])
-    return np.asarray(-np.logaddexp(either, -infrared - colored - chance[0]))
+        return np.asarray(log_ratio.sum(axis=1) + occam[0])
+    colored, infrared = log_ratio[:, color].sum(axis=1), log_ratio[:, ~color].sum(axis=1)
+    either = np.log(other) + np.logaddexp(-infrared - occam[1], -colored - occam[2])
+    return np.asarray(-np.logaddexp(either, -infrared - colored - occam[0]))
 
 
-def reflector_ratio(views: Array, color: Array, chance: Array) -> Array:
+def ball_vs_reflector_log_ratio(log_ratio: Array, color: Array, occam: Array) -> Array:
     """Log-likelihood ratio of a ball against a reflector, which infrared cameras alone show: (M,).
 
-    That of :func:`ball_ratio` where cameras of one kind are all there are.
+    That of :func:`ball_log_ratio` if the room has cameras of one kind only.
     """
     if color.all() or not color.any():
-        return ball_ratio(views, color, chance, 1.0)
-    return np.asarray(views[:, color].sum(axis=1) + chance[2])
+        return ball_log_ratio(log_ratio, color, occam, 1.0)
+    return np.asarray(log_ratio[:, color].sum(axis=1) + occam[2])

@@ -1,4 +1,4 @@
-"""Targets that are never found because all views together contradict the pairs that show them."""
+"""Warning of targets that are never recovered because all views together contradict the pairs of blobs."""
 
 from __future__ import annotations
 

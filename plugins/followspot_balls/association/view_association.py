@@ -1,4 +1,4 @@
-"""Association of candidates with targets, and the existence of each target, weighed over all views."""
+"""Association of candidates with targets, and the existence of each target, by the evidence of all views."""
 
 from __future__ import annotations
 
@@ -10,36 +10,36 @@ import numpy as np
 
 from followspot import Array, Latest, Stage
 from followspot.tracking import Candidates, ExistenceOdds, Forecast
-from followspot_balls.association.existence import Existence, Rules, followed, restored
+from followspot_balls.association.existence import Existence, OddsRules, restored, with_track
 from followspot_balls.association.finite_messages import finite_candidates, finite_forecast
 from followspot_balls.association.hypotheses import Hypotheses, MotionPrior, hypotheses
-from followspot_balls.association.likelihood import ball_ratio, coincidences, information, precision
+from followspot_balls.association.likelihood import ball_log_ratio, information, log_occam_factors, precision
 from followspot_balls.association.recovery_evidence import appearing
-from followspot_balls.association.view_evidence import PlaceViews, ViewEvidence
+from followspot_balls.association.view_evidence import HypothesisViews, ViewEvidence
 from followspot_balls.association.view_params import ViewParams
 from followspot_balls.association.visibility import predicted, updated
 from followspot_balls.pairs.camera_numbers import numbered
 from followspot_balls.scene.targets import lost_targets, tracked_targets
 
-SHOWN = 0.1
-"""Ratio of a blob's densities from which it may show the target."""
+MINIMUM_DENSITY_RATIO = 0.1
+"""Density of a blob as the target over that of whatever else, from which it may show the target."""
 STEP = 1 / 30
-"""Time that counts as one step of existence and visibility, s; frames may follow each other faster."""
+"""Time that counts as one step of existence and detection, s; frames may follow each other faster."""
 
 
-class Weighed(NamedTuple):
-    """M hypotheses as the views weigh them."""
+class WeighedHypotheses(NamedTuple):
+    """M hypotheses with their log-likelihood ratios."""
 
     xyz: Array
     """(M, 3) m."""
     target: Array
     """(M,)."""
     rank: Array
-    """(M,) log-likelihood ratio, as a rival of the other hypotheses."""
+    """(M,) log-likelihood ratio among the hypotheses of a target."""
     evidence: Array
-    """(M,) likewise, as evidence of a ball."""
+    """(M,) log-likelihood ratio that changes the existence of the target."""
     fit: Array
-    """(M,) likewise, of the views alone that show it."""
+    """(M,) log-likelihood ratio of the views that show it, without the others."""
     complete: Array
     """(M,) bool, whether three views that all make pairs with each other show it."""
 
@@ -47,31 +47,30 @@ class Weighed(NamedTuple):
         """The likeliest hypothesis of each of `count` targets, -1 for none."""
         best = [-1] * count
         for number in np.unique(self.target).tolist() if len(self.target) else ():
-            mine = (self.target == number).nonzero()[0]
-            best[number] = int(mine[self.rank[mine].argmax()])
+            own = (self.target == number).nonzero()[0]
+            best[number] = int(own[self.rank[own].argmax()])
         return best
 
 
 _NONE = np.zeros(0)
-NOTHING = Weighed(np.zeros((0, 3)), np.zeros(0, int), _NONE, _NONE, _NONE, np.zeros(0, bool))
-"""No hypothesis."""
+NO_HYPOTHESES = WeighedHypotheses(np.zeros((0, 3)), np.zeros(0, int), _NONE, _NONE, _NONE, np.zeros(0, bool))
 
 
 @dataclass(frozen=True)
 class Associated:
-    """The candidates that are left to their targets, and what is known of the targets' existence."""
+    """The candidates that are left to their targets, and the existence of these."""
 
     candidates: Candidates
     existence: ExistenceOdds
 
 
 class ViewAssociation(Stage, ABC):
-    """Base of stages that leave targets the candidates of their likeliest places, or none.
+    """Base of stages that leave targets the candidates of their likeliest positions, or none.
 
-    A target moves as forecast, or it jumps to a candidate: each is a hypothesis, at the place nearby that all
-    views make likeliest. All views vote on it, also those that show nothing there, by how often they showed
-    the target lately; other blobs around and other targets count as clutter. Subclasses say which targets
-    keep all their candidates, what is evidence of a ball, and when a place is left out.
+    A target moves as forecast, or it jumps to a candidate: each is a hypothesis, at the position nearby that
+    all views make likeliest. All views count, also those that detect nothing there, by how often they
+    detected the target lately; other blobs around and other targets count as clutter. Subclasses say which
+    targets keep all their candidates, what is evidence of a ball, and when a frame is left out.
     """
 
     class Params(ViewParams):
@@ -87,36 +86,36 @@ class ViewAssociation(Stage, ABC):
         self.depth = any(c.kind == "depth" for c in cameras)
         self.evidence = ViewEvidence(self.room, p)
         self.prior = MotionPrior(p.forecast_sigma, p.jump_sigma, p.jump_probability, p.reach)
-        self.rules = Rules(p.memory, p.drift, p.largest_odds, p.silence_odds)
+        self.rules = OddsRules(p.memory, p.drift, p.largest_odds, p.silence_odds)
         self.existence = [Existence.unknown() for _ in self.room.targets]
         self.usual = np.full((len(self.room.targets), len(cameras)), p.detection)
-        """Probabilities that the views show targets of which nothing is known: (T, C)."""
-        self.shown = self.usual
+        """Detection probabilities of targets of which nothing is known: (T, C)."""
+        self.detection = self.usual
 
     @abstractmethod
     def unweighed(self, candidates: Candidates, forecast: Forecast | None, tracked: Array) -> Array:
         """Which targets keep all their candidates: (T,) bool. tracked: (T,) bool."""
 
     @abstractmethod
-    def unweighed_gain(self) -> float:
+    def unweighed_log_ratio(self) -> float:
         """Log-likelihood ratio of a frame for a tracked target that keeps all its candidates."""
 
     @abstractmethod
-    def evidence_ratio(self, views: Array, chance: Array) -> Array:
-        """Log-likelihood ratios that move the existence of targets: (M,).
+    def evidence_ratio(self, log_ratio: Array, occam: Array) -> Array:
+        """Log-likelihood ratios that change the existence of targets: (M,).
 
-        views: (M, C), chance: (3, M), as for :func:`followspot_balls.association.likelihood.ball_ratio`.
+        log_ratio: (M, C), occam: (3, M), for :func:`followspot_balls.association.likelihood.ball_log_ratio`.
         """
 
     @abstractmethod
-    def left_out(self, found: Weighed, best: int) -> bool:
-        """Whether a tracked target gets no candidates in this frame, though a place is its likeliest."""
+    def left_out(self, found: WeighedHypotheses, best: int) -> bool:
+        """Whether a tracked target gets no candidates in this frame, although it has a likeliest position."""
 
     @abstractmethod
-    def sought(
-        self, number: int, found: Weighed, forecast: Forecast | None, tracked: Array
+    def without_track(
+        self, number: int, found: WeighedHypotheses, forecast: Forecast | None, tracked: Array
     ) -> tuple[Existence, int]:
-        """The existence of a target that is not tracked, and the hypothesis that holds, -1 for none."""
+        """The existence of a target that is not tracked, and its confirmed hypothesis, -1 for none."""
 
     def process(self, candidates: Candidates, forecast: Latest[Forecast] = None) -> Associated:
         count = len(self.existence)
@@ -127,87 +126,98 @@ class ViewAssociation(Stage, ABC):
         candidates = finite_candidates(numbered(candidates, self.cameras))
         forecast = finite_forecast(forecast)
         lost, tracked = lost_targets(forecast, count), tracked_targets(forecast, count)
-        clear = self.unweighed(candidates, forecast, tracked)
-        if clear.all():
-            return self.without_hypotheses(candidates, forecast, tracked, clear)
+        unweighed = self.unweighed(candidates, forecast, tracked)
+        if unweighed.all():
+            return self.without_hypotheses(candidates, forecast, tracked, unweighed)
         sure = candidates.targets & candidates.confirmed[:, None]
         rows = np.where(lost | sure.any(axis=0), sure, candidates.targets)
-        row, target = np.nonzero(rows & ~clear)
+        row, target = np.nonzero(rows & ~unweighed)
         if not len(row):
-            left = self.kept(candidates, candidates.targets & clear)
-            return self.without_hypotheses(left, forecast, tracked, clear)
+            left = self.kept(candidates, candidates.targets & unweighed)
+            return self.without_hypotheses(left, forecast, tracked, unweighed)
         blobs = self.evidence.blobs(candidates, forecast, tracked)
-        begun = hypotheses(candidates.xyz, row, target, forecast, tracked, self.prior)
-        found, views = self.evidence.likeliest(begun, blobs, self.shown)
+        initial = hypotheses(candidates.xyz, row, target, forecast, tracked, self.prior)
+        found, views = self.evidence.likeliest(initial, blobs, self.detection)
         weighed = self.weighed(found, views, candidates, lost)
-        self.shown = self.remembered(weighed, views, forecast, tracked)
-        chosen = self.decide(weighed, forecast, tracked, clear)
-        mine, begin = found.target[chosen], found.row[chosen]
-        used = np.where(views.likely.ratio[chosen] > SHOWN, views.likely.slot[chosen], -1)
-        keep = np.tile(clear, (len(candidates.xyz), 1))
-        keep[:, mine] = (used[:, candidates.view] == blobs.table.slot).all(axis=2).T
-        first = ~tracked[mine]
-        keep[begin[first], mine[first]] = True
+        self.detection = self.next_detection(weighed, views, forecast, tracked)
+        chosen = self.decide(weighed, forecast, tracked, unweighed)
+        target, row = found.target[chosen], found.row[chosen]
+        used = np.where(views.blobs.ratio[chosen] > MINIMUM_DENSITY_RATIO, views.blobs.slot[chosen], -1)
+        keep = np.tile(unweighed, (len(candidates.xyz), 1))
+        keep[:, target] = (used[:, candidates.view] == blobs.table.slot).all(axis=2).T
+        initiated = ~tracked[target]
+        keep[row[initiated], target[initiated]] = True
         left = self.kept(candidates, candidates.targets & keep)
-        return Associated(left, self.existence_odds(tracked, clear))
+        return Associated(left, self.existence_odds(tracked, unweighed))
 
     def without_hypotheses(
-        self, left: Candidates, forecast: Forecast | None, tracked: Array, clear: Array
+        self, left: Candidates, forecast: Forecast | None, tracked: Array, unweighed: Array
     ) -> Associated:
         """The outputs of a frame in which nothing is weighed. left: what remains of the candidates."""
-        self.decide(NOTHING, forecast, tracked, clear)
-        self.shown = self.usual
-        return Associated(left, self.existence_odds(tracked, clear))
+        self.decide(NO_HYPOTHESES, forecast, tracked, unweighed)
+        self.detection = self.usual
+        return Associated(left, self.existence_odds(tracked, unweighed))
 
-    def existence_odds(self, tracked: Array, clear: Array) -> ExistenceOdds:
-        """What is known of targets after the frame. tracked, clear: (T,) bool, which keep all candidates."""
+    def existence_odds(self, tracked: Array, unweighed: Array) -> ExistenceOdds:
+        """The existence of targets after the frame.
+
+        tracked: (T,) bool; unweighed: (T,) bool, which keep all their candidates.
+        """
         odds = np.array([one.odds for one in self.existence])
-        given_up = tracked & ~clear & (odds < self.rules.silent)
+        given_up = tracked & ~unweighed & (odds < self.rules.deletion)
         return ExistenceOdds(odds=np.where(tracked, odds, np.nan), given_up=given_up)
 
-    def weighed(self, found: Hypotheses, views: PlaceViews, candidates: Candidates, lost: Array) -> Weighed:
-        """The hypotheses with what speaks for them."""
-        known = information(views.jacobian, precision(views.likely, views.ratio))
-        chance = coincidences(known, self.color, 1 / found.variance)
-        rank = ball_ratio(views.ratio, self.color, chance, self.params.other_probability)
-        evidence = self.evidence_ratio(views.ratio, chance)
-        fit = np.maximum(views.ratio, 0.0).sum(axis=1) + chance[0]
+    def weighed(
+        self, found: Hypotheses, views: HypothesisViews, candidates: Candidates, lost: Array
+    ) -> WeighedHypotheses:
+        """The hypotheses with their log-likelihood ratios."""
+        known = information(views.jacobian, precision(views.blobs, views.log_ratio))
+        occam = log_occam_factors(known, self.color, 1 / found.variance)
+        rank = ball_log_ratio(views.log_ratio, self.color, occam, self.params.other_probability)
+        evidence = self.evidence_ratio(views.log_ratio, occam)
+        fit = np.maximum(views.log_ratio, 0.0).sum(axis=1) + occam[0]
         complete = np.zeros(len(found.target), bool)
         if lost.any():
-            begun = found.row >= 0
-            complete[begun] = appearing(candidates, lost)[found.row[begun], found.target[begun]]
-        return Weighed(found.xyz, found.target, rank - found.improbability(), evidence, fit, complete)
+            rows = found.row >= 0
+            complete[rows] = appearing(candidates, lost)[found.row[rows], found.target[rows]]
+        return WeighedHypotheses(
+            found.xyz, found.target, rank - found.improbability(), evidence, fit, complete
+        )
 
-    def remembered(
-        self, found: Weighed, views: PlaceViews, forecast: Forecast | None, tracked: Array
+    def next_detection(
+        self, found: WeighedHypotheses, views: HypothesisViews, forecast: Forecast | None, tracked: Array
     ) -> Array:
-        """Probabilities that the views show the targets in the next frame: (T, C)."""
-        shown = self.usual.copy()
+        """Probabilities that the views detect the targets in the next frame: (T, C)."""
+        detection = self.usual.copy()
         persistence = self.params.persistence ** self.steps(forecast)
-        for number, best in enumerate(found.likeliest(len(shown))):
+        for number, best in enumerate(found.likeliest(len(detection))):
             if best >= 0 and tracked[number]:
-                known = updated(self.shown[number], views.likely.ratio[best], views.inside[best])
-                shown[number] = predicted(known, self.params.detection, persistence)
-        return shown
+                known = updated(self.detection[number], views.blobs.ratio[best], views.in_picture[best])
+                detection[number] = predicted(known, self.params.detection, persistence)
+        return detection
 
     def steps(self, forecast: Forecast | None) -> float:
         """Steps that a frame counts as, at most 1."""
         return 1.0 if forecast is None else min(forecast.period / STEP, 1.0)
 
-    def decide(self, found: Weighed, forecast: Forecast | None, tracked: Array, clear: Array) -> Array:
-        """The hypotheses that hold, at most one for each target: (D,) numbers of some of the M."""
+    def decide(
+        self, found: WeighedHypotheses, forecast: Forecast | None, tracked: Array, unweighed: Array
+    ) -> Array:
+        """The accepted hypotheses, at most one for each target: (D,) numbers of some of the M."""
         chosen: list[int] = []
         steps, likeliest = self.steps(forecast), found.likeliest(len(self.existence))
         for number, (before, best) in enumerate(zip(self.existence, likeliest, strict=True)):
             if tracked[number] and forecast is not None:
-                gain = found.evidence[best] if best >= 0 else 0.0
-                gain = self.unweighed_gain() if clear[number] else gain
-                self.existence[number] = followed(before, gain, forecast.xyz[number], self.rules, steps)
+                log_ratio = found.evidence[best] if best >= 0 else 0.0
+                log_ratio = self.unweighed_log_ratio() if unweighed[number] else log_ratio
+                self.existence[number] = with_track(
+                    before, log_ratio, forecast.xyz[number], self.rules, steps
+                )
                 if best >= 0 and self.left_out(found, best):
                     best = -1
             else:
-                self.existence[number], best = self.sought(number, found, forecast, tracked)
-            if best >= 0 and self.existence[number].odds >= self.rules.silent:
+                self.existence[number], best = self.without_track(number, found, forecast, tracked)
+            if best >= 0 and self.existence[number].odds >= self.rules.deletion:
                 chosen.append(best)
         return np.array(chosen, int)
 
@@ -218,9 +228,9 @@ class ViewAssociation(Stage, ABC):
         return replace(candidates, targets=targets).where(np.flatnonzero(targets.any(axis=1)))
 
     def state(self) -> Any:
-        existence = [{**one._asdict(), "places": one.places._asdict()} for one in self.existence]
-        return {"existence": existence, "shown": self.shown}
+        existence = [{**one._asdict(), "rivals": one.rivals._asdict()} for one in self.existence]
+        return {"existence": existence, "detection": self.detection}
 
     def restore(self, state: Any) -> None:
         self.existence = [restored(one) for one in state["existence"]]
-        self.shown = np.array(state["shown"], float)
+        self.detection = np.array(state["detection"], float)

@@ -1,4 +1,4 @@
-"""What the blobs of all cameras of a room say about places of targets."""
+"""Evidence of the blobs of all cameras of a room for hypotheses about positions of targets."""
 
 from __future__ import annotations
 
@@ -10,68 +10,69 @@ from followspot.geometry import Views
 from followspot.messages import Array
 from followspot.room import Room
 from followspot.tracking import Candidates, Forecast
-from followspot_balls.association.hypotheses import Hypotheses, jacobians, step
+from followspot_balls.association.hypotheses import Hypotheses, gauss_newton_step, jacobians
 from followspot_balls.association.likelihood import (
     BallModel,
-    Likely,
-    Sight,
-    densities,
-    likeliest,
+    BlobResiduals,
+    LikeliestBlobs,
+    ball_densities,
+    likeliest_blobs,
     precision,
-    view_ratios,
+    view_log_ratios,
 )
 from followspot_balls.association.view_params import ViewParams
-from followspot_balls.measurement.blob_table import Sightings, sightings
+from followspot_balls.measurement.blob_table import BlobTable, blob_table
 from followspot_balls.measurement.center_precision import Outlines
 from followspot_balls.measurement.points import Images, point_images
 from followspot_balls.scene.targets import target_radii
 
 NEAREST = 1e-3
-"""Smallest depth of a place that has an image, m."""
+"""Smallest depth of a position that has an image, m."""
 SMALLEST = 0.008
 """Radius of a ball's image over the longer side of the picture below which false blobs are no denser. Where
 the radius is smaller, a fixed number in its square would be hundreds in the picture: two views that agree
 about a small ball could never outweigh them."""
 STEPS = 2
-"""Gauss-Newton steps of a place."""
+"""Gauss-Newton steps of a position."""
 
 
-class PlaceViews(NamedTuple):
-    """M places as C views show them."""
+class HypothesisViews(NamedTuple):
+    """M hypotheses as C views show them."""
 
-    likely: Likely
-    """The likeliest blobs."""
-    inside: Array
-    """(M, C) bool, whether the picture contains the place."""
-    ratio: Array
+    blobs: LikeliestBlobs
+    in_picture: Array
+    """(M, C) bool, whether the picture contains the position."""
+    log_ratio: Array
     """(M, C) log-likelihood ratios."""
     jacobian: Array
-    """(M, C, 2, 3) px/m, of the images by the places."""
-    error: Array
-    """(M, C, 2) px, of the likeliest blobs from the images."""
+    """(M, C, 2, 3) px/m, of the projections by the positions."""
+    residual: Array
+    """(M, C, 2) px, the likeliest blobs minus the projections."""
 
-    def where(self, rows: Array) -> PlaceViews:
-        """Those of some places."""
-        likely, *others = self
-        return PlaceViews(Likely(*(column[rows] for column in likely)), *(column[rows] for column in others))
+    def where(self, rows: Array) -> HypothesisViews:
+        """Those of some hypotheses."""
+        blobs, *others = self
+        return HypothesisViews(
+            LikeliestBlobs(*(column[rows] for column in blobs)), *(column[rows] for column in others)
+        )
 
 
 class FrameBlobs(NamedTuple):
     """The blobs of one frame."""
 
-    table: Sightings
+    table: BlobTable
     """The blobs of C cameras, up to K in each."""
-    sizes: Array
+    unit_area: Array
     """(C, K) areas over that of a ball of unit radius at unit depth."""
-    rivals: Array
-    """(T, C, K) 1/px^2, densities of the blobs as targets other than each."""
+    rival_density: Array
+    """(T, C, K) 1/px^2, density of each blob as an image of targets other than each."""
 
 
 class ViewEvidence:
-    """The cameras of a room, which tell how balls show to them."""
+    """The cameras of a room, how balls show to them, and what their blobs say of hypotheses."""
 
     def __init__(self, room: Room, params: ViewParams, remembering: bool = False) -> None:
-        """remembering: whether there is less clutter where a view showed nothing while a target was lost."""
+        """remembering: whether clutter is rarer where a view showed nothing while a target was lost."""
         p, cameras = params, list(room.cameras.values())
         self.model = BallModel(
             p.detection,
@@ -91,53 +92,61 @@ class ViewEvidence:
 
     def blobs(self, candidates: Candidates, forecast: Forecast | None, tracked: Array) -> FrameBlobs:
         """The blobs of N > 0 candidates. tracked: (T,) bool."""
-        table = sightings(candidates, len(self.P))
+        table = blob_table(candidates, len(self.P))
         if not self.remembering:
-            table = table._replace(clutter=np.ones(table.area.shape))
-        sizes = self.outlines.at_unit_depth(table.xy, table.area)
-        blobs = FrameBlobs(table, sizes, np.zeros((len(self.radii), *table.area.shape)))
+            table = table._replace(clutter_ratio=np.ones(table.area.shape))
+        unit_area = self.outlines.at_unit_depth(table.xy, table.area)
+        blobs = FrameBlobs(table, unit_area, np.zeros((len(self.radii), *table.area.shape)))
         if forecast is None or not tracked.any() or len(self.radii) < 2:
             return blobs
-        return blobs._replace(rivals=self.rivals(blobs, forecast, tracked))
+        return blobs._replace(rival_density=self.rival_density(blobs, forecast, tracked))
 
-    def rivals(self, blobs: FrameBlobs, forecast: Forecast, tracked: Array) -> Array:
-        """Densities of blobs as targets other than each, where those are expected: (T, C, K) 1/px^2."""
-        sight, seen = self.sight(forecast.xyz, np.arange(len(self.radii)), blobs)
+    def rival_density(self, blobs: FrameBlobs, forecast: Forecast, tracked: Array) -> Array:
+        """Density of each blob as an image of the forecasts of targets other than each: (T, C, K) 1/px^2."""
+        residuals, projected = self.residuals(forecast.xyz, np.arange(len(self.radii)), blobs)
         variance = forecast.covariance.diagonal(axis1=1, axis2=2).mean(axis=1)[:, None]
-        spread = variance * np.square(self.focal / seen.depth)
-        density, _ = densities(self.model, sight, spread[..., None])
+        spread = variance * np.square(self.focal / projected.depth)
+        density, _ = ball_densities(self.model, residuals, spread[..., None])
         density *= self.model.detection * tracked[:, None, None]
         return np.asarray(density.sum(axis=0) - density)
 
-    def sight(self, xyz: Array, target: Array, blobs: FrameBlobs) -> tuple[Sight, Images]:
-        """The blobs as seen from places (M, 3) m of targets (M,), and the images of these."""
-        table, seen = blobs.table, point_images(self.P, xyz)
-        off = table.xy - seen.xy[:, :, None]
-        depth, radius = np.maximum(seen.depth, NEAREST), self.radii[target][:, None]
-        inside = self.pictures.in_pictures(xyz).T & (depth > NEAREST)
-        share = blobs.sizes * np.square(depth / radius)[..., None]
-        size, possible = self.focal * radius / depth, table.targets[target]
-        sight = Sight(np.vecdot(off, off), share, size, possible, inside, table.clutter)
-        return sight, Images(seen.xy, depth)
+    def residuals(self, xyz: Array, target: Array, blobs: FrameBlobs) -> tuple[BlobResiduals, Images]:
+        """The blobs compared with the projections of targets (M,) at positions (M, 3) m; the projections."""
+        table, projected = blobs.table, point_images(self.P, xyz)
+        offset = table.xy - projected.xy[:, :, None]
+        depth, radius = np.maximum(projected.depth, NEAREST), self.radii[target][:, None]
+        residuals = BlobResiduals(
+            squared_distance=np.vecdot(offset, offset),
+            area_ratio=blobs.unit_area * np.square(depth / radius)[..., None],
+            radius=self.focal * radius / depth,
+            compatible=table.targets[target],
+            in_picture=self.pictures.in_pictures(xyz).T & (depth > NEAREST),
+            clutter_ratio=table.clutter_ratio,
+        )
+        return residuals, Images(projected.xy, depth)
 
-    def views(self, found: Hypotheses, blobs: FrameBlobs, shown: Array) -> PlaceViews:
-        """The places as the views show them. shown: (T, C), probabilities that they show the targets."""
-        sight, seen = self.sight(found.xyz, found.target, blobs)
-        likely = likeliest(self.model, sight, blobs.rivals[found.target])
-        ratio = view_ratios(shown[found.target], likely, sight.inside)
-        error = blobs.table.xy[np.arange(len(self.P)), likely.slot] - seen.xy
-        return PlaceViews(likely, sight.inside, ratio, jacobians(self.P, seen.xy, seen.depth), error)
+    def views(self, found: Hypotheses, blobs: FrameBlobs, detection: Array) -> HypothesisViews:
+        """The hypotheses as the views show them. detection: (T, C) probabilities that they detect targets."""
+        residuals, projected = self.residuals(found.xyz, found.target, blobs)
+        likeliest = likeliest_blobs(self.model, residuals, blobs.rival_density[found.target])
+        log_ratio = view_log_ratios(detection[found.target], likeliest, residuals.in_picture)
+        residual = blobs.table.xy[np.arange(len(self.P)), likeliest.slot] - projected.xy
+        jacobian = jacobians(self.P, projected.xy, projected.depth)
+        return HypothesisViews(likeliest, residuals.in_picture, log_ratio, jacobian, residual)
 
-    def likeliest(self, found: Hypotheses, blobs: FrameBlobs, shown: Array) -> tuple[Hypotheses, PlaceViews]:
-        """The hypotheses at their likeliest places, and their views; shown as for :meth:`views`."""
-        return self.refined(found, self.views(found, blobs, shown), blobs, shown)
+    def likeliest(
+        self, found: Hypotheses, blobs: FrameBlobs, detection: Array
+    ) -> tuple[Hypotheses, HypothesisViews]:
+        """The hypotheses at their likeliest positions, and their views; detection as for :meth:`views`."""
+        return self.refined(found, self.views(found, blobs, detection), blobs, detection)
 
     def refined(
-        self, found: Hypotheses, views: PlaceViews, blobs: FrameBlobs, shown: Array
-    ) -> tuple[Hypotheses, PlaceViews]:
+        self, found: Hypotheses, views: HypothesisViews, blobs: FrameBlobs, detection: Array
+    ) -> tuple[Hypotheses, HypothesisViews]:
         """As :meth:`likeliest`, from the views of the hypotheses as they are."""
         for _ in range(STEPS):
-            weight = precision(views.likely, views.ratio)
-            found = found.moved(found.xyz + step(found, views.jacobian, views.error, weight))
-            views = self.views(found, blobs, shown)
+            weight = precision(views.blobs, views.log_ratio)
+            step = gauss_newton_step(found, views.jacobian, views.residual, weight)
+            found = found.moved(found.xyz + step)
+            views = self.views(found, blobs, detection)
         return found, views

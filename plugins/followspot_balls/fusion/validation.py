@@ -46,7 +46,7 @@ class Fusion(Stage, ABC):
     def validated(self, positions: Positions, candidates: Candidates, forecast: Forecast | None) -> Positions:
         """The positions that the views do not contradict, none of them in a plane."""
         positions = raised(positions, self.bounds, self.radii, self.params.plane_sigma)
-        likely = self.recovery.judged(positions, candidates, forecast)
+        likely = self.recovery.accepted(positions, candidates, forecast)
         self.recovery.refusals.found[likely.target] = True
         return self.colorless.bounded(likely, candidates, forecast)
 
@@ -59,13 +59,13 @@ class Fusion(Stage, ABC):
         return {
             "since": self.colorless.since,
             "odds": self.recovery.odds,
-            "place": self.recovery.place,
+            "xyz": self.recovery.xyz,
             "refusals": self.recovery.refusals.state(),
         }
 
     def restore(self, state: Any) -> None:
         self.colorless.since = np.array(state["since"], float)
         self.recovery.odds = np.array(state["odds"], float)
-        self.recovery.place = np.array(state["place"], float)
+        self.recovery.xyz = np.array(state["xyz"], float)
         if "refusals" in state:  # not in recordings of before
             self.recovery.refusals.restore(state["refusals"])

@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.plugins.balls.scene import forecast_at
-from tests.plugins.balls.sightings import (
+from tests.plugins.balls.made_candidates import (
     BALL,
     COLOR,
     EVERYWHERE,
@@ -20,15 +19,16 @@ from tests.plugins.balls.sightings import (
     red,
     views,
 )
+from tests.plugins.balls.scene import forecast_at
 
 from followspot.context import Context
 from followspot.sealing import seal
 from followspot.tracking import LOST, MISSING, Forecast
 from followspot_balls.associate import Associate
 from followspot_balls.associate_tracked import AssociateTracked
-from followspot_balls.association.existence import Existence, Places
+from followspot_balls.association.existence import Existence, Rivals
 from followspot_balls.association.hypotheses import hypotheses
-from followspot_balls.association.view_association import NOTHING, ViewAssociation, Weighed
+from followspot_balls.association.view_association import NO_HYPOTHESES, ViewAssociation, WeighedHypotheses
 
 
 def stage(**params: float) -> Associate:
@@ -116,8 +116,8 @@ def test_views_that_never_show_the_ball_are_forgiven_and_doubted() -> None:
     associate, there = stage(), forecast_at([BALL, (-1, 0, 0.5)])
     for _ in range(20):
         associated(associate, views({BALL: ("cam0", "cam1", "cam3")}), there)
-    assert associate.shown[0, [0, 1, 3]] == pytest.approx([0.94] * 3, abs=0.01)
-    assert associate.shown[0, 2] < 0.15
+    assert associate.detection[0, [0, 1, 3]] == pytest.approx([0.94] * 3, abs=0.01)
+    assert associate.detection[0, 2] < 0.15
     before = associate.existence[0].odds
     associated(associate, views({BALL: ("cam1", "cam3")}), there)
     lost = before - associate.existence[0].odds
@@ -141,7 +141,7 @@ def test_pairs_that_disagree_lead_to_the_place_on_which_all_views_agree() -> Non
     associate = stage()
     begun = hypotheses(candidates.xyz, row, target, None, tracked, associate.prior)
     blobs = associate.evidence.blobs(candidates, None, tracked)
-    found, _ = associate.evidence.likeliest(begun, blobs, associate.shown)
+    found, _ = associate.evidence.likeliest(begun, blobs, associate.detection)
     assert len(row) > 2
     assert np.ptp(begun.xyz, axis=0).max() > 0.02
     assert np.ptp(found.xyz, axis=0).max() < 0.005
@@ -172,7 +172,7 @@ def test_the_only_place_of_a_track_is_left_out_if_the_frame_contradicts_it_and_i
     there, tracked = forecast_at([BALL, (-1, 0, 0.5)]), np.ones(2, bool)
     for evidence, fit, chosen in ((-2.0, 4.0, []), (-2.0, 6.0, [0]), (0.0, 4.0, [0])):
         weight, first, one = np.array([-evidence]), np.zeros(1, int), np.zeros(1, bool)
-        found = Weighed(np.array([BALL]), first, weight, -weight, np.array([fit]), one)
+        found = WeighedHypotheses(np.array([BALL]), first, weight, -weight, np.array([fit]), one)
         assert stage().decide(found, there, tracked, np.zeros(2, bool)).tolist() == chosen
 
 
@@ -182,7 +182,7 @@ def test_a_place_that_no_view_shows_fits_nothing() -> None:
     two, row = np.zeros(2, int), np.arange(2)
     found = hypotheses(np.array([BALL, (0.8, -0.7, 1.6)]), row, two, None, tracked, associate.prior)
     blobs = associate.evidence.blobs(candidates, None, tracked)
-    seen = associate.evidence.views(found, blobs, associate.shown)
+    seen = associate.evidence.views(found, blobs, associate.detection)
     there, nowhere = associate.weighed(found, seen, candidates, tracked).fit
     assert there > 5.0
     assert nowhere == pytest.approx(0.0, abs=0.01)
@@ -194,14 +194,14 @@ def test_a_lost_target_is_searched_everywhere_and_a_missing_one_near_its_last_pl
 ) -> None:
     """A place elsewhere that shows nothing falls if it was searched, and waits otherwise."""
     associate, nothing = stage(), np.zeros(2, bool)
-    places = Places(np.array([PATCH]), np.array([1.0]))
+    places = Rivals(np.array([PATCH]), np.array([1.0]))
     associate.existence[0] = Existence(0.0, False, places)
     there = forecast_at([BALL, (-1, 0, 0.5)])
     forecast = None if state is None else seal(replace(there, state=np.full(2, state, np.uint8)))
-    associate.decide(NOTHING, forecast, nothing, nothing)
+    associate.decide(NO_HYPOTHESES, forecast, nothing, nothing)
     p = associate.params
     left = p.memory - p.absence - p.drift if falls else 1.0
-    assert associate.existence[0].places.odds == pytest.approx([left])
+    assert associate.existence[0].rivals.odds == pytest.approx([left])
 
 
 def test_frames_that_follow_each_other_faster_count_as_less() -> None:
@@ -232,7 +232,7 @@ def test_a_vague_forecast_of_another_ball_claims_its_blobs_less() -> None:
     candidates = candidates_of(views({BALL: EVERYWHERE}, owners))
     evidence = stage().evidence
     exact, vague = (
-        evidence.blobs(candidates, forecast_at([(-1, 0, 0.5), BALL], sigma), tracked).rivals[0, :, 0]
+        evidence.blobs(candidates, forecast_at([(-1, 0, 0.5), BALL], sigma), tracked).rival_density[0, :, 0]
         for sigma in (0.01, 0.1)
     )
     assert (vague < 0.3 * exact).all()
@@ -256,7 +256,7 @@ def test_unknown_numbers_spoil_nothing() -> None:
         assert len(left)
         assert np.isfinite(left).all()
         assert np.isfinite([one.odds for one in associate.existence]).all()
-        assert np.isfinite(associate.shown).all()
+        assert np.isfinite(associate.detection).all()
 
 
 def test_a_light_on_the_ray_of_the_last_view_does_not_take_the_ball_along() -> None:
@@ -280,6 +280,6 @@ def test_nothing_seen_is_nothing_found_and_the_state_comes_back() -> None:
         associated(associate, views({PATCH: COLOR}), forecast_at([PATCH, (-1, 0, 0.5)]))
     again.restore(associate.state())
     assert [one.odds for one in again.existence] == [one.odds for one in associate.existence]
-    assert again.shown == pytest.approx(associate.shown)
-    assert again.shown[0, 1] < again.shown[0, 0], "paint"
+    assert again.detection == pytest.approx(associate.detection)
+    assert again.detection[0, 1] < again.detection[0, 0], "paint"
     assert not len(associated(again, views({}), None).xyz)

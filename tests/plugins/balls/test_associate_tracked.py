@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.plugins.balls.scene import forecast_at
-from tests.plugins.balls.sightings import (
+from tests.plugins.balls.made_candidates import (
     BALL,
     COLOR,
     INFRARED,
@@ -18,13 +17,14 @@ from tests.plugins.balls.sightings import (
     red,
     views,
 )
+from tests.plugins.balls.scene import forecast_at
 
 from followspot.context import Context
 from followspot.sealing import seal
 from followspot.tracking import MISSING, TRACKED
 from followspot_balls.associate import Associate
 from followspot_balls.associate_tracked import AssociateTracked
-from followspot_balls.association.view_association import Weighed
+from followspot_balls.association.view_association import WeighedHypotheses
 
 
 def stage() -> AssociateTracked:
@@ -81,7 +81,7 @@ def test_what_was_known_of_a_track_fades_while_it_is_not_followed() -> None:
             associated(associate, views({BALL: INFRARED}), tracked)
         before = associate.existence[0].odds
         assert before < 0
-        assert (before >= associate.rules.silent) == fades
+        assert (before >= associate.rules.deletion) == fades
         associate.process(candidates_of(views({PATCH: COLOR})), missing)
         kept = associate.rules.memory * before if fades else 0.0
         assert associate.existence[0].odds == pytest.approx(kept)
@@ -122,6 +122,6 @@ def test_of_several_places_of_a_track_the_likeliest_one_is_chosen_and_none_of_a_
     there = forecast_at([BALL, (-1, 0, 0.5)])
     second_missing = seal(replace(there, state=np.array([TRACKED, MISSING], np.uint8)))
     rank, two = np.array([3.0, 1.0]), np.zeros(2, int)
-    found = Weighed(np.array([BALL, PATCH]), two, rank, rank, rank, np.zeros(2, bool))
+    found = WeighedHypotheses(np.array([BALL, PATCH]), two, rank, rank, rank, np.zeros(2, bool))
     decided = stage().decide(found, second_missing, np.array([True, False]), np.zeros(2, bool))
     assert decided.tolist() == [0]

@@ -19,7 +19,7 @@ from followspot.room import Room
 from followspot.sealing import seal
 from followspot.tracking import Candidates, Forecast, Positions
 from followspot_balls.bundle_fusion import Bundle
-from followspot_balls.measurement.blob_table import sightings
+from followspot_balls.measurement.blob_table import blob_table
 from followspot_balls.measurement.center_precision import variance
 from followspot_balls.measurement.glow_shift import glow_sigma
 from followspot_balls.scene.bounding_planes import nearest_planes
@@ -269,7 +269,7 @@ def test_each_blob_is_collected_once_with_all_its_targets() -> None:
         targets=np.array([[True, False], [False, True]]),
         clutter=np.ones((2, 2)),
     )
-    table = sightings(message, 4)
+    table = blob_table(message, 4)
     assert table.slot.tolist() == [[1, 0], [0, 0]]
     assert table.xy[0].tolist() == xy[0].tolist()
     assert table.area[:2].tolist() == [[10.0, 20.0], [30.0, 0.0]]

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 import pytest
+from tests.plugins.balls.made_candidates import BALL, EVERYWHERE, INFRARED, ROOM, Place, views
 from tests.plugins.balls.scene import RADIUS
-from tests.plugins.balls.sightings import BALL, EVERYWHERE, INFRARED, ROOM, Place, views
 
 from followspot.context import Context
 from followspot.messages import Header, stamped

@@ -7,7 +7,13 @@ import pytest
 from tests.plugins.balls.scene import forecast_at, make_room
 
 from followspot.messages import Array
-from followspot_balls.association.hypotheses import Hypotheses, MotionPrior, hypotheses, jacobians, step
+from followspot_balls.association.hypotheses import (
+    Hypotheses,
+    MotionPrior,
+    gauss_newton_step,
+    hypotheses,
+    jacobians,
+)
 from followspot_balls.measurement.points import point_images
 
 PRIOR = MotionPrior(added=0.01, jump=0.1, jump_probability=0.02, reach=0.15)
@@ -71,7 +77,7 @@ def moved(sigma: float, weight: list[float]) -> Array:
         seen = point_images(P, found.xyz)
         error = ball - seen.xy
         found = found.moved(
-            found.xyz + step(found, jacobians(P, seen.xy, seen.depth), error, np.array([weight]))
+            found.xyz + gauss_newton_step(found, jacobians(P, seen.xy, seen.depth), error, np.array([weight]))
         )
     return np.asarray(found.xyz[0])
 
@@ -100,5 +106,5 @@ def test_without_views_a_place_goes_to_the_mean_of_its_prior() -> None:
     found = one(np.array(HERE), BESIDE, 0.02)
     seen = point_images(P, found.xyz)
     error, nothing = np.ones((1, 4, 2)), np.zeros((1, 4))
-    taken = step(found, jacobians(P, seen.xy, seen.depth), error, nothing)
+    taken = gauss_newton_step(found, jacobians(P, seen.xy, seen.depth), error, nothing)
     assert taken == pytest.approx((BESIDE - HERE)[None])

@@ -95,7 +95,7 @@ def test_an_unsure_place_that_is_not_evident_counts_as_one_candidate() -> None:
     room = room_of("cicicicic")
     found = fused(MeanShift, room, "01357", off=OFF, sure_recovery_evidence=-50.0)
     found = seal(replace(found, evident=np.zeros(1, bool)))
-    judged = Recovery(room, RecoveryParams()).judged(found, candidates_of(room, "01357", None, OFF), None)
+    judged = Recovery(room, RecoveryParams()).accepted(found, candidates_of(room, "01357", None, OFF), None)
     assert judged.support.tolist() == [1]
 
 
@@ -129,7 +129,7 @@ def test_another_place_begins_a_row_of_its_own_and_a_checkpoint_goes_on_with_it(
     state = fuse.state()
     for off, support in ((0.0, 6), (0.1, 6), (0.2, 1)):
         again, _ = doubted()
-        again.restore({**state, "place": state["place"] + [off, 0.0, 0.0]})
+        again.restore({**state, "xyz": state["xyz"] + [off, 0.0, 0.0]})
         assert again.process(candidates, None).support.tolist() == [support]
 
 
@@ -149,7 +149,7 @@ def test_one_evident_pair_finds_a_target_where_nothing_was_lately() -> None:
     found = seal(replace(fused(MeanShift, room, "01"), support=np.ones(1, np.int32)))
     doubtful = seal(replace(found, evident=np.zeros(1, bool), support=np.full(1, 2, np.int32)))
     support = [
-        Recovery(room, RecoveryParams()).judged(position, candidates, None).support.tolist()
+        Recovery(room, RecoveryParams()).accepted(position, candidates, None).support.tolist()
         for position, candidates in ((found, usual), (found, new), (doubtful, new))
     ]
     assert support == [[1], [AGREEING], [2]]
@@ -194,7 +194,7 @@ def test_a_doubted_place_is_as_vague_as_it_is_unlikely_and_the_others_stay() -> 
     found = seal(Positions(**{name: np.repeat(getattr(one, name), 4, axis=0) for name in one.array_names}))
     found = seal(replace(found, evident=np.array([True, False, False, False])))
     weighed, ratio = np.array([True, True, True, False]), np.array([0.0, np.log(3.0), 9.0, np.inf])
-    left = Recovery(room, RecoveryParams()).believed(found, weighed, ratio, ratio)
+    left = Recovery(room, RecoveryParams()).with_support(found, weighed, ratio, ratio)
     added = (left.covariance - found.covariance) @ np.ones(3)
     assert added == pytest.approx(np.array([[0.5] * 3, [0.25] * 3, [0.0] * 3, [0.0] * 3]))
     assert left.support.tolist() == [1, 1, 6, 6]

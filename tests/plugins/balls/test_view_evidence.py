@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from tests.plugins.balls.made_candidates import BALL, EVERYWHERE, candidates_of, views
 from tests.plugins.balls.scene import SIZE, make_room
-from tests.plugins.balls.sightings import BALL, EVERYWHERE, candidates_of, views
 from tests.plugins.balls.test_associate import stage
 
 from followspot.geometry import project, ray, undistort
@@ -20,8 +20,8 @@ def test_a_place_is_in_a_picture_if_its_image_is_and_it_lies_before_the_camera()
     places = np.array([BALL, center - 2.0 * ahead, center + 0.5 * ahead, center + 2.0 * aside])
     evidence, found = stage().evidence, candidates_of(views({BALL: EVERYWHERE}))
     blobs = evidence.blobs(found, None, np.zeros(2, bool))
-    sight, _ = evidence.sight(places, np.zeros(4, int), blobs)
-    assert sight.inside[:, 0].tolist() == [True, False, True, False]
+    residuals, _ = evidence.residuals(places, np.zeros(4, int), blobs)
+    assert residuals.in_picture[:, 0].tolist() == [True, False, True, False]
     seen = project(cameras[0], places[[0, 2]])
     assert ((seen > 0) & (seen < SIZE)).all()
 
@@ -35,5 +35,5 @@ def test_a_place_that_a_distorted_picture_shows_at_its_border_is_in_it() -> None
     assert not ((undistort(barrel, border) >= 0) & (undistort(barrel, border) < SIZE)).all(axis=1).any()
     evidence = ViewEvidence(replace(room, cameras={**room.cameras, "cam0": barrel}), ViewParams())
     blobs = evidence.blobs(candidates_of(views({BALL: EVERYWHERE})), None, np.zeros(2, bool))
-    sight, _ = evidence.sight(first.center + 2.0 * ray(barrel, border), np.zeros(3, int), blobs)
-    assert sight.inside[:, 0].all()
+    residuals, _ = evidence.residuals(first.center + 2.0 * ray(barrel, border), np.zeros(3, int), blobs)
+    assert residuals.in_picture[:, 0].all()

@@ -1,4 +1,4 @@
-"""Blobs of places in the cameras of a room, and the candidates that they make, for tests of association."""
+"""Blobs of positions in the cameras of a room, and the candidates that they make, for association tests."""
 
 from __future__ import annotations
 
