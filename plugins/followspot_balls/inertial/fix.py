@@ -1,4 +1,4 @@
-"""What the navigation of one target says at a capture time."""
+"""Position fix: position and orientation of one target at a capture time, by its navigation."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ import numpy as np
 
 from followspot import Array
 from followspot.frame_times import NANOSECOND
-from followspot_balls.inertial.beginning import is_lost
-from followspot_balls.inertial.checkpoint import CONTRADICTIONS, GATE, Checkpoint
-from followspot_balls.inertial.navigation import TURN, oriented, sighted
+from followspot_balls.inertial.frame_state import GATE, MAXIMUM_REJECTED, FrameState
+from followspot_balls.inertial.initiation import heading_is_lost
+from followspot_balls.inertial.navigation import ROTATION, predicted_orientation, predicted_position
 from followspot_balls.inertial.process_noise import UNREAD_ACCELERATION
-from followspot_balls.inertial.turns import quaternion_of
+from followspot_balls.inertial.rotation_matrices import quaternion_of
 
-VAGUE = np.radians(10.0)
-"""Sigma of the heading while it is sought, from which on the orientation is not told."""
+MAXIMUM_SIGMA = np.radians(10.0)
+"""Sigma of the heading during its search, rad, beyond which the orientation is not reported."""
 
 
 class Fix(NamedTuple):
-    """One target.
+    """Position and orientation of one target.
 
     xyz: (3,) m; velocity: (3,) m/s; covariance: of the position, (3, 3) m^2; quaternion: (4,), from axes of
-    the sensor to those of the room; orientation_sigma: rad; both are NaN while the heading is vague;
+    the sensor to those of the room; orientation_sigma: rad; both are NaN while the heading is uncertain;
     contradicted: positions in successive frames that did not fit.
     """
 
@@ -46,40 +46,40 @@ class Fix(NamedTuple):
         """Whether a position contradicts the sensor, and is not one of many. xyz: (3,) m; noise: (3, 3)."""
         offset = xyz - self.xyz
         squared = offset @ np.linalg.solve(self.covariance + noise, offset)
-        return bool(squared > GATE * GATE) and self.contradicted + 1 < CONTRADICTIONS
+        return bool(squared > GATE * GATE) and self.contradicted + 1 < MAXIMUM_REJECTED
 
 
-def fix_at(checkpoint: Checkpoint | None, time: int, ahead: float = 0.0) -> Fix | None:
+def fix_at(frame_state: FrameState | None, time: int, ahead: float = 0.0) -> Fix | None:
     """The target at a capture time, ns, or `ahead` seconds after it without further readings.
 
     None if the heading is not known.
     """
-    if checkpoint is None or checkpoint.nav is None:
+    if frame_state is None or frame_state.nav is None:
         return None
-    nav = checkpoint.nav
-    if is_lost(nav):
+    nav = frame_state.nav
+    if heading_is_lost(nav):
         return None
-    seconds = (time - checkpoint.read) * NANOSECOND + ahead
-    sight = sighted(nav, seconds)
+    seconds = (time - frame_state.read) * NANOSECOND + ahead
+    predicted = predicted_position(nav, seconds)
     unread = np.eye(3) * (UNREAD_ACCELERATION * ahead * ahead / 2) ** 2
-    quaternion, orientation_sigma = _orientation(checkpoint, seconds)
+    quaternion, orientation_sigma = _orientation(frame_state, seconds)
     return Fix(
-        sight.position,
-        sight.velocity,
-        sight.covariance + unread,
+        predicted.position,
+        predicted.velocity,
+        predicted.covariance + unread,
         quaternion,
         orientation_sigma,
         nav.rejected,
     )
 
 
-def _orientation(checkpoint: Checkpoint, seconds: float) -> tuple[Array, float]:
+def _orientation(frame_state: FrameState, seconds: float) -> tuple[Array, float]:
     """Quaternion (4,) and its sigma, rad, some seconds after the reading."""
-    nav, search = checkpoint.nav, checkpoint.search
+    nav, search = frame_state.nav, frame_state.search
     assert nav is not None
-    sigma = float(np.sqrt(nav.covariance[TURN, TURN].trace()))
+    sigma = float(np.sqrt(nav.covariance[ROTATION, ROTATION].trace()))
     if search is not None:
         sigma = max(sigma, search.sigma)
-        if sigma > VAGUE:
+        if sigma > MAXIMUM_SIGMA:
             return np.full(4, np.nan), np.nan
-    return quaternion_of(oriented(nav, seconds)), sigma
+    return quaternion_of(predicted_orientation(nav, seconds)), sigma

@@ -1,4 +1,4 @@
-"""The heading between sensor and room, from the motion alone, before a navigation can begin.
+"""Search for the heading between sensor and room, from the motion alone, before a navigation can begin.
 
 Two horizontal paths are compared, as complex numbers x + iy: that of the positions, z, and that of the
 readings, integrated twice in axes with z upward and any heading. But for errors, z is the second times
@@ -44,7 +44,7 @@ class Steps(NamedTuple):
 
 
 class HeadingSearch(NamedTuple):
-    """What is known at the time of a reading."""
+    """State of the search at the time of a reading."""
 
     read: int
     """That time, ns."""
@@ -72,7 +72,7 @@ class HeadingSearch(NamedTuple):
 
     @property
     def heading(self) -> float:
-        """The likeliest, rad: turns the axes of the orientations into those of the room."""
+        """The likeliest heading, rad: rotates the axes of the orientations into those of the room."""
         return float(np.angle(self.evidence))
 
     @property
@@ -81,7 +81,7 @@ class HeadingSearch(NamedTuple):
         return float(1 / np.sqrt(max(abs(self.evidence), 1e-12)))
 
 
-def search_begun(
+def search_initiated(
     read: int, xyz: Array, noise: Array, force: complex, inclination: float, errors: SensorErrors
 ) -> HeadingSearch:
     """The search at a measured position.
@@ -96,7 +96,7 @@ def search_begun(
     return HeadingSearch(read, states, covariance, force, 0j, 0)
 
 
-def search_carried(search: HeadingSearch, steps: Steps, errors: SensorErrors) -> HeadingSearch:
+def search_propagated(search: HeadingSearch, steps: Steps, errors: SensorErrors) -> HeadingSearch:
     """The search after K readings. A lever arm's unknown centripetal force counts as noise of a swing."""
     total = float(steps.seconds.sum())
     means = (np.append(search.force, steps.force[:-1]) + steps.force) / 2

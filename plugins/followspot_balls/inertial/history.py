@@ -12,12 +12,12 @@ from followspot.inertial import Inertial, Orientation
 from followspot.messages import MAX_TIME
 from followspot.stuck_readings import stuck
 
-MOST_ROWS = 8192
+MAXIMUM_ROWS = 8192
 """Rows that are kept at most, whatever the rate."""
-FASTEST = 100.0
-"""Largest turn rate that is believed, rad/s."""
-STRONGEST = 4000.0
-"""Largest specific force that is believed, m/s^2."""
+MAXIMUM_TURN_RATE = 100.0
+"""Largest plausible turn rate, rad/s."""
+MAXIMUM_FORCE = 4000.0
+"""Largest plausible specific force, m/s^2."""
 
 
 class Rows(NamedTuple):
@@ -32,8 +32,8 @@ class Rows(NamedTuple):
         return cls(np.zeros(0, np.int64), np.zeros((0, width)))
 
     def since(self, time: int) -> Rows:
-        """The rows after a capture time, ns, the newest `MOST_ROWS` of them."""
-        first = max(int(self.time.searchsorted(time, side="right")), len(self.time) - MOST_ROWS)
+        """The rows after a capture time, ns, the newest `MAXIMUM_ROWS` of them."""
+        first = max(int(self.time.searchsorted(time, side="right")), len(self.time) - MAXIMUM_ROWS)
         return Rows(self.time[first:], self.values[first:])
 
     def between(self, after: int, until: int) -> Rows:
@@ -54,26 +54,26 @@ class Rows(NamedTuple):
 
 
 def readings_of(messages: Sequence[Inertial], sensor: str) -> Rows:
-    """Turn rates and specific forces of one sensor, (N, 6); those that no sensor can give are left out."""
+    """Turn rates and specific forces of one sensor, (N, 6); implausible ones are left out."""
     rows = Rows.none(6)
     for message in messages:
         if message.sensor == sensor:
             values = np.concatenate([message.turn_rate, message.specific_force], axis=1)
-            kept = _usable(message)
+            kept = _plausible(message)
             rows = rows.with_rows(Rows(message.time[kept], values[kept]))
     return rows
 
 
-def unusable(messages: Sequence[Inertial], sensor: str) -> int:
-    """Number of readings of one sensor that no sensor can give."""
-    return sum(int(np.count_nonzero(~_usable(m))) for m in messages if m.sensor == sensor)
+def implausible_count(messages: Sequence[Inertial], sensor: str) -> int:
+    """Number of readings of one sensor that are implausible."""
+    return sum(int(np.count_nonzero(~_plausible(m))) for m in messages if m.sensor == sensor)
 
 
-def _usable(message: Inertial) -> Array:
-    """Which readings, (N,), a sensor can give; NaN is beyond every limit."""
-    turning = (np.abs(message.turn_rate) <= FASTEST).all(axis=1)
-    pushed = (np.abs(message.specific_force) <= STRONGEST).all(axis=1)
-    return np.asarray(_in_time(message.time) & turning & pushed)
+def _plausible(message: Inertial) -> Array:
+    """Which readings, (N,), are plausible; NaN is beyond every limit."""
+    turn_rate = (np.abs(message.turn_rate) <= MAXIMUM_TURN_RATE).all(axis=1)
+    force = (np.abs(message.specific_force) <= MAXIMUM_FORCE).all(axis=1)
+    return np.asarray(_in_time(message.time) & turn_rate & force)
 
 
 def orientations_of(messages: Sequence[Orientation], sensor: str) -> Rows:
@@ -98,7 +98,7 @@ def _in_time(time: Array) -> Array:
     return np.asarray(np.abs(time) <= MAX_TIME)
 
 
-def levelled(readings: Rows, orientations: Rows) -> Rows:
+def with_orientations(readings: Rows, orientations: Rows) -> Rows:
     """Readings with their orientations, (N, 11), at the times of both."""
     time, row, other = np.intersect1d(
         readings.time, orientations.time, assume_unique=True, return_indices=True

@@ -1,4 +1,4 @@
-"""Tracks and forecasts with what the sensors say."""
+"""Tracks and forecasts with the position fixes of inertial sensors."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from followspot.tracking import LOST, Forecast, Tracks
 from followspot_balls.inertial.fix import Fix
 
 Fixes = Mapping[int, Fix]
-"""What the sensors say, by number of the target."""
+"""Position fixes, by number of the target."""
 
 
 def posed(tracks: Tracks, fixes: Fixes) -> PosedTracks:
-    """The tracks with what the sensors say; orientations of other targets are NaN."""
+    """The tracks with the fixes of their targets; orientations of other targets are NaN."""
     count = len(tracks.target)
     xyz, velocity, sigma = tracks.xyz.copy(), tracks.velocity.copy(), tracks.sigma.copy()
     quaternion, orientation_sigma = np.full((count, 4), np.nan), np.full(count, np.nan)
@@ -28,8 +28,8 @@ def posed(tracks: Tracks, fixes: Fixes) -> PosedTracks:
     return PosedTracks(tracks.target, tracks.state, xyz, velocity, sigma, quaternion, orientation_sigma)
 
 
-def foreseen(forecast: Forecast, tracks: Tracks, fixes: Fixes) -> Forecast:
-    """The forecast with that of the sensors for targets that are tracked or predicted."""
+def forecast_with_fixes(forecast: Forecast, tracks: Tracks, fixes: Fixes) -> Forecast:
+    """The forecast with the fixes of targets that are tracked or predicted."""
     chosen = [number for number in tracks.target.tolist() if number in fixes]
     if not chosen:
         return forecast
@@ -41,8 +41,8 @@ def foreseen(forecast: Forecast, tracks: Tracks, fixes: Fixes) -> Forecast:
     return replace(forecast, xyz=xyz, velocity=velocity, covariance=covariance)
 
 
-def unplaced(forecast: Forecast, targets: Sequence[int]) -> Forecast:
-    """The forecast with some targets, by number, sought everywhere as if they were lost."""
+def searched_everywhere(forecast: Forecast, targets: Sequence[int]) -> Forecast:
+    """The forecast with some targets, by number, searched everywhere as if they were lost."""
     kept = np.ones(len(forecast.state))
     kept[list(targets)] = 0.0
     row = kept[:, None]

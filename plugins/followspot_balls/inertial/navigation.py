@@ -14,11 +14,11 @@ import numpy as np
 
 from followspot import Array
 from followspot_balls.inertial.process_noise import add_noise, of_readings, without_readings
+from followspot_balls.inertial.rotation_matrices import cross_matrices, rotation_exp
 from followspot_balls.inertial.sensor_errors import GRAVITY, SensorErrors
-from followspot_balls.inertial.turns import cross_matrices, turns
 
 SIZE = 19
-TURN, VELOCITY, POSITION, GYRO, ACCELERATION, ARM = (slice(i, i + 3) for i in range(0, 18, 3))
+ROTATION, VELOCITY, POSITION, GYRO, ACCELERATION, ARM = (slice(i, i + 3) for i in range(0, 18, 3))
 DELAY = 18
 _DOWN = np.array([0.0, 0.0, -GRAVITY])
 _EYE, _UNIT = np.eye(3), np.eye(SIZE)
@@ -27,7 +27,7 @@ _EYE, _UNIT = np.eye(3), np.eye(SIZE)
 class Navigation(NamedTuple):
     """The state at the time of a reading."""
 
-    turn: Array
+    rotation: Array
     """(3, 3), rotates axes of the sensor into those of the room."""
     velocity: Array
     """(3,) m/s, of the sensor."""
@@ -61,8 +61,8 @@ class Navigation(NamedTuple):
         return cls(**arrays | {"delay": float(plain["delay"]), "rejected": int(plain["rejected"])})
 
 
-class Sight(NamedTuple):
-    """What a state says of the target's position at a moment.
+class PredictedPosition(NamedTuple):
+    """Prediction of the target's measured position at a capture time.
 
     position: (3,) m; velocity: (3,) m/s; covariance: of the position, (3, 3) m^2; jacobian: (3, 19).
     """
@@ -73,17 +73,19 @@ class Sight(NamedTuple):
     jacobian: Array
 
 
-def carried(nav: Navigation, rates: Array, forces: Array, seconds: Array, errors: SensorErrors) -> Navigation:
+def propagated(
+    nav: Navigation, rates: Array, forces: Array, seconds: Array, errors: SensorErrors
+) -> Navigation:
     """The state after K readings (section 5.4): midpoint rotations, strapdown integration.
 
     rates, forces: (K, 3) rad/s and m/s^2, means over the steps; seconds: (K,) lengths of the steps.
     """
     rate, force, step = rates - nav.gyroscope_bias, forces - nav.accelerometer_bias, seconds[:, None]
-    halves, turn = turns(rate * (step / 2)), nav.turn
+    halves, rotation = rotation_exp(rate * (step / 2)), nav.rotation
     middle = np.empty_like(halves)
     for half, between in zip(halves, middle, strict=True):
-        np.matmul(turn, half, out=between)
-        turn = between @ half
+        np.matmul(rotation, half, out=between)
+        rotation = between @ half
     gain = (middle @ force[..., None])[..., 0] * step
     total = float(seconds.sum())
     later = (total - seconds.cumsum() + seconds / 2) * seconds
@@ -92,16 +94,16 @@ def carried(nav: Navigation, rates: Array, forces: Array, seconds: Array, errors
     speed, bend = gain.sum(axis=0), (later / seconds) @ gain
     across_speed, across_bend = cross_matrices(speed), cross_matrices(bend)
     F = _UNIT.copy()
-    F[VELOCITY, TURN], F[POSITION, TURN] = -across_speed, -across_bend
+    F[VELOCITY, ROTATION], F[POSITION, ROTATION] = -across_speed, -across_bend
     F[POSITION, VELOCITY] = _EYE * total
-    F[TURN, GYRO] = F[VELOCITY, ACCELERATION] = -spread
+    F[ROTATION, GYRO] = F[VELOCITY, ACCELERATION] = -spread
     F[POSITION, ACCELERATION] = -twice
     F[VELOCITY, GYRO] = across_speed @ spread / 2
     F[POSITION, GYRO] = across_bend @ spread / 3
     covariance = F @ nav.covariance @ F.T
     add_noise(covariance, of_readings(rates, gain / step + _DOWN, errors), total)
     return nav._replace(
-        turn=turn,
+        rotation=rotation,
         velocity=nav.velocity + speed + _DOWN * total,
         position=nav.position + nav.velocity * total + bend + _DOWN * (total * total / 2),
         covariance=covariance,
@@ -121,30 +123,32 @@ def coasted(nav: Navigation, seconds: float) -> Navigation:
     return nav._replace(position=position, covariance=covariance, turn_rate=still, acceleration=still)
 
 
-def sighted(nav: Navigation, seconds: float) -> Sight:
-    """The target's position at a capture time, `seconds` after the state's reading by the time stamps.
+def predicted_position(nav: Navigation, seconds: float) -> PredictedPosition:
+    """The position of the target at a capture time, `seconds` after the state's reading by the time stamps.
 
     p + R l + (v + w x R l) s + a s^2 / 2, with s = seconds + delay.
     """
     s = seconds + nav.delay
-    arm = nav.turn @ nav.lever_arm
+    arm = nav.rotation @ nav.lever_arm
     across = cross_matrices(arm)
     velocity = nav.velocity - across @ nav.turn_rate
     later = velocity + nav.acceleration * s
     H = np.zeros((3, SIZE))
-    H[:, TURN], H[:, POSITION], H[:, ARM] = -across, _EYE, nav.turn
+    H[:, ROTATION], H[:, POSITION], H[:, ARM] = -across, _EYE, nav.rotation
     H[:, VELOCITY] = _EYE * s
     H[:, DELAY] = later
     position = nav.position + arm + velocity * s + nav.acceleration * (s * s / 2)
-    return Sight(position, later, H @ nav.covariance @ H.T, H)
+    return PredictedPosition(position, later, H @ nav.covariance @ H.T, H)
 
 
-def oriented(nav: Navigation, seconds: float) -> Array:
-    """Orientation at a capture time as for :func:`sighted`, (3, 3)."""
-    return np.asarray(turns(nav.turn_rate * (seconds + nav.delay)) @ nav.turn)
+def predicted_orientation(nav: Navigation, seconds: float) -> Array:
+    """Orientation at a capture time as for :func:`predicted_position`, (3, 3)."""
+    return np.asarray(rotation_exp(nav.turn_rate * (seconds + nav.delay)) @ nav.rotation)
 
 
-def corrected(nav: Navigation, sight: Sight, xyz: Array, noise: Array, gate: float) -> Navigation:
+def corrected(
+    nav: Navigation, predicted: PredictedPosition, xyz: Array, noise: Array, gate: float
+) -> Navigation:
     """The state corrected by a measured position: K = P H^T S^-1, P' = (I - K H) P (I - K H)^T + K R K^T.
 
     The errors of orientation, velocity and position turn with the corrected orientation, as in an invariant
@@ -153,20 +157,20 @@ def corrected(nav: Navigation, sight: Sight, xyz: Array, noise: Array, gate: flo
 
     xyz: (3,) m; noise: (3, 3) m^2, R; gate: sigmas beyond which a position is rejected.
     """
-    H, P = sight.jacobian, nav.covariance
-    n = xyz - sight.position
-    S_inverse = np.linalg.inv(sight.covariance + noise)
+    H, P = predicted.jacobian, nav.covariance
+    n = xyz - predicted.position
+    S_inverse = np.linalg.inv(predicted.covariance + noise)
     if n @ S_inverse @ n > gate * gate:
         return nav._replace(rejected=nav.rejected + 1)
     K = P @ H.T @ S_inverse
     error = K @ n
     rest = _UNIT - K @ H
-    by = turns(error[TURN])
+    correction = rotation_exp(error[ROTATION])
     along = _UNIT.copy()
-    along[TURN, TURN] = along[VELOCITY, VELOCITY] = along[POSITION, POSITION] = by
+    along[ROTATION, ROTATION] = along[VELOCITY, VELOCITY] = along[POSITION, POSITION] = correction
     covariance = along @ (rest @ P @ rest.T + K @ noise @ K.T) @ along.T
     return nav._replace(
-        turn=by @ nav.turn,
+        rotation=correction @ nav.rotation,
         velocity=nav.velocity + error[VELOCITY],
         position=nav.position + error[POSITION],
         gyroscope_bias=nav.gyroscope_bias + error[GYRO],

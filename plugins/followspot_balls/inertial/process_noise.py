@@ -28,7 +28,7 @@ DELAY_WALK = 1e-4
 class Densities(NamedTuple):
     """Spectral densities of white noise."""
 
-    turn: float
+    rotation: float
     """rad^2/s, of the turn rate."""
     force: float
     """m^2/s^3, of the acceleration."""
@@ -64,7 +64,7 @@ def add_noise(covariance: Array, densities: Densities, seconds: float) -> None:
     size = len(covariance)
     cells = covariance.reshape(-1)
     diagonal = cells[:: size + 1]
-    diagonal[0:3] += densities.turn * seconds
+    diagonal[0:3] += densities.rotation * seconds
     diagonal[3:6] += densities.force * seconds
     diagonal[6:9] += densities.force * (seconds**3 / 3)
     diagonal[9:12] += densities.gyroscope_bias * seconds

@@ -14,20 +14,20 @@ from followspot.messages import stamped
 from followspot.stuck_readings import REMEDY
 from followspot.tracking import PREDICTED, TRACKED, Forecast, Positions, Tracks
 from followspot_balls.filtering.predicted_positions import with_predicted
-from followspot_balls.inertial.checkpoint import Frame
 from followspot_balls.inertial.fix import Fix, fix_at
-from followspot_balls.inertial.history import orientations_of, readings_of, unusable
-from followspot_balls.inertial.messages import Fixes, foreseen, posed, unplaced
+from followspot_balls.inertial.frame_state import Frame
+from followspot_balls.inertial.history import implausible_count, orientations_of, readings_of
+from followspot_balls.inertial.messages import Fixes, forecast_with_fixes, posed, searched_everywhere
 from followspot_balls.inertial.navigator import Navigator
 from followspot_balls.inertial.parameters import InertialParams
 from followspot_balls.inertial.sensor_errors import SensorErrors
 from followspot_balls.kalman import Kalman
 from followspot_target_filter import stage as target_filter
 
-SILENT = 3_000_000_000
-"""Time without a reading of the present after which a user is told, ns."""
+READING_TIMEOUT = 3_000_000_000
+"""Time without a current reading after which the user is warned, ns."""
 WELL_KNOWN = 0.03
-"""Sigma of a hidden target up to which it is sought near its forecast only, m."""
+"""Sigma of a hidden target up to which it is searched near its forecast only, m."""
 
 
 @dataclass(frozen=True)
@@ -69,10 +69,10 @@ class InertialFilter(Kalman):
         self.navigators = {
             sensor: Navigator(errors, p.history, p.maximum_reading_gap) for sensor in self.carriers
         }
-        self.told: set[tuple[str, str]] = set()
+        self.warned: set[tuple[str, str]] = set()
         self.newest: dict[str, int] = {}
         """Time of the newest reading of each sensor, or at first that of the first positions, ns."""
-        self.wide = False
+        self.widened = False
 
     def process(
         self,
@@ -83,40 +83,40 @@ class InertialFilter(Kalman):
         time = positions.header.time
         for sensor, navigator in self.navigators.items():
             rows = readings_of(readings, sensor)
-            if unusable(readings, sensor):
-                self.tell_once(
+            if implausible_count(readings, sensor):
+                self.warn_once(
                     sensor,
                     "are left out that are no numbers or beyond what sensors can read: look at its units",
                 )
             navigator.receive(rows, orientations_of(orientations, sensor))
             self.newest[sensor] = max(self.newest.get(sensor, time), rows.time.max(initial=0))
-            self.tell(sensor, navigator, time)
-        bridges = self.fixes(time)
-        trusted = self.trusted(positions, bridges)
-        outputs = super().process(stamped(self.bridged(trusted, bridges), positions.header))
-        carried = list(bridges)
-        bridging = self.life.status[carried] == PREDICTED
-        self.life.missed[carried] *= ~bridging  # a target whose sensor says where it is does not grow old
-        self.follow(time, positions, trusted, outputs.tracks)
+            self.warn_of(sensor, navigator, time)
+        before = self.fixes(time)
+        consistent = self.consistent(positions, before)
+        outputs = super().process(stamped(self.with_fixes(consistent, before), positions.header))
+        predicted = list(before)
+        bridging = self.life.status[predicted] == PREDICTED
+        self.life.missed[predicted] *= ~bridging  # a target whose sensor says where it is does not grow old
+        self.correct(time, positions, consistent, outputs.tracks)
         fixes = self.fixes(time)
         ahead = self.fixes(time, outputs.forecast.period)
-        forecast = foreseen(outputs.forecast, outputs.tracks, ahead)
-        return Outputs(posed(outputs.tracks, fixes), self.roaming(forecast, fixes))
+        forecast = forecast_with_fixes(outputs.forecast, outputs.tracks, ahead)
+        return Outputs(posed(outputs.tracks, fixes), self.widened_search(forecast, fixes))
 
-    def roaming(self, forecast: Forecast, fixes: Fixes) -> Forecast:
-        """The forecast in which every second frame seeks the targets everywhere whose sensors are vague."""
-        self.wide = not self.wide
+    def widened_search(self, forecast: Forecast, fixes: Fixes) -> Forecast:
+        """The forecast; in every second frame, targets with uncertain fixes are searched everywhere."""
+        self.widened = not self.widened
         vague = [
             number
             for number, fix in fixes.items()
             if self.life.status[number] == PREDICTED and fix.sigma.max() > WELL_KNOWN
         ]
-        if not vague or not self.wide:
+        if not vague or not self.widened:
             return forecast
-        return unplaced(forecast, vague)
+        return searched_everywhere(forecast, vague)
 
     def fixes(self, time: int, ahead: float = 0.0) -> Fixes:
-        """What the surest sensor of each target says, if its heading is known. time: ns; ahead: s."""
+        """The fix of the surest sensor of each target, if its heading is known. time: ns; ahead: s."""
         found: dict[int, Fix] = {}
         for sensor, number in self.carriers.items():
             navigator = self.navigators[sensor]
@@ -127,7 +127,7 @@ class InertialFilter(Kalman):
                 found[number] = fix
         return found
 
-    def trusted(self, positions: Positions, fixes: Fixes) -> Positions:
+    def consistent(self, positions: Positions, fixes: Fixes) -> Positions:
         """The positions without those that contradict the sensor of their target."""
         if not fixes:
             return positions
@@ -140,8 +140,8 @@ class InertialFilter(Kalman):
         ]
         return positions.where(~np.array(false, bool)) if any(false) else positions
 
-    def bridged(self, positions: Positions, fixes: Fixes) -> Positions:
-        """The positions, and those of the sensors for targets that were not measured."""
+    def with_fixes(self, positions: Positions, fixes: Fixes) -> Positions:
+        """The positions, and the fixes of targets that were not measured."""
         vague = self.params.maximum_predicted_sigma
         measured = set(positions.target[~positions.predicted].tolist())
         target = [n for n, fix in fixes.items() if n not in measured and fix.sigma.max() <= vague]
@@ -151,10 +151,10 @@ class InertialFilter(Kalman):
         xyz, covariance = np.array([f.xyz for f in chosen]), np.array([f.covariance for f in chosen])
         return with_predicted(positions, np.array(target, np.intp), xyz, covariance)
 
-    def follow(self, time: int, positions: Positions, trusted: Positions, tracks: Tracks) -> None:
-        """Give the navigation of each target its measured position, if it counted or was not trusted."""
+    def correct(self, time: int, positions: Positions, consistent: Positions, tracks: Tracks) -> None:
+        """Correct the navigation of each target by its measured position, if it was used or inconsistent."""
         tracked = set(tracks.target[tracks.state == TRACKED].tolist())
-        tracked |= set(positions.target.tolist()) - set(trusted.target.tolist())
+        tracked |= set(positions.target.tolist()) - set(consistent.target.tolist())
         noise = self.noise(positions.covariance)
         rows = {int(n): row for row, n in enumerate(positions.target) if not positions.predicted[row]}
         for sensor, number in self.carriers.items():
@@ -163,55 +163,55 @@ class InertialFilter(Kalman):
             seen = (positions.xyz[row], noise[row]) if counted else None
             self.navigators[sensor].add(Frame(time, seen))
 
-    def tell(self, sensor: str, navigator: Navigator, time: int) -> None:
+    def warn_of(self, sensor: str, navigator: Navigator, time: int) -> None:
         """Warn, once of each sensor, of readings that are missing, come too late or contradict positions."""
-        if time - self.newest[sensor] > SILENT:
-            self.tell_once(
+        if time - self.newest[sensor] > READING_TIMEOUT:
+            self.warn_once(
                 sensor,
                 "are missing for 3 s: look whether the sensor sends, and compare its clock, or `start_time` "
                 "and `time_unit`, with the cameras'",
             )
         if navigator.late:
-            self.tell_once(
+            self.warn_once(
                 sensor,
                 f"come more than {self.params.history:g} s late and are left out: raise `history`, or "
                 "compare the clocks",
             )
         if navigator.sparse:
-            self.tell_once(
+            self.warn_once(
                 sensor,
                 f"come more than {self.params.maximum_reading_gap:g} s apart, so the motion between them is "
                 "not known: let the sensor read more often, or raise `maximum_reading_gap`",
             )
         if navigator.stuck:
-            self.tell_once(
+            self.warn_once(
                 sensor,
                 f"do not change although it moves, and are left out meanwhile: {REMEDY}",
             )
         if navigator.contradicted(time):
-            self.tell_once(
+            self.warn_once(
                 sensor,
                 "contradict the positions again and again and are left out meanwhile: compare the clocks, "
                 "look how the sensor is fixed, whether it is on the target that `mount` names, and at the "
                 "units, `axes` and `at_rest` of its source",
             )
 
-    def tell_once(self, sensor: str, trouble: str) -> None:
+    def warn_once(self, sensor: str, trouble: str) -> None:
         """Warn about the readings of a sensor."""
-        if (sensor, trouble) not in self.told:
-            self.told.add((sensor, trouble))
+        if (sensor, trouble) not in self.warned:
+            self.warned.add((sensor, trouble))
             self.context.warn(f"readings of {sensor} {trouble}")
 
     def state(self) -> Any:
         return super().state() | {
-            "wide": self.wide,
+            "widened": self.widened,
             "sensors": {sensor: navigator.state() for sensor, navigator in self.navigators.items()},
         }
 
     def restore(self, state: Any) -> None:
         """Carry on from a checkpoint of this filter; from one of another filter with unknown headings."""
         super().restore(state)
-        self.wide = bool(state.get("wide", False))
+        self.widened = bool(state.get("widened", False))
         for sensor, navigator in self.navigators.items():
             known = state.get("sensors", {}).get(sensor)
             if known is not None:

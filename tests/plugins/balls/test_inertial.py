@@ -49,7 +49,7 @@ def test_heading_lever_arm_and_delay_are_learnt_from_motion_alone(seed: int) -> 
     assert stated.max() < 1.0
     assert (run.turn_error[moved] < 3.0 * stated).all()
     assert run.error[moved].max() < 0.006
-    nav = stage.navigators["imu"].checkpoints[-1].nav
+    nav = stage.navigators["imu"].frame_states[-1].nav
     assert nav is not None
     assert np.abs(nav.lever_arm - np.array(ARM)).max() < 0.004
     assert abs(nav.delay - REAL.delay) < 0.001
@@ -138,13 +138,13 @@ def test_sensor_is_believed_again_when_the_positions_agree() -> None:
         stage, Motion(1), 4.2, moved=lambda t: np.array([0.3 * sum(t > jump for jump in jumps), 0.0, 0.0])
     )
     (navigator,) = stage.navigators.values()
-    assert len(navigator.doubts) == 3
-    last = navigator.doubts[-1]
+    assert len(navigator.contradictions) == 3
+    last = navigator.contradictions[-1]
     assert navigator.contradicted(last)
-    assert not navigator.contradicted(navigator.doubts[0] + 10_000_000_000)
+    assert not navigator.contradicted(navigator.contradictions[0] + 10_000_000_000)
     other = filter_of()
     other.restore(stage.state())
-    assert other.navigators["imu"].doubts == navigator.doubts
+    assert other.navigators["imu"].contradictions == navigator.contradictions
 
 
 def test_readings_that_never_come_cost_no_more_than_they_must() -> None:
@@ -192,7 +192,7 @@ def test_a_clock_that_drifts_is_followed() -> None:
     later = run.time > 5.0
     assert run.error[later].max() < 0.08
     assert run.turn_error[later].max() < 6.0
-    nav = stage.navigators["imu"].checkpoints[-1].nav
+    nav = stage.navigators["imu"].frame_states[-1].nav
     assert nav is not None
     assert abs(nav.delay - 0.03) < 0.01
 

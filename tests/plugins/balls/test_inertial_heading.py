@@ -9,10 +9,10 @@ from followspot import Array
 from followspot_balls.inertial.heading import (
     HeadingSearch,
     Steps,
-    search_begun,
-    search_carried,
     search_coasted,
     search_corrected,
+    search_initiated,
+    search_propagated,
 )
 from followspot_balls.inertial.sensor_errors import SensorErrors
 
@@ -48,11 +48,11 @@ def searched(
     noise = NOISE[0, 0] ** 0.5 * (rng.normal(size=z.shape) + 1j * rng.normal(size=z.shape))
     seen = z * np.exp(1j * heading) + noise
     read = force + 0.03 * (rng.normal(size=force.shape) + 1j * rng.normal(size=force.shape)) + bias
-    search = search_begun(0, np.array([seen[0].real, seen[0].imag, 1.0]), NOISE, 0j, inclination, ERRORS)
+    search = search_initiated(0, np.array([seen[0].real, seen[0].imag, 1.0]), NOISE, 0j, inclination, ERRORS)
     for frame, (place, part) in enumerate(zip(seen[1:], read, strict=True), 1):
         time = round(frame * PERIOD * 1e9)
         steps = Steps(time, np.full(PARTS, PERIOD / PARTS), part, np.full(PARTS, turn_rate), inclination)
-        search = search_carried(search, steps, ERRORS)
+        search = search_propagated(search, steps, ERRORS)
         search = search_corrected(search, time, np.array([place.real, place.imag, 1.0]), NOISE, 6.0)
     return search
 
@@ -96,13 +96,13 @@ def test_wrong_inclination_and_an_unknown_lever_arm_make_the_heading_vaguer() ->
 def test_evidence_is_the_likelihood_of_a_filter_with_each_heading() -> None:
     """Against a filter of its own for each heading, which knows the readings: log p of the innovations."""
     z, force = paths(0.5, 0.1)
-    search = search_begun(0, np.array([z[0].real, z[0].imag, 0.0]), NOISE, 0j, 0.02, ERRORS)
+    search = search_initiated(0, np.array([z[0].real, z[0].imag, 0.0]), NOISE, 0j, 0.02, ERRORS)
     headings = np.array([0.3, 1.7, -2.0])
     state, log = np.zeros((3, 3), complex), np.zeros(3)
     state[0] = z[0] * np.exp(-1j * headings)
     for place, part in zip(z[1:], force, strict=True):
         steps = Steps(0, np.full(PARTS, PERIOD / PARTS), part, np.zeros(PARTS), 0.02)
-        before, search = search, search_carried(search, steps, ERRORS)
+        before, search = search, search_propagated(search, steps, ERRORS)
         gain = _gain(before, steps)
         kept = np.exp(-PERIOD / 3.0)
         F = np.array([[1, PERIOD, PERIOD**2 / 2], [0, 1, PERIOD], [0, 0, kept]])
@@ -120,7 +120,7 @@ def test_evidence_is_the_likelihood_of_a_filter_with_each_heading() -> None:
 def _gain(search: HeadingSearch, steps: Steps) -> Array:
     """What the readings of a step add to position, velocity and error, (3,)."""
     still = search._replace(states=np.zeros((3, 2), complex))
-    return search_carried(still, steps, ERRORS).states[:, 1]
+    return search_propagated(still, steps, ERRORS).states[:, 1]
 
 
 def test_heading_that_is_not_seen_for_a_while_is_forgotten() -> None:

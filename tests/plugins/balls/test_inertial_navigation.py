@@ -7,25 +7,25 @@ import pytest
 
 from followspot import Array
 from followspot.rotation import from_rotation_vector, matrix, rotation_vector
-from followspot_balls.inertial.beginning import begun, doubted
+from followspot_balls.inertial.initiation import initiated, reinitiated
 from followspot_balls.inertial.navigation import (
     ACCELERATION,
     ARM,
     DELAY,
     GYRO,
     POSITION,
+    ROTATION,
     SIZE,
-    TURN,
     VELOCITY,
     Navigation,
-    carried,
     coasted,
     corrected,
-    sighted,
+    predicted_position,
+    propagated,
 )
 from followspot_balls.inertial.process_noise import Densities, add_noise, of_readings
+from followspot_balls.inertial.rotation_matrices import quaternion_of, rotation_exp
 from followspot_balls.inertial.sensor_errors import SensorErrors
-from followspot_balls.inertial.turns import quaternion_of, turns
 
 EXACT = SensorErrors(0.0, 0.0, 0.0, 0.0, 0.02, 0.1, 0.03, 0.005)
 STEP = 1e-5
@@ -37,7 +37,7 @@ SIGMA = np.array([0.02, 0.02, 0.1])
 def example(seed: int = 0) -> Navigation:
     """A settled navigation with values and covariances of all kinds."""
     rng = np.random.default_rng(seed)
-    nav = begun(np.array([0.5, -0.5, 0.5, 0.5]), SIGMA, rng.normal(size=3), NOISE, EXACT)
+    nav = initiated(np.array([0.5, -0.5, 0.5, 0.5]), SIGMA, rng.normal(size=3), NOISE, EXACT)
     spread = rng.normal(size=(SIZE, SIZE)) * 1e-3
     return nav._replace(
         velocity=rng.normal(size=3),
@@ -54,7 +54,7 @@ def example(seed: int = 0) -> Navigation:
 def moved(nav: Navigation, error: Array) -> Navigation:
     """The state with an error (19,) added."""
     return nav._replace(
-        turn=turns(error[TURN]) @ nav.turn,
+        rotation=rotation_exp(error[ROTATION]) @ nav.rotation,
         velocity=nav.velocity + error[VELOCITY],
         position=nav.position + error[POSITION],
         gyroscope_bias=nav.gyroscope_bias + error[GYRO],
@@ -66,8 +66,8 @@ def moved(nav: Navigation, error: Array) -> Navigation:
 
 def away(a: Navigation, b: Navigation) -> Array:
     """The error of a state from another, (19,)."""
-    turn = rotation_vector(quaternion_of(a.turn @ b.turn.T))
-    parts = [turn, a.velocity - b.velocity, a.position - b.position]
+    rotation = rotation_vector(quaternion_of(a.rotation @ b.rotation.T))
+    parts = [rotation, a.velocity - b.velocity, a.position - b.position]
     parts += [a.gyroscope_bias - b.gyroscope_bias, a.accelerometer_bias - b.accelerometer_bias]
     return np.concatenate([*parts, a.lever_arm - b.lever_arm, [a.delay - b.delay]])
 
@@ -82,9 +82,9 @@ def readings(seed: int = 1) -> tuple[Array, Array, Array]:
 def test_an_error_grows_as_its_covariance(component: int) -> None:
     error = np.eye(SIZE)[component] * STEP
     nav = example()._replace(covariance=np.outer(error, error))
-    after = carried(nav, *readings(), EXACT)
-    grown = away(carried(moved(nav, error), *readings(), EXACT), after)
-    walk = carried(nav._replace(covariance=np.zeros((SIZE, SIZE))), *readings(), EXACT).covariance
+    after = propagated(nav, *readings(), EXACT)
+    grown = away(propagated(moved(nav, error), *readings(), EXACT), after)
+    walk = propagated(nav._replace(covariance=np.zeros((SIZE, SIZE))), *readings(), EXACT).covariance
     assert after.covariance - walk == pytest.approx(np.outer(grown, grown), abs=2e-3 * STEP**2)
 
 
@@ -92,8 +92,8 @@ def test_readings_integrate_to_the_path_of_constant_force_and_rate() -> None:
     nav = example()._replace(gyroscope_bias=np.zeros(3), accelerometer_bias=np.zeros(3))
     rate = np.array([0.0, 0.0, 2.0])
     up = matrix(np.array([1.0, 0, 0, 0]))
-    after = carried(
-        nav._replace(turn=up),
+    after = propagated(
+        nav._replace(rotation=up),
         np.tile(rate, (200, 1)),
         np.tile([0, 0, 11.81], (200, 1)),
         np.full(200, 0.005),
@@ -101,7 +101,7 @@ def test_readings_integrate_to_the_path_of_constant_force_and_rate() -> None:
     )
     assert after.velocity - nav.velocity == pytest.approx(np.array([0, 0, 2.0]), abs=1e-9)
     assert after.position - nav.position - nav.velocity == pytest.approx(np.array([0, 0, 1.0]), abs=1e-9)
-    assert after.turn == pytest.approx(matrix(from_rotation_vector(rate)))
+    assert after.rotation == pytest.approx(matrix(from_rotation_vector(rate)))
     assert after.acceleration == pytest.approx(np.array([0, 0, 2.0]))
     assert after.turn_rate == pytest.approx(rate)
 
@@ -110,14 +110,16 @@ def test_readings_integrate_to_the_path_of_constant_force_and_rate() -> None:
 def test_jacobian_of_the_sight_is_that_of_its_position(component: int) -> None:
     nav, error = example(), np.eye(SIZE)[component] * STEP
     kept = nav._replace(turn_rate=np.zeros(3))  # how the arm's speed turns is left out
-    slope = (sighted(moved(kept, error), 0.003).position - sighted(kept, 0.003).position) / STEP
-    assert sighted(kept, 0.003).jacobian[:, component] == pytest.approx(slope, abs=1e-4)
+    slope = (
+        predicted_position(moved(kept, error), 0.003).position - predicted_position(kept, 0.003).position
+    ) / STEP
+    assert predicted_position(kept, 0.003).jacobian[:, component] == pytest.approx(slope, abs=1e-4)
 
 
 def test_sight_moves_with_velocity_turn_rate_and_acceleration() -> None:
     nav = example()
-    now, later = sighted(nav, -nav.delay), sighted(nav, 0.01 - nav.delay)
-    arm = nav.turn @ nav.lever_arm
+    now, later = predicted_position(nav, -nav.delay), predicted_position(nav, 0.01 - nav.delay)
+    arm = nav.rotation @ nav.lever_arm
     assert now.position == pytest.approx(nav.position + arm)
     velocity = nav.velocity + np.cross(nav.turn_rate, arm)
     assert later.position == pytest.approx(now.position + 0.01 * velocity + 5e-5 * nav.acceleration)
@@ -126,22 +128,24 @@ def test_sight_moves_with_velocity_turn_rate_and_acceleration() -> None:
 
 def test_correction_is_that_of_the_information_form() -> None:
     nav = example()
-    sight = sighted(nav, 0.003)
-    found = corrected(nav, sight, sight.position + np.array([0.002, -0.001, 0.003]), NOISE, 6.0)
-    H, P = sight.jacobian, nav.covariance
+    predicted = predicted_position(nav, 0.003)
+    found = corrected(nav, predicted, predicted.position + np.array([0.002, -0.001, 0.003]), NOISE, 6.0)
+    H, P = predicted.jacobian, nav.covariance
     wanted = np.linalg.inv(np.linalg.inv(P) + H.T @ np.linalg.inv(NOISE) @ H)
     step = wanted @ H.T @ np.linalg.inv(NOISE) @ [0.002, -0.001, 0.003]
     assert away(found, nav) == pytest.approx(step, abs=1e-9)
-    by = turns(step[TURN])
+    by = rotation_exp(step[ROTATION])
     along = np.eye(SIZE)
-    along[TURN, TURN] = along[VELOCITY, VELOCITY] = along[POSITION, POSITION] = by
+    along[ROTATION, ROTATION] = along[VELOCITY, VELOCITY] = along[POSITION, POSITION] = by
     assert found.covariance == pytest.approx(along @ wanted @ along.T, rel=1e-6, abs=1e-12)
     assert found.rejected == 0
 
 
 def test_position_far_away_changes_nothing_but_the_count() -> None:
     nav = example()
-    found = corrected(nav, sighted(nav, 0.0), sighted(nav, 0.0).position + 1.0, NOISE, 6.0)
+    found = corrected(
+        nav, predicted_position(nav, 0.0), predicted_position(nav, 0.0).position + 1.0, NOISE, 6.0
+    )
     assert found.rejected == 1
     assert (away(found, nav) == 0).all()
     assert (found.covariance == nav.covariance).all()
@@ -150,13 +154,13 @@ def test_position_far_away_changes_nothing_but_the_count() -> None:
 def test_navigation_begins_and_is_doubted_with_the_covariance_of_the_position() -> None:
     place = np.array([1.0, 2.0, 3.0])
     for nav in (
-        begun(np.array([1.0, 0, 0, 0]), SIGMA, place, NOISE, EXACT),
-        doubted(example(), place, NOISE),
+        initiated(np.array([1.0, 0, 0, 0]), SIGMA, place, NOISE, EXACT),
+        reinitiated(example(), place, NOISE),
     ):
         assert nav is not None
-        sight = sighted(nav, -nav.delay)
-        assert sight.position == pytest.approx(place)
-        still = sighted(
+        predicted = predicted_position(nav, -nav.delay)
+        assert predicted.position == pytest.approx(place)
+        still = predicted_position(
             nav._replace(turn_rate=np.zeros_like(nav.velocity), acceleration=0 * nav.velocity),
             -nav.delay,
         )
@@ -180,10 +184,10 @@ def test_bias_of_the_gyroscope_bends_the_path(axis: int) -> None:
     component, seconds = 9 + axis, 0.005
     error = np.eye(SIZE)[component] * STEP
     nav = example()._replace(covariance=np.outer(error, error))
-    after = carried(nav, rates, forces, np.full(40, seconds), EXACT)
-    slope = away(carried(moved(nav, error), rates, forces, np.full(40, seconds), EXACT), after) / STEP
+    after = propagated(nav, rates, forces, np.full(40, seconds), EXACT)
+    slope = away(propagated(moved(nav, error), rates, forces, np.full(40, seconds), EXACT), after) / STEP
     column = after.covariance[component] / STEP**2
-    for part in (TURN, VELOCITY, POSITION):
+    for part in (ROTATION, VELOCITY, POSITION):
         size = np.linalg.norm(slope[part])
         assert np.linalg.norm(column[part] - slope[part]) < 0.15 * size
         assert size > 1e-3
@@ -205,10 +209,10 @@ def test_noise_of_two_halves_of_a_step_is_that_of_the_step() -> None:
 def test_errors_of_scale_grow_with_turn_rate_and_acceleration() -> None:
     errors = SensorErrors(2e-4, 4e-3, 0.002, 0.003, 0.02, 0.1, 0.03, 0.005)
     still = of_readings(np.zeros((4, 3)), np.zeros((4, 3)), errors)
-    assert still.turn == pytest.approx(4e-8)
+    assert still.rotation == pytest.approx(4e-8)
     assert still.force == pytest.approx(1.6e-5)
     moving = of_readings(np.tile([0, 5.0, 0], (4, 1)), np.tile([0, 0, 20.0], (4, 1)), errors)
-    assert moving.turn == pytest.approx(4e-8 + (0.002 * 5) ** 2 * 0.2)
+    assert moving.rotation == pytest.approx(4e-8 + (0.002 * 5) ** 2 * 0.2)
     assert moving.force == pytest.approx(1.6e-5 + (0.003 * 20) ** 2 * 0.2)
     assert moving.accelerometer_bias == pytest.approx(4e-8 + (0.003 * 9.81) ** 2 * 5)
     assert still.accelerometer_bias == pytest.approx(4e-8)

@@ -1,4 +1,4 @@
-"""What is known of one target after a frame."""
+"""State of the navigation of one target after a frame."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from followspot_balls.inertial.heading import HeadingSearch
 from followspot_balls.inertial.navigation import Navigation
 
 GATE = 6.0
-"""Sigmas beyond which a position is no measurement of the target."""
-CONTRADICTIONS = 5
-"""Such positions in successive frames, after which the target is there."""
+"""Sigmas beyond which a position is rejected as a measurement of the target."""
+MAXIMUM_REJECTED = 5
+"""Rejected positions in successive frames, after which the navigation begins anew at the position."""
 
 
 class Frame(NamedTuple):
@@ -21,10 +21,10 @@ class Frame(NamedTuple):
     measured: tuple[Array, Array] | None
 
 
-class Checkpoint(NamedTuple):
-    """The navigation after a frame, or before its heading is known the search for it, if that has begun.
+class FrameState(NamedTuple):
+    """The navigation after a frame, and the search for its heading while that goes on.
 
-    read: capture time up to which readings are in it, ns; last: (6,) that reading.
+    read: capture time of the last reading that it contains, ns; last: (6,) that reading.
     """
 
     frame: Frame

@@ -1,4 +1,4 @@
-"""How a navigation begins, and begins anew where the positions contradict it."""
+"""Initiation of a navigation, also anew when the positions contradict it."""
 
 from __future__ import annotations
 
@@ -13,33 +13,33 @@ from followspot_balls.inertial.navigation import (
     DELAY,
     GYRO,
     POSITION,
+    ROTATION,
     SIZE,
-    TURN,
     VELOCITY,
     Navigation,
 )
+from followspot_balls.inertial.rotation_matrices import cross_matrices
 from followspot_balls.inertial.sensor_errors import SensorErrors
-from followspot_balls.inertial.turns import cross_matrices
 
-UNSETTLED = np.radians(10.0)
-"""Sigma that is added to the orientation where the positions contradict it."""
-LOST = np.radians(40.0)
-"""Sigma of the heading at which it is learnt anew."""
+ADDED_SIGMA = np.radians(10.0)
+"""Sigma that is added to the orientation when the positions contradict it."""
+LOST_SIGMA = np.radians(40.0)
+"""Sigma of the heading at which it is searched anew."""
 
 
-def begun(quaternion: Array, sigma: Array, xyz: Array, noise: Array, errors: SensorErrors) -> Navigation:
+def initiated(quaternion: Array, sigma: Array, xyz: Array, noise: Array, errors: SensorErrors) -> Navigation:
     """The state at a measured position, with an orientation.
 
     quaternion: (4,); sigma: (3,) rad, of the orientation about the axes of the room; xyz: (3,) m; noise:
     (3, 3) m^2.
     """
     variances = np.zeros(SIZE)
-    variances[TURN] = np.square(sigma)
+    variances[ROTATION] = np.square(sigma)
     variances[GYRO], variances[ACCELERATION] = errors.gyroscope_bias**2, errors.accelerometer_bias**2
     variances[ARM], variances[DELAY] = errors.lever_arm**2, errors.delay**2
     zero = np.zeros(3)
     nav = Navigation(
-        turn=np.ascontiguousarray(matrix(quaternion)),
+        rotation=np.ascontiguousarray(matrix(quaternion)),
         velocity=zero,
         position=zero,
         gyroscope_bias=zero,
@@ -51,7 +51,7 @@ def begun(quaternion: Array, sigma: Array, xyz: Array, noise: Array, errors: Sen
         acceleration=zero,
         rejected=0,
     )
-    return _put(nav, xyz, noise)
+    return _at_rest(nav, xyz, noise)
 
 
 def heading_sigma(nav: Navigation) -> float:
@@ -59,42 +59,42 @@ def heading_sigma(nav: Navigation) -> float:
     return float(np.sqrt(nav.covariance[2, 2]))
 
 
-def turned_away(nav: Navigation, quaternion: Array) -> float:
-    """Heading of an orientation, (4,), as seen from that of the navigation, rad."""
-    away = matrix(quaternion) @ nav.turn.T
+def heading_difference(nav: Navigation, quaternion: Array) -> float:
+    """Heading of an orientation, (4,), relative to that of the navigation, rad."""
+    away = matrix(quaternion) @ nav.rotation.T
     return float(np.arctan2(away[1, 0] - away[0, 1], away[0, 0] + away[1, 1]))
 
 
-def less_sure(nav: Navigation, error: float) -> Navigation:
+def with_heading_error(nav: Navigation, error: float) -> Navigation:
     """The navigation with a larger sigma of the heading, for one that may be wrong by an angle, rad."""
     covariance = nav.covariance.copy()
     covariance[2, 2] += error * error
     return nav._replace(covariance=covariance)
 
 
-def is_lost(nav: Navigation) -> bool:
+def heading_is_lost(nav: Navigation) -> bool:
     """Whether the heading is no longer known."""
-    return bool(heading_sigma(nav) > LOST)
+    return bool(heading_sigma(nav) > LOST_SIGMA)
 
 
-def doubted(nav: Navigation, xyz: Array, noise: Array) -> Navigation | None:
-    """The state begun anew at a position that contradicts it; None if its heading is no longer known.
+def reinitiated(nav: Navigation, xyz: Array, noise: Array) -> Navigation | None:
+    """The state initiated anew at a position that contradicts it; None if its heading is lost.
 
     Biases and lever arm are kept, and so is the orientation, with a larger sigma. xyz: (3,) m; noise: (3, 3)
     m^2.
     """
     covariance = nav.covariance.copy()
-    covariance[TURN, TURN] += np.eye(3) * UNSETTLED**2
-    found = _put(nav._replace(covariance=covariance), xyz, noise)
-    return None if is_lost(found) else found
+    covariance[ROTATION, ROTATION] += np.eye(3) * ADDED_SIGMA**2
+    found = _at_rest(nav._replace(covariance=covariance), xyz, noise)
+    return None if heading_is_lost(found) else found
 
 
-def _put(nav: Navigation, xyz: Array, noise: Array) -> Navigation:
+def _at_rest(nav: Navigation, xyz: Array, noise: Array) -> Navigation:
     """The state at rest where the target was measured: p = z - R l, so dp = dz - R dl + [R l]_x dtheta."""
-    arm = nav.turn @ nav.lever_arm
+    arm = nav.rotation @ nav.lever_arm
     F = np.eye(SIZE)
     F[POSITION, POSITION] = F[VELOCITY, VELOCITY] = 0.0
-    F[POSITION, ARM], F[POSITION, TURN] = -nav.turn, cross_matrices(arm)
+    F[POSITION, ARM], F[POSITION, ROTATION] = -nav.rotation, cross_matrices(arm)
     covariance = F @ nav.covariance @ F.T
     covariance[POSITION, POSITION] += noise
     covariance[VELOCITY, VELOCITY] += np.eye(3) * SPEED**2

@@ -1,4 +1,4 @@
-"""Rotation matrices and their small changes, vectorised over leading dimensions."""
+"""Rotation matrices from rotation vectors, vectorised over leading dimensions."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ def cross_matrices(v: Array) -> Array:
     return np.asarray((v @ _CROSS).reshape(*v.shape, 3))
 
 
-def turns(vector: Array) -> Array:
-    """exp([v]_x), the rotation by |v| about v (Rodrigues). vector: (..., 3) rad. Returns (..., 3, 3)."""
+def rotation_exp(vector: Array) -> Array:
+    """Rotation matrices exp([v]_x), by |v| about v (Rodrigues): (..., 3) rad -> (..., 3, 3)."""
     half = 0.5 * np.sqrt(np.vecdot(vector, vector))[..., None, None] + _TINY
     cross = cross_matrices(vector)
     sine = np.sin(half)
@@ -34,14 +34,18 @@ def turns(vector: Array) -> Array:
     )
 
 
-def quaternion_of(turn: Array) -> Array:
+def quaternion_of(rotation: Array) -> Array:
     """The quaternion w, x, y, z with w >= 0 of a rotation matrix, (3, 3) -> (4,) (Shepperd 1978)."""
-    diagonal = np.diagonal(turn)
+    diagonal = np.diagonal(rotation)
     squares = np.concatenate([[diagonal.sum()], 2 * diagonal - diagonal.sum()])
     largest = int(squares.argmax())
     k = np.empty((4, 4))
     k[0, 0] = 1 + squares[0]
-    k[0, 1:] = k[1:, 0] = turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]
-    k[1:, 1:] = turn + turn.T + (1 - diagonal.sum()) * _IDENTITY
+    k[0, 1:] = k[1:, 0] = (
+        rotation[2, 1] - rotation[1, 2],
+        rotation[0, 2] - rotation[2, 0],
+        rotation[1, 0] - rotation[0, 1],
+    )
+    k[1:, 1:] = rotation + rotation.T + (1 - diagonal.sum()) * _IDENTITY
     q = k[largest] / np.linalg.norm(k[largest])
     return np.asarray(-q if q[0] < 0 else q)
