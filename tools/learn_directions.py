@@ -1,4 +1,4 @@
-"""The numbers of `followspot_persons.joint_headings`, learnt from crops of people with known directions.
+"""Numbers of `followspot_persons.pose_net.joint_headings`, learnt from crops of people of known headings.
 
     python tools/learn_directions.py persons-dev/hog movenet_multipose.onnx
 
@@ -20,8 +20,8 @@ import numpy as np
 from followspot import Array
 from followspot.geometry import wrap
 from followspot_persons.hog.model import DIRECTIONS
-from followspot_persons.joint_headings import CUES, Cue, headings, shift_of
 from followspot_persons.pose_net.contract import Network
+from followspot_persons.pose_net.joint_headings import CUES, Cue, headings, shift_of
 from followspot_persons.pose_net.loading import network
 from followspot_persons.pose_net.movenet import MoveNetMultiPose
 from followspot_persons.pose_net.regions import whole

@@ -14,23 +14,23 @@ from followspot.people import Poses
 from followspot.plain_values import from_plain, to_plain
 from followspot.tracking import PREDICTED, TRACKED
 from followspot_persons.association import matched
-from followspot_persons.place_filter import PlaceTrack
-from followspot_persons.sightings import Sightings, blended, sightings_of
+from followspot_persons.pose_fusion.pose_table import PoseTable, fused_pose, pose_table
+from followspot_persons.pose_fusion.position_filter import PositionTrack
 
-FAMILIAR = 0.5
+SAME_MEMBER_FACTOR = 0.5
 """Factor on the distance to a camera's person that was assigned to this person before."""
 
 
 @dataclass(frozen=True, eq=False)
 class Fused:
-    """A person of the room. pose, sigma: (6,); seen: ns; hits: times seen so far; members: camera's name ->
-    the number of this person there.
+    """A person of the room. pose, sigma: (6,); seen: time of the last pose, ns; hits: number of updates;
+    members: camera's name -> the number of this person there.
     """
 
     number: int
     pose: Array
     sigma: Array
-    place: PlaceTrack
+    track: PositionTrack
     confidence: float
     seen: int
     hits: int
@@ -100,60 +100,62 @@ class Fusion(Stage):
         now = max(p.header.time for p in poses)
         seconds = max(now - self.time, 0) * NANOSECOND if self.time >= 0 else 0.0
         self.time = now
-        seen = sightings_of(poses, self.room.cameras, self.params.direction_sigma, self.params.distance_sigma)
-        self.people = [replace(p, place=p.place.predicted(seconds)) for p in self.people]
-        self.deleted = [replace(p, place=p.place.predicted(seconds)) for p in self.deleted]
-        groups, free = self.assigned(seen)
-        free = [row for row in free if not self.strayed(seen, row, groups)]
-        self.people = [self.moved(person, seen, groups[i], now) for i, person in enumerate(self.people)]
-        self.people += [self.initiated(seen, rows, now) for rows in self.grouped(seen, free)]
+        table = pose_table(poses, self.room.cameras, self.params.direction_sigma, self.params.distance_sigma)
+        self.people = [replace(p, track=p.track.predicted(seconds)) for p in self.people]
+        self.deleted = [replace(p, track=p.track.predicted(seconds)) for p in self.deleted]
+        groups, free = self.assigned(table)
+        free = [row for row in free if not self.is_outlier(table, row, groups)]
+        self.people = [
+            self.updated_person(person, table, groups[i], now) for i, person in enumerate(self.people)
+        ]
+        self.people += [self.initiated(table, rows, now) for rows in self.clustered(table, free)]
         self.delete_missed(now)
         return self.fused()
 
-    def assigned(self, seen: Sightings) -> tuple[list[list[int]], list[int]]:
-        """The rows that each person can have reached, at most one per camera, and the unassigned rows."""
+    def assigned(self, table: PoseTable) -> tuple[list[list[int]], list[int]]:
+        """The rows that are assigned to each person, at most one per camera, and the unassigned rows."""
         groups: list[list[int]] = [[] for _ in self.people]
-        free = set(range(len(seen.pose)))
+        free = set(range(len(table.pose)))
         if self.people:
-            forecast = np.array([p.place.state[:2] for p in self.people])
-            for camera in np.unique(seen.camera):
-                rows = np.flatnonzero(seen.camera == camera)
-                cost = np.linalg.norm(forecast[:, None] - seen.pose[None, rows, :2], axis=2)
-                cost *= np.where(self.known(seen, rows), FAMILIAR, 1.0)
-                reached = [p.place.reached(seen.pose[rows, :2], seen.covariance[rows]) for p in self.people]
-                cost[~np.array(reached)] = np.inf
+            forecast = np.array([p.track.state[:2] for p in self.people])
+            for camera in np.unique(table.camera):
+                rows = np.flatnonzero(table.camera == camera)
+                cost = np.linalg.norm(forecast[:, None] - table.pose[None, rows, :2], axis=2)
+                cost *= np.where(self.known(table, rows), SAME_MEMBER_FACTOR, 1.0)
+                in_gate = [p.track.in_gate(table.pose[rows, :2], table.covariance[rows]) for p in self.people]
+                cost[~np.array(in_gate)] = np.inf
                 for person, column in matched(cost, self.params.maximum_distance):
                     groups[person].append(int(rows[column]))
                     free.discard(int(rows[column]))
         return groups, sorted(free)
 
-    def strayed(self, seen: Sightings, row: int, groups: list[list[int]]) -> bool:
-        """Whether an unassigned row is a wrong pose of a known person, and so initiates nobody.
+    def is_outlier(self, table: PoseTable, row: int, groups: list[list[int]]) -> bool:
+        """Whether an unassigned row is an outlier of a known person, which initiates nobody.
 
         It is if its camera reported that person under this number before, or if it is near a person of whom
         its camera has no other row.
         """
         for person, rows in zip(self.people, groups, strict=True):
-            if person.members.get(seen.names[row]) == seen.person[row]:
+            if person.members.get(table.names[row]) == table.person[row]:
                 return True
-            near = np.linalg.norm(person.place.state[:2] - seen.pose[row, :2]) < self.params.maximum_distance
-            if near and all(seen.camera[row] != seen.camera[other] for other in rows):
+            near = np.linalg.norm(person.track.state[:2] - table.pose[row, :2]) < self.params.maximum_distance
+            if near and all(table.camera[row] != table.camera[other] for other in rows):
                 return True
         return False
 
-    def known(self, seen: Sightings, rows: Array) -> Array:
+    def known(self, table: PoseTable, rows: Array) -> Array:
         """Whether a camera's person was assigned to this one before: (people, rows)."""
-        named = [(seen.names[row], int(seen.person[row])) for row in rows]
+        named = [(table.names[row], int(table.person[row])) for row in rows]
         return np.array([[p.members.get(name) == number for name, number in named] for p in self.people])
 
-    def grouped(self, seen: Sightings, free: list[int]) -> list[list[int]]:
-        """Unassigned rows, grouped if different cameras see the same position."""
+    def clustered(self, table: PoseTable, free: list[int]) -> list[list[int]]:
+        """Unassigned rows, clustered if different cameras see the same position."""
         groups: list[list[int]] = []
-        for row in sorted(free, key=lambda i: -seen.confidence[i]):
+        for row in sorted(free, key=lambda i: -table.confidence[i]):
             for group in groups:
-                apart = np.linalg.norm(seen.pose[row, :2] - seen.pose[group[0], :2])
+                apart = np.linalg.norm(table.pose[row, :2] - table.pose[group[0], :2])
                 if apart < self.params.maximum_distance and all(
-                    seen.camera[row] != seen.camera[i] for i in group
+                    table.camera[row] != table.camera[i] for i in group
                 ):
                     group.append(row)
                     break
@@ -161,32 +163,32 @@ class Fusion(Stage):
                 groups.append([row])
         return groups
 
-    def moved(self, person: Fused, seen: Sightings, rows: list[int], now: int) -> Fused:
+    def updated_person(self, person: Fused, table: PoseTable, rows: list[int], now: int) -> Fused:
         """The person after a picture; it coasts with its velocity if no camera saw it."""
         if not rows:
-            return placed(replace(person, confidence=0.0))
-        pose, sigma, covariance = blended(seen, rows, person.pose)
-        return placed(
+            return with_track_position(replace(person, confidence=0.0))
+        pose, sigma, covariance = fused_pose(table, rows, person.pose)
+        return with_track_position(
             Fused(
                 person.number,
                 pose,
                 sigma,
-                person.place.updated(pose[:2], covariance),
-                float(seen.confidence[rows].max()),
+                person.track.updated(pose[:2], covariance),
+                float(table.confidence[rows].max()),
                 now,
                 person.hits + 1,
-                person.members | members_of(seen, rows),
+                person.members | members_of(table, rows),
             )
         )
 
-    def initiated(self, seen: Sightings, rows: list[int], now: int) -> Fused:
+    def initiated(self, table: PoseTable, rows: list[int], now: int) -> Fused:
         """A tentative person, or a deleted one that a camera has recognised where it can be by now."""
-        pose, sigma, covariance = blended(seen, rows, None)
-        members, place = members_of(seen, rows), PlaceTrack.initiated(pose[:2], covariance)
-        new = Fused(0, pose, sigma, place, float(seen.confidence[rows].max()), now, 1, members)
+        pose, sigma, covariance = fused_pose(table, rows, None)
+        members, track = members_of(table, rows), PositionTrack.initiated(pose[:2], covariance)
+        new = Fused(0, pose, sigma, track, float(table.confidence[rows].max()), now, 1, members)
         for old in self.deleted:
-            reached = old.place.reached(pose[None, :2], covariance[None])[0]
-            if reached and members.items() & old.members.items():
+            in_gate = old.track.in_gate(pose[None, :2], covariance[None])[0]
+            if in_gate and members.items() & old.members.items():
                 self.deleted.remove(old)
                 return replace(new, number=old.number, hits=old.hits, members=old.members | members)
         return new
@@ -233,11 +235,11 @@ class Fusion(Stage):
         )
 
 
-def placed(person: Fused) -> Fused:
-    """The person with the pose at the place of its track."""
-    return replace(person, pose=np.concatenate([person.place.state[:2], person.pose[2:]]))
+def with_track_position(person: Fused) -> Fused:
+    """The person with the pose at the position of its track."""
+    return replace(person, pose=np.concatenate([person.track.state[:2], person.pose[2:]]))
 
 
-def members_of(seen: Sightings, rows: list[int]) -> dict[str, int]:
+def members_of(table: PoseTable, rows: list[int]) -> dict[str, int]:
     """Camera's name -> the number of a person there, of these rows."""
-    return {seen.names[i]: int(seen.person[i]) for i in rows}
+    return {table.names[i]: int(table.person[i]) for i in rows}

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from followspot_persons.joint_headings import CUES, Cue
+from followspot_persons.pose_net.joint_headings import CUES, Cue
 from learn_directions import TERMS, Crops, fitted, held_out
 
 JOINTS = ("nose", "left_ear", "right_ear", "left_shoulder", "right_shoulder", "left_hip", "right_hip")

@@ -11,8 +11,8 @@ from followspot.geometry import undistort
 from followspot.people import Boxes
 from followspot.points import Points2D
 from followspot_persons.body.upper_body_box import upper_bodies
-from followspot_persons.joint_headings import headings
 from followspot_persons.pose_net.contract import People
+from followspot_persons.pose_net.joint_headings import headings
 
 SURE = 0.99
 """Largest probability whose log-odds count."""

@@ -15,7 +15,7 @@ from followspot.messages import Header, identical, stamped
 from followspot.people import Poses
 from followspot.tracking import PREDICTED, TRACKED
 from followspot_persons.fusion import Fusion
-from followspot_persons.place_filter import GATE, PlaceTrack
+from followspot_persons.pose_fusion.position_filter import GATE, PositionTrack
 
 RATE = 15
 
@@ -133,7 +133,7 @@ def test_the_place_is_the_kalman_estimate_of_two_measurements():
     """Information adds up: (P^-1 + R^-1)^-1 (P^-1 x + R^-1 z)."""
     P, R = np.array([[0.04, 0.01], [0.01, 0.02]]), np.diag([0.01, 0.05])
     x, z = np.array([1.0, 2.0]), np.array([1.2, 1.9])
-    after = PlaceTrack.initiated(x, P).updated(z, R)
+    after = PositionTrack.initiated(x, P).updated(z, R)
     together = np.linalg.inv(np.linalg.inv(P) + np.linalg.inv(R))
     np.testing.assert_allclose(after.covariance[:2, :2], together)
     np.testing.assert_allclose(after.state[:2], together @ (np.linalg.solve(P, x) + np.linalg.solve(R, z)))
@@ -141,15 +141,15 @@ def test_the_place_is_the_kalman_estimate_of_two_measurements():
 
 def test_the_gate_is_where_one_of_a_thousand_is_farther():
     rng = np.random.default_rng(3)
-    track = PlaceTrack.initiated(np.zeros(2), np.diag([0.04, 0.01]))
+    track = PositionTrack.initiated(np.zeros(2), np.diag([0.04, 0.01]))
     noise = rng.standard_normal((200_000, 2)) * np.sqrt([0.05, 0.03])
-    inside = track.reached(noise, np.tile(np.diag([0.01, 0.02]), (len(noise), 1, 1)))
+    inside = track.in_gate(noise, np.tile(np.diag([0.01, 0.02]), (len(noise), 1, 1)))
     assert 1 - inside.mean() == pytest.approx(np.exp(-GATE / 2), rel=0.2)
     assert np.exp(-GATE / 2) == pytest.approx(1e-3, rel=0.02)
 
 
 def test_a_place_is_vaguer_the_longer_nobody_sees_it():
-    track = PlaceTrack.initiated(np.zeros(2), 0.01 * np.eye(2))
+    track = PositionTrack.initiated(np.zeros(2), 0.01 * np.eye(2))
     once, twice = track.predicted(0.4), track.predicted(0.2).predicted(0.2)
     np.testing.assert_allclose(once.covariance, twice.covariance)
     assert 0.1 < np.sqrt(once.covariance[0, 0]) < np.sqrt(track.predicted(1.0).covariance[0, 0]) < 1.0

@@ -11,7 +11,7 @@ from followspot_persons.body.standing import WAIST
 from followspot_persons.body.upper_body_box import LEVELS
 from followspot_persons.body.view import bearing
 from followspot_persons.hog.model import DIRECTIONS
-from followspot_persons.joint_headings import headings
+from followspot_persons.pose_net.joint_headings import headings
 from followspot_persons.pose_net.movenet import COCO
 
 ANGLES = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)

@@ -29,8 +29,8 @@ from followspot_persons.look import Look
 from followspot_persons.particles.girth import girths_of
 from followspot_persons.particles.spawning import farthest, spawned
 from followspot_persons.particles.track import Track
+from followspot_persons.pose_fusion.pose_table import fused_pose, pose_table
 from followspot_persons.pose_tracker import PoseTracker
-from followspot_persons.sightings import blended, sightings_of
 from followspot_persons.slow_instance.acquaintance import Acquaintance
 from followspot_persons.slow_instance.identity import same_person
 
@@ -209,8 +209,8 @@ def test_cameras_that_know_the_place_know_the_height():
         eye = cameras[name].center
         xy = eye[:2] + far * (place - eye[:2])
         told.append(poses(name, xy, eye[2] + far * (height - eye[2])))
-    seen = sightings_of(told, cameras, 0.012, 0.07)
-    pose, _, _ = blended(seen, [0, 1], None)
+    seen = pose_table(told, cameras, 0.012, 0.07)
+    pose, _, _ = fused_pose(seen, [0, 1], None)
     true = cameras["a"].center[2] + (height - 1.2) * np.mean([1.15, 1.15])
     assert pose[2] < true - 0.05
     assert pose[2] == pytest.approx(height, abs=0.05)

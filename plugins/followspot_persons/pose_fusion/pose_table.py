@@ -13,21 +13,22 @@ from followspot.geometry import wrap
 from followspot.people import Poses
 from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT, X, Y
 
-AGREE = np.radians(70)
+MAXIMUM_DEVIATION = np.radians(70)
 """Headings within this angle of the best one are averaged; others are outliers."""
 PRIOR_CONFIDENCE = 0.15
 """Confidence of the heading that the person had before, in the vote."""
 NETWORK_SIGMA = 0.03
-"""Error of places of the room that their sigma does not contain: a network's joints lie beside those, m."""
+"""Sigma that adds to that of poses of the room, m: the joints of a network lie beside those of the body."""
 MIN_SIGMA = np.array([0.01, 0.01, 0.01, 0.1, 0.1, 0.05])
 """Smallest sigma of a camera's pose: m, m, m, rad, rad, rad."""
 
 
 @dataclass(frozen=True, eq=False)
-class Sightings:
-    """Rows of all poses. camera: (K,) number in the room, -1 for poses of the room; names: theirs, one a row;
-    person: (K,) number there; pose, sigma: (K, 6); information: (K, 2, 2) 1/m^2 of the place; covariance: its
-    inverse; confidence: (K,); eye: (K, 3) m, of the camera, NaN for poses of the room.
+class PoseTable:
+    """K poses of all cameras. camera: (K,) number in the room, -1 for poses of the room; names: of the
+    cameras, one for each row; person: (K,) number there; pose, sigma: (K, 6); information: (K, 2, 2) 1/m^2
+    of the position; covariance: its inverse; confidence: (K,); eye: (K, 3) m, camera centre, NaN for poses of
+    the room.
     """
 
     camera: Array
@@ -41,12 +42,12 @@ class Sightings:
     eye: Array
 
 
-def sightings_of(
+def pose_table(
     poses: Sequence[Poses], cameras: Mapping[str, Camera], direction: float, distance: float
-) -> Sightings:
-    """Poses side by side, each place as uncertain as a camera is: little across its view, much along it.
+) -> PoseTable:
+    """Poses of all cameras, each position as uncertain as a camera is: little across its view, much along it.
 
-    Poses without a camera are of the room, as uncertain as they say. direction: one sigma, rad; distance: one
+    Poses without a camera are of the room, with their own sigma. direction: one sigma, rad; distance: one
     sigma, of the distance.
     """
     order = {name: number for number, name in enumerate(cameras)}
@@ -56,7 +57,7 @@ def sightings_of(
     along = pose[:, :2] - eye[:, :2]
     own = np.square(sigma[:, :2]) + NETWORK_SIGMA**2
     of_room = np.isnan(eye[:, :1, None])
-    return Sightings(
+    return PoseTable(
         camera=np.concatenate([np.full(len(p.person), order.get(p.camera, -1)) for p in poses]),
         names=tuple(p.camera for p in poses for _ in p.person),
         person=np.concatenate([p.person for p in poses]),
@@ -79,7 +80,7 @@ def _states(poses: Poses) -> Array:
 
 
 def information(offset: Array, direction: float, distance: float, power: int = -1) -> Array:
-    """Inverse covariance of places seen from a camera: (K, 2) m from it -> (K, 2, 2) 1/m^2.
+    """Inverse covariance of positions seen from a camera: (K, 2) m from it -> (K, 2, 2) 1/m^2.
 
     direction: one sigma, rad; distance: one sigma, of the distance; power: 1 for the covariance itself, m^2.
     """
@@ -93,43 +94,43 @@ def information(offset: Array, direction: float, distance: float, power: int = -
     )
 
 
-def blended(seen: Sightings, rows: list[int], before: Array | None) -> tuple[Array, Array, Array]:
-    """Pose and sigma, (6,) each, of one person from these rows, and the covariance (2, 2) m^2 of its place.
+def fused_pose(table: PoseTable, rows: list[int], before: Array | None) -> tuple[Array, Array, Array]:
+    """Pose and sigma, (6,) each, of one person from these rows, and its position's covariance (2, 2) m^2.
 
     Positions are weighted by their information, pans and tilts by their variances. Headings are voted on.
     Heights are those of the lines of sight to the head's top at the position. before: the last pose (6,), if
     there is one.
     """
-    trust = seen.confidence[rows] + 1e-3
-    weight = trust[:, None] / np.maximum(seen.sigma[rows], MIN_SIGMA) ** 2
-    pose = (weight * seen.pose[rows]).sum(axis=0) / weight.sum(axis=0)
+    trust = table.confidence[rows] + 1e-3
+    weight = trust[:, None] / np.maximum(table.sigma[rows], MIN_SIGMA) ** 2
+    pose = (weight * table.pose[rows]).sum(axis=0) / weight.sum(axis=0)
     sigma = 1 / np.sqrt((weight / trust[:, None]).sum(axis=0))
-    precision = (trust[:, None, None] * seen.information[rows]).sum(axis=0)
-    moment = (trust[:, None] * np.einsum("kij,kj->ki", seen.information[rows], seen.pose[rows, :2])).sum(
+    precision = (trust[:, None, None] * table.information[rows]).sum(axis=0)
+    moment = (trust[:, None] * np.einsum("kij,kj->ki", table.information[rows], table.pose[rows, :2])).sum(
         axis=0
     )
     covariance = np.diag(sigma[[X, Y]] ** 2)
     with suppress(np.linalg.LinAlgError):  # without information on the position the mean remains
         pose[[X, Y]] = np.linalg.solve(precision, moment)
-        covariance = np.linalg.inv(seen.information[rows].sum(axis=0))
+        covariance = np.linalg.inv(table.information[rows].sum(axis=0))
         sigma[[X, Y]] = np.sqrt(np.diag(covariance))
-    pose[HEADING], agreeing = _heading(seen.pose[rows, HEADING], weight[:, HEADING], before)
+    pose[HEADING], agreeing = _heading(table.pose[rows, HEADING], weight[:, HEADING], before)
     for column in (PAN, TILT):
         own = weight[:, column] * (agreeing if column == PAN else 1.0)
-        pose[column] = own @ seen.pose[rows, column] / own.sum()
-    pose[HEIGHT] = trust @ _sighted_height(seen.eye[rows], seen.pose[rows], pose[:2]) / trust.sum()
+        pose[column] = own @ table.pose[rows, column] / own.sum()
+    pose[HEIGHT] = trust @ _line_of_sight_height(table.eye[rows], table.pose[rows], pose[:2]) / trust.sum()
     return pose, sigma, covariance
 
 
-def _sighted_height(eye: Array, pose: Array, place: Array) -> Array:
-    """Heights at a place (2,) m of the lines of sight to the tops of heads, (K,) m.
+def _line_of_sight_height(eye: Array, pose: Array, position: Array) -> Array:
+    """Heights at a position (2,) m of the lines of sight to the tops of heads, (K,) m.
 
     eye: (K, 3) m; pose: (K, 6). One camera determines the direction of the head's top, hardly its distance;
     several determine the position, and with it the height. Poses of the room, without an eye, keep theirs.
     """
-    told = np.maximum(np.hypot(*(pose[:, :2] - eye[:, :2]).T), 0.1)
-    true = np.hypot(*(place - eye[:, :2]).T)
-    height = eye[:, 2] + (pose[:, HEIGHT] - eye[:, 2]) * true / told
+    reported = np.maximum(np.hypot(*(pose[:, :2] - eye[:, :2]).T), 0.1)
+    true = np.hypot(*(position - eye[:, :2]).T)
+    height = eye[:, 2] + (pose[:, HEIGHT] - eye[:, 2]) * true / reported
     return np.asarray(np.where(np.isnan(eye[:, 2]), pose[:, HEIGHT], height))
 
 
@@ -142,6 +143,6 @@ def _heading(heading: Array, weight: Array, before: Array | None) -> tuple[float
     near = np.exp(4 * (np.cos(candidates[:, None] - candidates) - 1))
     best = heading[(near @ support)[: len(heading)].argmax()]
     difference = wrap(heading - best)
-    agreeing = np.abs(difference) < AGREE
+    agreeing = np.abs(difference) < MAXIMUM_DEVIATION
     share = weight * agreeing
     return float(wrap(best + share @ difference / share.sum())), agreeing.astype(float)
