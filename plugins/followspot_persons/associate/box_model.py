@@ -1,4 +1,4 @@
-"""Bodies as boxes, with what the tracker of people asks of any kind of body."""
+"""Body model of the tracker of people whose detections are boxes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from followspot_persons.associate.box_tracks import (
     BoxTracks,
 )
 from followspot_persons.associate.ellipsoid import HEIGHT, PLACE, SPEED, WIDTH, boxes_of
-from followspot_persons.associate.existence import Evidence
+from followspot_persons.associate.existence import OddsLimits
 from followspot_persons.associate.triangulation import triangulated
 from followspot_persons.associate.views import Noise, View, Views
 
@@ -34,7 +34,7 @@ class BoxModel:
 
     delay: float
     floor: Array
-    evidence = Evidence(born=-3.0, most=2.0)
+    odds_limits = OddsLimits(initial=-3.0, detection=2.0)
 
     def none(self) -> BoxTracks:
         """No bodies."""
@@ -44,24 +44,24 @@ class BoxModel:
         """The bodies some time later."""
         return box_tracks.predicted(tracks, seconds)
 
-    def log_ratios(self, tracks: BoxTracks, view: View, found: Array) -> Array:
+    def log_ratios(self, tracks: BoxTracks, view: View, measured: Array) -> Array:
         """(M, N) of boxes (N, 4) px being these bodies."""
-        return box_tracks.fitted(tracks, view, found, self.delay).ratio
+        return box_tracks.fitted(tracks, view, measured, self.delay).ratio
 
-    def updated(self, tracks: BoxTracks, rows: Array, view: View, found: Array) -> BoxTracks:
+    def updated(self, tracks: BoxTracks, rows: Array, view: View, measured: Array) -> BoxTracks:
         """The bodies after their boxes (K, 4) px."""
-        edges = box_tracks.fitted(tracks.where(rows), view, found, self.delay).edges
+        edges = box_tracks.fitted(tracks.where(rows), view, measured, self.delay).edges
         each = np.arange(len(rows))
-        return box_tracks.updated(tracks, rows, view, found, edges[each, each], self.delay)
+        return box_tracks.updated(tracks, rows, view, measured, edges[each, each], self.delay)
 
-    def pair_ratios(self, views: Views, camera: Array, found: Array) -> Array:
+    def pair_ratios(self, views: Views, camera: Array, measured: Array) -> Array:
         """(N, N) of two boxes of different cameras being one body."""
-        return pair_ratios(views, camera, _points(found), Noise(1.0, MIDDLE, self.delay))
+        return pair_ratios(views, camera, _points(measured), Noise(1.0, MIDDLE, self.delay))
 
-    def born(self, views: Views, camera: Array, found: Array) -> BoxTracks | None:
+    def initiated(self, views: Views, camera: Array, measured: Array) -> BoxTracks | None:
         """The body of boxes (V, 4) px of different cameras; None if they determine none."""
         noise = Noise(1.0, MIDDLE, self.delay)
-        place = triangulated(views, camera, _points(found), noise).xyz[0]
+        place = triangulated(views, camera, _points(measured), noise).xyz[0]
         if not np.isfinite(place).all():
             return None
         state = np.zeros((1, 8))
@@ -70,11 +70,11 @@ class BoxModel:
         for _ in range(ROUNDS):
             tracks = replace(tracks, covariance=np.diag(WIDE**2)[None], views=np.zeros(1, int))
             tracks = box_tracks.on_floor(tracks, self.floor)
-            for c, box in zip(camera, found, strict=True):
+            for c, box in zip(camera, measured, strict=True):
                 tracks = self.updated(tracks, np.zeros(1, int), views.each[c], box[None])
         return tracks if np.isfinite(tracks.state).all() else None
 
-    def fresh(self, tracks: BoxTracks) -> BoxTracks:
+    def before_set(self, tracks: BoxTracks) -> BoxTracks:
         """The bodies before a set: no camera saw them yet."""
         return replace(box_tracks.on_floor(tracks, self.floor), views=np.zeros_like(tracks.views))
 
@@ -88,7 +88,7 @@ class BoxModel:
         """Middle of each body, (M, 3) m."""
         return tracks.state[:, PLACE]
 
-    def silhouettes(self, tracks: BoxTracks, view: View) -> tuple[Array, Array]:
+    def bounding_boxes(self, tracks: BoxTracks, view: View) -> tuple[Array, Array]:
         """Boxes (M, 4) px about the bodies in a picture, and their depths (M,) m."""
         return boxes_of(view, tracks.state)
 

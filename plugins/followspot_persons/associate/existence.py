@@ -1,5 +1,6 @@
-"""Whether tracked bodies exist: log-odds that rise with detections and fall where none is, though one should
-be (Bar-Shalom, Willett & Tian 2011, section 3.6, the integrated probabilistic data association).
+"""Existence of tracked bodies as log-odds, which rise with detections and fall with missed ones.
+
+That is the integrated probabilistic data association (Bar-Shalom, Willett & Tian 2011, section 3.6).
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ import numpy as np
 from followspot import Array
 from followspot_persons.associate.views import View
 
-LOWEST, HIGHEST = -8.0, 10.0
-"""Bounds of the log-odds, so that they can turn again."""
+MINIMUM_ODDS, MAXIMUM_ODDS = -8.0, 10.0
+"""Bounds of the log-odds, so that further evidence can reverse them."""
 PERSISTENCE = 0.1
 """Time for which a network misses the same person, s."""
 SHRUNK = 0.8
@@ -24,16 +25,16 @@ _ACROSS, _DOWN = np.meshgrid([0.25, 0.5, 0.75], (np.arange(7) + 0.5) / 7)
 _GRID = np.column_stack([_ACROSS.ravel(), _DOWN.ravel()])
 
 
-class Evidence(NamedTuple):
-    """Log-odds of a new body before its detections count, and the most that one detection adds."""
+class OddsLimits(NamedTuple):
+    """Log-odds of a new body before its detections count, and what one detection adds at most."""
 
-    born: float
-    most: float
+    initial: float
+    detection: float
 
 
 @dataclass(frozen=True, eq=False)
-class Tally:
-    """What the cameras of one set say of M bodies. gain, loss: (M,) sums of log-odds; views: (M,) cameras
+class ExistenceEvidence:
+    """Evidence of the cameras of one set for M bodies. gain, loss: (M,) sums of log-odds; views: (M,) cameras
     that detected each.
     """
 
@@ -42,15 +43,15 @@ class Tally:
     views: Array
 
     @classmethod
-    def none(cls, bodies: int) -> Tally:
+    def none(cls, bodies: int) -> ExistenceEvidence:
         """Before the first camera."""
         return cls(np.zeros(bodies), np.zeros(bodies), np.zeros(bodies, int))
 
-    def change(self, news: float = 1.0) -> Array:
+    def change(self, independent: float = 1.0) -> Array:
         """Change of the log-odds, (M,). One camera alone is no evidence: any false detection has a body that
-        fits it. news: share of the misses that are independent of those before.
+        fits it. independent: share of the misses that are independent of those before.
         """
-        return np.where(self.views > 1, self.gain, 0.0) + news * self.loss
+        return np.where(self.views > 1, self.gain, 0.0) + independent * self.loss
 
 
 def independence(seconds: float) -> float:
@@ -73,8 +74,8 @@ def visible_shares(box: Array, depth: Array, view: View) -> Array:
     return np.asarray((inside & ~hidden).mean(axis=1))
 
 
-def missed(visible: Array, detection: float) -> Array:
-    """Change of the log-odds of bodies that no detection is of. visible: shares; detection: probability that
-    a body in full view is detected.
+def missed_detection(visible: Array, detection: float) -> Array:
+    """Change of the log-odds of bodies without a detection. visible: shares; detection: probability that a
+    body in full view is detected.
     """
     return np.asarray(np.log1p(-detection * visible))

@@ -1,4 +1,4 @@
-"""Bodies as joints, with what the tracker of people asks of any kind of body."""
+"""Body model of the tracker of people whose detections are joints."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from followspot import Array
 from followspot_persons.associate import joint_tracks
 from followspot_persons.associate.affinity import pair_ratios
-from followspot_persons.associate.existence import Evidence
+from followspot_persons.associate.existence import OddsLimits
 from followspot_persons.associate.joint_tracks import JointTracks, speeds
 from followspot_persons.associate.triangulation import triangulated
 from followspot_persons.associate.views import Noise, View, Views, images
@@ -36,7 +36,7 @@ class JointModel:
     joints: tuple[str, ...]
     noise: Noise
     floor: tuple[float, ...] | None = None
-    evidence = Evidence(born=-5.0, most=4.0)
+    odds_limits = OddsLimits(initial=-5.0, detection=4.0)
 
     def none(self) -> JointTracks:
         """No bodies."""
@@ -46,21 +46,21 @@ class JointModel:
         """The bodies some time later."""
         return joint_tracks.predicted(tracks, seconds, *speeds(self.joints))
 
-    def log_ratios(self, tracks: JointTracks, view: View, found: Array) -> Array:
+    def log_ratios(self, tracks: JointTracks, view: View, measured: Array) -> Array:
         """(M, N) of detections (N, J, 2) px being these bodies."""
-        return joint_tracks.log_ratios(tracks, view, found, self.noise)
+        return joint_tracks.log_ratios(tracks, view, measured, self.noise)
 
-    def updated(self, tracks: JointTracks, rows: Array, view: View, found: Array) -> JointTracks:
+    def updated(self, tracks: JointTracks, rows: Array, view: View, measured: Array) -> JointTracks:
         """The bodies after their detections (K, J, 2) px."""
-        return joint_tracks.updated(tracks, rows, view, found, self.noise)
+        return joint_tracks.updated(tracks, rows, view, measured, self.noise)
 
-    def pair_ratios(self, views: Views, camera: Array, found: Array) -> Array:
+    def pair_ratios(self, views: Views, camera: Array, measured: Array) -> Array:
         """(N, N) of two detections of different cameras being one body."""
-        return pair_ratios(views, camera, found, self.noise)
+        return pair_ratios(views, camera, measured, self.noise)
 
-    def born(self, views: Views, camera: Array, found: Array) -> JointTracks | None:
+    def initiated(self, views: Views, camera: Array, measured: Array) -> JointTracks | None:
         """The body of detections (V, J, 2) px of different cameras; None if they determine none."""
-        joints = triangulated(views, camera, found, self.noise)
+        joints = triangulated(views, camera, measured, self.noise)
         known = joints.views > 0
         if known.sum() < LEAST or not self.is_sure(joints.xyz[known], joints.covariance[known]):
             return None
@@ -86,7 +86,7 @@ class JointModel:
         level = xyz @ np.array(self.floor[:3]) + self.floor[3]
         return bool(np.quantile(level, 0.1) > LOWEST and np.quantile(level, 0.9) < HIGHEST)
 
-    def fresh(self, tracks: JointTracks) -> JointTracks:
+    def before_set(self, tracks: JointTracks) -> JointTracks:
         """The bodies before a set: no camera saw them yet."""
         return tracks.unseen()
 
@@ -99,7 +99,7 @@ class JointModel:
         weight = tracks.known / np.maximum(tracks.known.sum(axis=1, keepdims=True), 1)
         return np.asarray((tracks.xyz * weight[..., None]).sum(axis=1))
 
-    def silhouettes(self, tracks: JointTracks, view: View) -> tuple[Array, Array]:
+    def bounding_boxes(self, tracks: JointTracks, view: View) -> tuple[Array, Array]:
         """Boxes x0, y0, x1, y1 (M, 4) px about the bodies in a picture, and their depths (M,) m; NaN if there
         are none.
         """

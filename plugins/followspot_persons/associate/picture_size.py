@@ -1,4 +1,4 @@
-"""Whether joints can be of pictures as large as the room states: how far they reach in these."""
+"""Warning of joints that seem to be of smaller pictures than the room states: none lies far enough out."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Reach(NamedTuple):
         return Reach(self.joints + len(pixel), max(self.u, float(u)), max(self.v, float(v)))
 
 
-def doubt_of_size(reach: Mapping[str, Reach], cameras: Mapping[str, Camera]) -> str:
+def picture_size_warning(reach: Mapping[str, Reach], cameras: Mapping[str, Camera]) -> str:
     """A warning that names the cameras whose joints all lie in the upper left quarter; empty if none do."""
     quarter = [
         f"{name} ({found.joints} joints up to {found.u:.0f}, {found.v:.0f} px)"

@@ -10,35 +10,35 @@ from followspot import Array
 from followspot.people import Poses, Skeletons
 from followspot.tracking import PREDICTED, TRACKED
 from followspot_persons.associate.box_tracks import BoxTracks
-from followspot_persons.associate.crowd import Crowd
 from followspot_persons.associate.ellipsoid import HEIGHT, PLACE, SPEED
 from followspot_persons.associate.joint_tracks import JointTracks
 from followspot_persons.associate.skeleton_pose import UNKNOWN, poses_of
+from followspot_persons.associate.tracks import Tracks
 
 WALKING = 0.3
 """Speed from which the way of a person tells where the chest points, m/s."""
 
 
-def joint_poses(crowd: Crowd[JointTracks], joints: tuple[str, ...], maximum_sigma: float) -> Poses:
+def joint_poses(tracks: Tracks[JointTracks], joints: tuple[str, ...], maximum_sigma: float) -> Poses:
     """The confirmed people; joints that are less certain than `maximum_sigma`, m, tell nothing."""
-    rows = _reported(crowd)
-    bodies = crowd.bodies.where(rows)
+    rows = _reported(tracks)
+    bodies = tracks.bodies.where(rows)
     sigma, sure = _certainty(bodies, maximum_sigma)
     none = ~sure.any(axis=1)
     sure[none] = bodies.known[none]
     found = poses_of(joints, np.where(sure[..., None], bodies.xyz, np.nan), sigma)
-    return _poses(crowd, rows, found.pose, found.sigma, np.asarray(bodies.views.any(axis=1)))
+    return _poses(tracks, rows, found.pose, found.sigma, np.asarray(bodies.views.any(axis=1)))
 
 
-def skeletons_of(crowd: Crowd[JointTracks], joints: tuple[str, ...], maximum_sigma: float) -> Skeletons:
+def skeletons_of(tracks: Tracks[JointTracks], joints: tuple[str, ...], maximum_sigma: float) -> Skeletons:
     """Joints of the confirmed people that are certain enough."""
-    rows = _reported(crowd)
-    bodies = crowd.bodies.where(rows)
+    rows = _reported(tracks)
+    bodies = tracks.bodies.where(rows)
     _, sure = _certainty(bodies, maximum_sigma)
     person, label = np.nonzero(sure)
     return Skeletons(
         labels=joints,
-        person=crowd.lives.number[rows][person].astype(np.int32),
+        person=tracks.life.number[rows][person].astype(np.int32),
         label=label.astype(np.int32),
         xyz=bodies.xyz[person, label],
         covariance=bodies.place[person, label],
@@ -46,14 +46,14 @@ def skeletons_of(crowd: Crowd[JointTracks], joints: tuple[str, ...], maximum_sig
     )
 
 
-def box_poses(crowd: Crowd[BoxTracks], before: Mapping[int, float]) -> tuple[Poses, dict[int, float]]:
+def box_poses(tracks: Tracks[BoxTracks], before: Mapping[int, float]) -> tuple[Poses, dict[int, float]]:
     """The confirmed people, and the heading of each number, rad.
 
     Boxes do not tell where a chest points: it is the way of a walking person, and stays while the person
     stands. before: headings so far.
     """
-    rows = _reported(crowd)
-    bodies, number = crowd.bodies.where(rows), crowd.lives.number[rows]
+    rows = _reported(tracks)
+    bodies, number = tracks.bodies.where(rows), tracks.life.number[rows]
     state, variance = bodies.state, np.diagonal(bodies.covariance, axis1=1, axis2=2)
     way, pace = state[:, SPEED], np.hypot(*state[:, SPEED][:, :2].T)
     last = np.array([before.get(int(one), np.nan) for one in number])
@@ -69,13 +69,13 @@ def box_poses(crowd: Crowd[BoxTracks], before: Mapping[int, float]) -> tuple[Pos
         [np.sqrt(variance[:, PLACE][:, :2]), top, np.minimum(sigma_way, UNKNOWN), unknown, unknown]
     )
     known = {int(one): float(angle) for one, angle in zip(number, heading, strict=True) if np.isfinite(angle)}
-    return _poses(crowd, rows, pose, sigma, bodies.views > 0), known
+    return _poses(tracks, rows, pose, sigma, bodies.views > 0), known
 
 
-def _reported(crowd: Crowd[JointTracks] | Crowd[BoxTracks]) -> Array:
+def _reported(tracks: Tracks[JointTracks] | Tracks[BoxTracks]) -> Array:
     """Rows of the confirmed people by number."""
-    rows = np.flatnonzero(crowd.lives.number > 0)
-    return rows[np.argsort(crowd.lives.number[rows], kind="stable")]
+    rows = np.flatnonzero(tracks.life.number > 0)
+    return rows[np.argsort(tracks.life.number[rows], kind="stable")]
 
 
 def _certainty(bodies: JointTracks, maximum_sigma: float) -> tuple[Array, Array]:
@@ -88,11 +88,11 @@ def _certainty(bodies: JointTracks, maximum_sigma: float) -> tuple[Array, Array]
 
 
 def _poses(
-    crowd: Crowd[JointTracks] | Crowd[BoxTracks], rows: Array, pose: Array, sigma: Array, seen: Array
+    tracks: Tracks[JointTracks] | Tracks[BoxTracks], rows: Array, pose: Array, sigma: Array, seen: Array
 ) -> Poses:
     return Poses(
         camera="",
-        person=crowd.lives.number[rows].astype(np.int32),
+        person=tracks.life.number[rows].astype(np.int32),
         state=np.where(seen, TRACKED, PREDICTED).astype(np.uint8),
         xy=pose[:, :2].copy(),
         height=pose[:, 2].copy(),
@@ -100,5 +100,5 @@ def _poses(
         pan=pose[:, 4].copy(),
         tilt=pose[:, 5].copy(),
         sigma=sigma,
-        confidence=1 / (1 + np.exp(-crowd.lives.odds[rows])),
+        confidence=1 / (1 + np.exp(-tracks.life.odds[rows])),
     )

@@ -19,18 +19,19 @@ from followspot.tracking import Frame
 from followspot.two_views import check_two_views
 from followspot_persons.associate.box_model import BoxModel
 from followspot_persons.associate.box_tracks import BoxTracks
-from followspot_persons.associate.crowd import Crowd, Detections, Rules, after, as_of, empty_crowd
-from followspot_persons.associate.ends import doubt_of_ends
-from followspot_persons.associate.found import Found, boxes_of, joints_of
+from followspot_persons.associate.detections import Detections, Measured, boxes_of, joints_of
+from followspot_persons.associate.early_ends import early_end_warning
 from followspot_persons.associate.joint_model import JointModel
 from followspot_persons.associate.joint_tracks import JointTracks
 from followspot_persons.associate.limbs import Lengths, constrained, learnt
+from followspot_persons.associate.multi_camera_update import Rules, updated
 from followspot_persons.associate.parameters import AssociateParams
-from followspot_persons.associate.picture_size import Reach, doubt_of_size
+from followspot_persons.associate.picture_size import Reach, picture_size_warning
 from followspot_persons.associate.reports import box_poses, joint_poses, skeletons_of
 from followspot_persons.associate.skeleton_pose import tell_heading
-from followspot_persons.associate.strangers import doubt_of_strangers
 from followspot_persons.associate.torso_colors import BINS, histograms
+from followspot_persons.associate.tracks import Tracks, no_tracks, reported_at
+from followspot_persons.associate.unassigned_detections import unassigned_warning
 from followspot_persons.associate.views import Noise, views_of
 
 FLOOR = np.array([0.0, 0.0, 1.0, 0.0])
@@ -67,8 +68,8 @@ class Associate(Stage):
     )
     reach: Mapping[str, Reach] = MappingProxyType({})
     """How far the joints of each camera have reached."""
-    strangers: Mapping[str, Sequence[int]] = MappingProxyType({})
-    """Detections of each camera while there were people, and those that were none of these."""
+    unassigned: Mapping[str, Sequence[int]] = MappingProxyType({})
+    """Detections of each camera while there were people, and those that were assigned to none of these."""
     last: Mapping[str, int] = MappingProxyType({})
     """Time stamp of the last message of each camera, ns."""
 
@@ -91,11 +92,11 @@ class Associate(Stage):
         p = given.confirmation_probability
         missed = to_ns(given.maximum_missed_time)
         self.rules = Rules(given.detection_probability, float(np.log(p / (1 - p))), missed, given.area)
-        self.by_joints: Crowd[Any] = empty_crowd(self.joint_model, self.views)
-        self.by_boxes: Crowd[Any] = empty_crowd(self.box_model, self.views)
+        self.by_joints: Tracks[Any] = no_tracks(self.joint_model, self.views)
+        self.by_boxes: Tracks[Any] = no_tracks(self.box_model, self.views)
         self.heading: dict[int, float] = {}
         self.limbs = Lengths.none()
-        self.doubted = False
+        self.warned = False
 
     def process(
         self, points: Joined[Points2D] = (), boxes: Joined[Boxes] = (), frames: Joined[Frame] = ()
@@ -118,14 +119,14 @@ class Associate(Stage):
             self.detections(one, joints_of(one, joints, self.params.minimum_score), pictures)
             for one in points
         ]
-        self.by_joints = after(self.by_joints, self.joint_model, self.views, sets, self.rules)
-        self.strangers = dict(zip(self.number, self.by_joints.strangers.tolist(), strict=True))
+        self.by_joints = updated(self.by_joints, self.joint_model, self.views, sets, self.rules)
+        self.unassigned = dict(zip(self.number, self.by_joints.unassigned.tolist(), strict=True))
         sigma = self.params.maximum_sigma
-        self.limbs = learnt(self.limbs.of(self.by_joints.lives.number), joints, self.by_joints.bodies)
-        now = as_of(self.by_joints, self.joint_model, _time(points, self.by_joints.time))
+        self.limbs = learnt(self.limbs.of(self.by_joints.life.number), joints, self.by_joints.bodies)
+        now = reported_at(self.by_joints, self.joint_model, _time(points, self.by_joints.time))
         now = replace(now, bodies=constrained(self.limbs, joints, now.bodies))
         poses = joint_poses(now, joints, sigma)
-        self.doubt_names(joints, poses)
+        self.warn_of_names(joints, poses)
         return Outputs(poses, skeletons_of(now, joints, sigma))
 
     def name_joints(self, points: Sequence[Points2D]) -> None:
@@ -137,11 +138,11 @@ class Associate(Stage):
             self.joint_model, bodies = self.joint_model.widened(self.by_joints.bodies, new)
             self.by_joints = replace(self.by_joints, bodies=bodies)
 
-    def doubt_names(self, joints: Sequence[str], poses: Poses) -> None:
+    def warn_of_names(self, joints: Sequence[str], poses: Poses) -> None:
         """Warn once of people whose joints tell no heading, for their names are those of another program."""
-        if self.doubted or not len(poses.person) or tell_heading(joints):
+        if self.warned or not len(poses.person) or tell_heading(joints):
             return
-        self.doubted = True
+        self.warned = True
         self.context.warn(
             f"joints named {', '.join(joints[:4])} ... tell no headings, and heights may be wrong: "
             "name them as COCO does, left_shoulder and right_shoulder, left_hip and right_hip, left_eye, nose"
@@ -159,21 +160,21 @@ class Associate(Stage):
             for one in boxes
             if one.camera in self.number
         ]
-        self.by_boxes = after(self.by_boxes, self.box_model, self.views, sets, self.rules)
-        self.strangers = dict(zip(self.number, self.by_boxes.strangers.tolist(), strict=True))
-        now = as_of(self.by_boxes, self.box_model, _time(boxes, self.by_boxes.time))
+        self.by_boxes = updated(self.by_boxes, self.box_model, self.views, sets, self.rules)
+        self.unassigned = dict(zip(self.number, self.by_boxes.unassigned.tolist(), strict=True))
+        now = reported_at(self.by_boxes, self.box_model, _time(boxes, self.by_boxes.time))
         poses, self.heading = box_poses(now, self.heading)
         return Outputs(poses, Skeletons.empty())
 
     def close(self) -> None:
         """Warn of cameras whose joints may be of smaller pictures, with other people, or that end early."""
-        doubts = (
-            doubt_of_size(self.reach, self.room.cameras),
-            doubt_of_strangers(self.strangers),
-            doubt_of_ends(self.last),
+        warnings = (
+            picture_size_warning(self.reach, self.room.cameras),
+            unassigned_warning(self.unassigned),
+            early_end_warning(self.last),
         )
-        for doubt in filter(None, doubts):
-            self.context.warn(doubt)
+        for warning in filter(None, warnings):
+            self.context.warn(warning)
 
     def state(self) -> Any:
         return {
@@ -186,22 +187,22 @@ class Associate(Stage):
 
     def restore(self, state: Any) -> None:
         self.joint_model = replace(self.joint_model, joints=tuple(state["joints"]))
-        self.by_joints = from_plain(Crowd[JointTracks], state["by_joints"])
-        self.by_boxes = from_plain(Crowd[BoxTracks], state["by_boxes"])
+        self.by_joints = from_plain(Tracks[JointTracks], state["by_joints"])
+        self.by_boxes = from_plain(Tracks[BoxTracks], state["by_boxes"])
         self.heading = from_plain(dict[int, float], state["heading"])
         self.limbs = from_plain(Lengths, state["limbs"])
 
     def detections(
-        self, message: Points2D | Boxes, found: Found, pictures: Mapping[str, Array]
+        self, message: Points2D | Boxes, found: Measured, pictures: Mapping[str, Array]
     ) -> Detections:
         """One camera's detections, at their time of exposure."""
         camera = self.number[message.camera]
-        colors = np.full((len(found.detections), BINS), np.nan)
+        colors = np.full((len(found.measured), BINS), np.nan)
         picture = pictures.get(message.camera)
         if picture is not None and picture.shape[2] == 3:
             colors = histograms(picture, found.torsos)
         time = message.header.time + self.views.each[camera].offset
-        return Detections(camera, time, found.detections, colors)
+        return Detections(camera, time, found.measured, colors)
 
 
 def _time(messages: Sequence[Points2D] | Sequence[Boxes], without: int) -> int:

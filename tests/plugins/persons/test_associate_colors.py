@@ -14,7 +14,7 @@ from followspot.geometry import project
 from followspot.messages import Header, stamped
 from followspot.points import Points2D
 from followspot.tracking import Frame
-from followspot_persons.associate import looks
+from followspot_persons.associate import track_colors
 from followspot_persons.associate.stage import Associate
 from followspot_persons.associate.torso_colors import BINS, histograms, log_ratios, torsos_in
 
@@ -66,16 +66,16 @@ def test_the_torso_is_above_the_middle_of_a_box() -> None:
 
 def test_a_body_is_compared_with_its_own_camera_and_learnt_in_full_view_only() -> None:
     red, blue = (histograms(flat(color), PATCH) for color in (RED, BLUE))
-    known = looks.first(3, np.array([0]), red)
-    assert looks.agreement(known, 0, red) > 1
-    assert looks.agreement(known, 1, red) > 1  # by the other camera
-    there = looks.learnt(known, np.array([0]), 1, blue, np.array([1.0]))
-    assert looks.agreement(there, 1, blue) > 1
-    assert looks.agreement(there, 0, blue) < -1.5
-    hidden = looks.learnt(known, np.array([0]), 1, blue, np.array([0.5]))
+    known = track_colors.initial_colors(3, np.array([0]), red)
+    assert track_colors.color_log_ratios(known, 0, red) > 1
+    assert track_colors.color_log_ratios(known, 1, red) > 1  # by the other camera
+    there = track_colors.updated_colors(known, np.array([0]), 1, blue, np.array([1.0]))
+    assert track_colors.color_log_ratios(there, 1, blue) > 1
+    assert track_colors.color_log_ratios(there, 0, blue) < -1.5
+    hidden = track_colors.updated_colors(known, np.array([0]), 1, blue, np.array([0.5]))
     np.testing.assert_array_equal(hidden, known)
-    again = looks.learnt(known, np.array([0]), 0, blue, np.array([1.0]))
-    assert looks.agreement(again, 0, red) > 0.9  # one picture does not change the mind
+    again = track_colors.updated_colors(known, np.array([0]), 0, blue, np.array([1.0]))
+    assert track_colors.color_log_ratios(again, 0, red) > 0.9  # one picture does not change the mind
 
 
 def told(room, frame, people):

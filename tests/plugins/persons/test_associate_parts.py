@@ -9,7 +9,7 @@ from tests.plugins.persons.crowded import corner_room
 from followspot_persons.associate.affinity import pair_ratios
 from followspot_persons.associate.contraction import clusters
 from followspot_persons.associate.ellipsoid import boxes_of
-from followspot_persons.associate.existence import Tally, missed, visible_shares
+from followspot_persons.associate.existence import ExistenceEvidence, missed_detection, visible_shares
 from followspot_persons.associate.motion import step
 from followspot_persons.associate.triangulation import triangulated
 from followspot_persons.associate.views import Noise, images, views_of
@@ -45,9 +45,9 @@ def test_points_that_meet_in_no_body_of_a_persons_size_are_no_pair(size: float, 
 
 
 def test_one_camera_alone_is_no_evidence_of_existence() -> None:
-    tally = Tally(np.array([3.0, 6.0]), np.array([-2.0, -2.0]), np.array([1, 2]))
+    tally = ExistenceEvidence(np.array([3.0, 6.0]), np.array([-2.0, -2.0]), np.array([1, 2]))
     assert tally.change().tolist() == [-2.0, 4.0]
-    np.testing.assert_allclose(missed(np.array([0.0, 1.0]), 0.9), [0.0, np.log(0.1)])
+    np.testing.assert_allclose(missed_detection(np.array([0.0, 1.0]), 0.9), [0.0, np.log(0.1)])
 
 
 def test_nearer_bodies_and_the_border_hide() -> None:

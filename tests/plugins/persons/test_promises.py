@@ -24,7 +24,7 @@ from tests.plugins.persons.test_identity import BLUE, RED, in_red_and_blue
 from followspot.people import Boxes
 from followspot.points import Points2D
 from followspot_persons.associate import joint_tracks
-from followspot_persons.associate.found import boxes_of
+from followspot_persons.associate.detections import boxes_of
 from followspot_persons.associate.skeleton_pose import poses_of
 from followspot_persons.associate.views import Noise, views_of
 from followspot_persons.body.shape import read_shape
@@ -96,9 +96,9 @@ def test_of_two_boxes_on_one_person_the_surer_stays() -> None:
     box = np.array([[300.0, 200, 400, 500], [305, 205, 405, 505], [600, 200, 700, 500]])
     none = np.zeros((3, 0))
     boxes = Boxes(camera.name, box, np.array([0.5, 0.9, 0.4]), none, none)
-    found = boxes_of(boxes, camera, 0.6, 0.1).detections
+    found = boxes_of(boxes, camera, 0.6, 0.1).measured
     np.testing.assert_allclose(found, box[[1, 2]], atol=1e-6)
-    assert len(boxes_of(boxes, camera, 0.95, 0.1).detections) == 3
+    assert len(boxes_of(boxes, camera, 0.95, 0.1).measured) == 3
 
 
 def test_a_level_face_has_no_tilt_and_a_raised_one_has() -> None:

@@ -1,4 +1,4 @@
-"""Cameras whose detections end before those of the others."""
+"""Warning of cameras whose detections end before those of the others."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ EARLY = to_ns(1.0)
 """Time before the last message of all from which on a camera's end is told, ns."""
 
 
-def doubt_of_ends(last: Mapping[str, int]) -> str:
+def early_end_warning(last: Mapping[str, int]) -> str:
     """A warning that names such cameras; empty if there are none.
 
     last: time of the last message of each, ns.

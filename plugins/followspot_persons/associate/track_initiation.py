@@ -1,0 +1,87 @@
+"""Initiation of tracks of people from detections that several cameras agree on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from followspot import Array
+from followspot_persons.associate.body_model import BodyModel, S
+from followspot_persons.associate.contraction import clusters
+from followspot_persons.associate.detections import Detections
+from followspot_persons.associate.existence import missed_detection, visible_shares
+from followspot_persons.associate.torso_colors import log_ratios
+from followspot_persons.associate.track_colors import initial_colors
+from followspot_persons.associate.tracks import LifeCycles, Tracks
+from followspot_persons.associate.views import Views
+
+SAME_BODY = 0.3
+"""Distance within which a new body is one that is tracked already, m."""
+
+
+def with_initiated(
+    tracks: Tracks[S],
+    model: BodyModel[S],
+    views: Views,
+    unassigned: Sequence[Detections],
+    detection: float,
+) -> Tracks[S]:
+    """The tracks, and new ones of unassigned detections that two cameras or more agree on.
+
+    detection: probability that a body in full view is detected.
+    """
+    parts = [one for one in unassigned if len(one.measured)]
+    if len(parts) < 2:
+        return tracks
+    camera = np.concatenate([np.full(len(one.measured), one.camera) for one in parts])
+    measured = np.concatenate([one.measured for one in parts])
+    colors = np.concatenate([one.colors for one in parts])
+    color_ratios = log_ratios(colors[:, None], colors[None])
+    for rows in clusters(model.pair_ratios(views, camera, measured) + color_ratios):
+        body, rows = _body_of_cluster(model, views, camera, measured, rows)
+        if body is None or _is_tracked(tracks, model, body):
+            continue
+        odds = _initial_odds(tracks, model, views, body, camera[rows], detection)
+        initial = initial_colors(len(views.each), camera[rows], colors[rows])
+        life = LifeCycles(np.zeros(1, int), np.array([odds]), np.array([tracks.time]), initial)
+        tracks = replace(tracks, bodies=tracks.bodies.joined(body), life=tracks.life.joined(life))
+    return tracks
+
+
+def _body_of_cluster(
+    model: BodyModel[S], views: Views, camera: Array, measured: Array, rows: Array
+) -> tuple[S | None, Array]:
+    """The body of a cluster, and its rows without those that contradict it; None if two are not left."""
+    while len(rows) >= 2:
+        body = model.initiated(views, camera[rows], measured[rows])
+        if body is None:
+            return None, rows
+        ratio = np.array(
+            [model.log_ratios(body, views.each[camera[r]], measured[r][None])[0, 0] for r in rows]
+        )
+        if (ratio > 0).all():
+            return body, rows
+        rows = np.delete(rows, ratio.argmin())
+    return None, rows
+
+
+def _is_tracked(tracks: Tracks[S], model: BodyModel[S], body: S) -> bool:
+    """Whether a body is at the place of one that is tracked."""
+    if not len(tracks.bodies):
+        return False
+    distance = np.linalg.norm(model.middle(tracks.bodies) - model.middle(body)[0], axis=1)
+    return bool(distance.min() < SAME_BODY)
+
+
+def _initial_odds(
+    tracks: Tracks[S], model: BodyModel[S], views: Views, body: S, cameras: Array, detection: float
+) -> float:
+    """Log-odds of a new body that these cameras, (V,), detected, and the others did not."""
+    odds = model.odds_limits.initial + model.odds_limits.detection * len(cameras)
+    for number, view in enumerate(views.each):
+        if number not in cameras:
+            box, depth = model.bounding_boxes(tracks.bodies.joined(body), view)
+            odds += missed_detection(visible_shares(box, depth, view), detection)[-1]
+    return odds
