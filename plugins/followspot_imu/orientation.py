@@ -12,22 +12,16 @@ from followspot.inertial import Inertial, Orientation
 from followspot.messages import MAX_TIME
 from followspot.rotation import canonical
 from followspot.stuck_readings import REMEDY, runs, stuck
-from followspot_imu.attitude import GRAVITY, AttitudeFilter, Complementary
-from followspot_imu.resampled import UNKNOWN, carried, evenly
+from followspot_imu.attitude import AttitudeFilter, Complementary
+from followspot_imu.inclination_error import first_inclination
+from followspot_imu.reading_rate import MINIMUM_READINGS, RateCheck, usual_period
+from followspot_imu.resampling import UNKNOWN, at_even_times, propagated_field
 from followspot_imu.versatile import Versatile
 
-COUNTED, COUNTED_TIME = 32, 0.2
-"""Least readings, and the least time, s, over which their rate is measured."""
-RATE_ERROR = 1.25
-"""Factor by which the rate that was said may differ from the measured one."""
 FIELD_TIME = 1.0
-"""Longest time, s, for which the first reading of the magnetometer is awaited."""
-FIRST_SPEED = 3.0
-"""Sigma of the velocity that a sensor gains while its first readings are averaged, m/s."""
-STEEPEST = 1.0
-"""Sigma of the inclination at the first reading, rad."""
-BELIEVED = (100.0, 4000.0)
-"""Largest turn rate, rad/s, and specific force, m/s^2, of a sensor."""
+"""Longest time, s, to wait for the first reading of the magnetometer."""
+MAXIMUM_TURN_RATE, MAXIMUM_FORCE = 100.0, 4000.0
+"""Largest plausible turn rate, rad/s, and specific force, m/s^2, of a sensor."""
 
 
 class FindOrientation(Stage):
@@ -80,15 +74,14 @@ class FindOrientation(Stage):
         served = self.context.member
         sensor = self.room.sensors.get(served.name) if served and served.set == "sensors" else None
         self.rate = self.params.rate or ((sensor.rate or 0.0) if sensor else 0.0)
-        self.filter_of(1 / COUNTED)
-        self.unchecked: Array | None = np.zeros(0, np.int64) if self.rate else None
-        """Times of the readings that do not yet tell whether the rate is right, ns."""
+        self.filter_of(1 / MINIMUM_READINGS)
+        self.rate_check = RateCheck(self.rate)
         self.latest = np.zeros(0, np.int64), np.zeros((0, 6))
         """The latest reading, (1, 6), and the time since when it has been the same, (1,) ns."""
-        self.told = False
-        self.begin_anew()
+        self.warned = False
+        self.reset()
 
-    def begin_anew(self) -> None:
+    def reset(self) -> None:
         """Forget the orientation."""
         self.filter: AttitudeFilter | None = None
         self.period, self.count, self.magnetic = 0.0, 0, False
@@ -102,57 +95,43 @@ class FindOrientation(Stage):
         return kind(period, self.params.time_constant)
 
     def process(self, readings: Inertial) -> Orientation | None:
-        time, values = self.changing(*believed(readings))
+        time, values = self.without_stuck(*plausible(readings))
         if len(self.time):
             new = time > self.time[-1]
             time, values = time[new], values[new]
         if not len(time):
             return None
-        self.check_rate(time)
+        if warning := self.rate_check.warning(time):
+            self.context.warn(warning)
         gaps = np.diff(np.concatenate([self.time[-1:], time])) * NANOSECOND > self.params.maximum_gap
         if gaps.any():
             behind = len(time) - len(gaps) + int(np.flatnonzero(gaps)[-1])
             time, values = time[behind:], values[behind:]
-            self.begin_anew()
+            self.reset()
         self.time, self.values = np.concatenate([self.time, time]), np.concatenate([self.values, values])
         first = len(self.time) - len(time)
         if self.filter is None:
             period = 1 / self.rate if self.rate else usual_period(self.time)
             if period is None or self.awaits_field():
                 return None
-            first = self.begin(period)
+            first = self.initialise(period)
         message = self.filtered(readings.sensor, first)
         self.time, self.values = self.time[-1:], self.values[-1:]
         return message
 
-    def changing(self, time: Array, values: Array) -> tuple[Array, Array]:
-        """Readings, (N,) ns and (N, 9), without those of a sensor that is stuck; tell the user."""
+    def without_stuck(self, time: Array, values: Array) -> tuple[Array, Array]:
+        """Readings, (N,) ns and (N, 9), without those of a sensor that is stuck; warns of these once."""
         since, latest = self.latest
         times, readings = np.concatenate([since, time]), np.concatenate([latest, values[:, :6]])
         repeated = stuck(times, readings)[len(since) :]
         self.latest = times[runs(readings)[-1:]], readings[-1:]
-        if repeated.any() and not self.told:
-            self.told = True
+        if repeated.any() and not self.warned:
+            self.warned = True
             self.context.warn(f"readings do not change although the sensor moves, and are left out: {REMEDY}")
         return time[~repeated], values[~repeated]
 
-    def check_rate(self, time: Array) -> None:
-        """Warn, once, if the rate that was said is not that of the first readings. time: (N,) ns."""
-        if self.unchecked is None:
-            return
-        self.unchecked = np.concatenate([self.unchecked, time])
-        period = usual_period(self.unchecked)
-        if period is None:
-            return
-        self.unchecked = None
-        if not 1 / RATE_ERROR <= period * self.rate <= RATE_ERROR:
-            self.context.warn(
-                f"{1 / period:.4g} readings come a second where {self.rate:g} are said: orientations will be "
-                "wrong; correct the sensor's `rate`, or leave it out"
-            )
-
     def awaits_field(self) -> bool:
-        """Whether a magnetometer that reads less often than the sensor may still give its first field."""
+        """Whether a magnetometer that reads less often than the sensor may still give its first reading."""
         if not self.params.magnetometer or self.field_known().any():
             return False
         return bool((self.time[-1] - self.time[0]) * NANOSECOND < FIELD_TIME)
@@ -161,7 +140,7 @@ class FindOrientation(Stage):
         """Whether the magnetometer gave the field with each reading, (N,)."""
         return np.asarray(np.isfinite(self.values[:, 6:]).all(axis=1))
 
-    def begin(self, period: float) -> int:
+    def initialise(self, period: float) -> int:
         """Make the filter for the readings so far, with a magnetometer for those from its first field on.
 
         Returns the number of the first reading, 0. period: s.
@@ -181,13 +160,13 @@ class FindOrientation(Stage):
         """The orientations of the readings from one on, with the filter brought up to them."""
         assert self.filter is not None
         before = max(first - 1, 0)
-        values, index = evenly(self.time[before:], self.values[before:, :6], self.period)
+        values, index = at_even_times(self.time[before:], self.values[before:, :6], self.period)
         field = np.full((len(values), 3), np.nan)
         field[index] = self.values[before:, 6:]
         if first:
             values, field, index = values[1:], field[1:], index[1:] - 1
         if self.magnetic:
-            field = carried(self.field, field, values[:, :3] * self.period)
+            field = propagated_field(self.field, field, values[:, :3] * self.period)
             self.field = field[-1]
         found = self.filter.update(values[:, :3], values[:, 3:6], field if self.magnetic else None)
         age = (self.count + index + 1) * self.period
@@ -218,35 +197,10 @@ class FindOrientation(Stage):
             self.filter.restore(state["filter"])
 
 
-def usual_period(time: Array) -> float | None:
-    """The period of readings, s; None if they are too few to tell. time: (N,) rising, ns.
-
-    The median interval, for readings may be missing, of the later half of the time, for the first ones may
-    have waited to be read; the mean interval of readings that come in bursts.
-    """
-    span = int(time[-1] - time[0]) if len(time) else 0
-    later = np.diff(time[time - time[:1] >= span / 2])
-    if len(time) < COUNTED or len(later) < COUNTED // 4 or span * NANOSECOND < COUNTED_TIME:
-        return None
-    median, mean = float(np.median(later)), span / (len(time) - 1)
-    return NANOSECOND * (median if 2 * median >= mean else mean)
-
-
-def first_inclination(age: Array, time_constant: float) -> Array:
-    """Sigma of the remainder of the initial error of the inclination, (N,) rad. age, time_constant: s.
-
-    The mean force over the first readings is upward but for the velocity gained meanwhile, v / t; the filter
-    forgets it slowly.
-    """
-    return np.asarray(
-        np.minimum(STEEPEST, FIRST_SPEED / (GRAVITY * age)) * np.exp(-age / (2 * time_constant))
-    )
-
-
-def believed(readings: Inertial) -> tuple[Array, Array]:
-    """Times (N,) ns, rising, and values (N, 9) of the readings that a sensor can give."""
+def plausible(readings: Inertial) -> tuple[Array, Array]:
+    """Times (N,) ns, rising, and values (N, 9) of the plausible readings."""
     values = np.concatenate([readings.turn_rate, readings.specific_force, readings.field], axis=1)
-    turning, force = np.abs(values[:, :3]).max(axis=1), np.abs(values[:, 3:6]).max(axis=1)
-    kept = (turning <= BELIEVED[0]) & (force <= BELIEVED[1]) & (np.abs(readings.time) <= MAX_TIME)
+    turn_rate, force = np.abs(values[:, :3]).max(axis=1), np.abs(values[:, 3:6]).max(axis=1)
+    kept = (turn_rate <= MAXIMUM_TURN_RATE) & (force <= MAXIMUM_FORCE) & (np.abs(readings.time) <= MAX_TIME)
     time, first = np.unique(readings.time[kept], return_index=True)
     return time, values[kept][first]

@@ -16,7 +16,10 @@ from followspot.messages import identical
 from followspot.rotation import from_rotation_vector, inverse, multiply, rotation_vector, turned
 from followspot.sealing import seal
 from followspot_imu.attitude import Complementary
-from followspot_imu.orientation import FindOrientation, first_inclination, usual_period
+from followspot_imu.inclination_error import first_inclination
+from followspot_imu.orientation import FindOrientation
+from followspot_imu.reading_rate import usual_period
+from followspot_imu.resampling import UNKNOWN, propagated_field
 
 RATE = 100.0
 METHODS = ["vqf", "complementary"]
@@ -276,3 +279,16 @@ def test_a_sensor_without_noise_may_repeat_its_reading_at_rest() -> None:
     made = stage(warn=told.append, method="complementary")
     assert all(made.process(m) is not None for m in messages(2.0))
     assert not told
+
+
+@pytest.mark.parametrize("last", [UNKNOWN, np.array([20.0, -3.0, -40.0])])
+def test_a_field_that_was_not_measured_is_the_one_before_rotated_back(last: Array) -> None:
+    rng = np.random.default_rng(3)
+    field, rotation = rng.normal(size=(20, 3)) * 40.0, rng.normal(size=(20, 3)) * 0.1
+    measured = np.isin(np.arange(20), [4, 5, 13])
+    field[~measured] = np.nan
+    found = propagated_field(last, field, rotation)
+    np.testing.assert_array_equal(found[measured], field[measured])
+    before = np.concatenate([last[None], found])[:-1]
+    expected = turned(inverse(from_rotation_vector(rotation)), before)
+    np.testing.assert_array_equal(found[~measured], expected[~measured])
