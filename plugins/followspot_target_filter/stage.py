@@ -11,31 +11,24 @@ import numpy as np
 
 from followspot.errors import Mistake
 from followspot.frame_times import NANOSECOND
-from followspot.geometry import Views
 from followspot.messages import Array
 from followspot.room import Camera, Member, Room
 from followspot.stage import Stage
 from followspot.tracking import LOST, MISSING, PREDICTED, Forecast, Positions, Tracks
+from followspot_target_filter.confirmation import ConfirmationRules, LastPositions, confirmed, within
+from followspot_target_filter.departure import DepartureTest
 from followspot_target_filter.life_cycle import (
-    Evidence,
-    Left,
     LifeCycle,
-    close,
     coasted,
-    confirmed,
-    departure_variance,
-    doubted,
-    followed,
-    poor_counted,
-    sought,
+    has_position,
+    search_status,
+    with_weak_counted,
 )
-from followspot_target_filter.marks import marked, untold
+from followspot_target_filter.marks import indistinguishable, marks_of
 from followspot_target_filter.motion_model import MotionModel
 from followspot_target_filter.not_found import not_found
 from followspot_target_filter.parameters import TargetFilterParams
 
-SHOWING = 3
-"""Fewest cameras with a target in their pictures for which few candidates are a reason to doubt it."""
 DEFAULT_PERIOD = 1 / 30
 """Frame interval before the second frame, s."""
 
@@ -61,7 +54,7 @@ class TargetFilter(Stage, ABC):
 
     params: Params
     measured: Array = np.zeros((0, 3))
-    """(T, 3) m, the last measured places; none before the stage is set up."""
+    """(T, 3) m, the last measured positions; none before the stage is set up."""
 
     @abstractmethod
     def motion_model(self, count: int) -> MotionModel:
@@ -70,36 +63,33 @@ class TargetFilter(Stage, ABC):
     @classmethod
     def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
         """Warn if nothing tells several targets apart."""
-        if alike := untold(params.marks, room, cameras):
+        if alike := indistinguishable(params.marks, room, cameras):
             text = f"no camera sees colours, so nothing tells {', '.join(alike)} apart, and none is found"
             yield Mistake(None, text, "with: {marks: {TARGET: [x, y, z]}}, where each is at the beginning")
 
     @classmethod
     def check_files(cls, params: Params, room: Room, member: Member | None) -> Iterable[Mistake]:
         """Raises InputError if a mark is that of no target."""
-        marked(params.marks, tuple(room.targets))
+        marks_of(params.marks, tuple(room.targets))
         return ()
 
     def setup(self) -> None:
         """Begin with every target lost. Raises InputError if a mark is that of no target."""
         count = len(self.room.targets)
         p = self.params
-        self.marks = marked(p.marks, tuple(self.room.targets))
-        apart = min((t.radius for t in self.room.targets.values()), default=0.0)
-        self.evidence = Evidence(
+        self.marks = marks_of(p.marks, tuple(self.room.targets))
+        separation = min((t.radius for t in self.room.targets.values()), default=0.0)
+        self.rules = ConfirmationRules(
             p.minimum_support,
             p.confirmation_frames,
             p.confirmation_distance,
-            apart,
+            separation,
             p.return_distance,
             p.maximum_missed_frames,
         )
         self.constant = np.eye(3) * p.measurement_sigma**2
         self.motion = self.motion_model(count)
-        self.views = Views(self.room.cameras.values())
-        colored = any(camera.kind == "color" for camera in self.views.cameras)
-        self.doubt_frames = p.doubt_frames if colored else 0
-        """0, never, without colours: nothing would tell a target from what else is there."""
+        self.departure = DepartureTest(self.room, self.marks.there, p.doubt_frames)
         self.life = LifeCycle.lost(count)
         self.last, self.before, self.measured = np.zeros((3, count, 3))
         self.time, self.period = -1, DEFAULT_PERIOD
@@ -108,12 +98,12 @@ class TargetFilter(Stage, ABC):
         p = self.params
         self.advance(positions.header.time)
         doubt = self.doubted()
-        status = self.sought(doubt)
+        status = self.search_status(doubt)
         self.motion.predict(self.period)
         if doubt.any():
-            status = self.unless_there(status, doubt, positions)
-        left = Left(self.last, self.measured)
-        life, counted = confirmed(self.life, status, p.local_search_frames, positions, left, self.evidence)
+            status = self.unless_at_forecast(status, doubt, positions)
+        last = LastPositions(self.last, self.measured)
+        life, counted = confirmed(self.life, status, p.local_search_frames, positions, last, self.rules)
         if not counted.all():
             positions = positions.where(counted)
         target, xyz = positions.target.astype(np.intp), positions.xyz
@@ -130,7 +120,7 @@ class TargetFilter(Stage, ABC):
         bridged |= doubt & ~measured
         if bridged.any():
             bridged &= self.motion.estimate.sigma.max(axis=1) <= p.maximum_predicted_sigma
-        life = poor_counted(life, measured, agreed)
+        life = with_weak_counted(life, measured, agreed)
         self.life = coasted(life, measured, bridged, p.maximum_missed_frames)
         self.remember(target, target[new], measured)
         return Outputs(self.tracks(), self.forecast())
@@ -141,28 +131,21 @@ class TargetFilter(Stage, ABC):
             self.context.warn(text)
 
     def doubted(self) -> Array:
-        """Targets that are also sought elsewhere in the next frame: (T,) bool."""
-        return self.expected(doubted(self.life, self.doubt_frames))
+        """Targets that are also searched elsewhere in the next frame: (T,) bool."""
+        return self.departure.doubted(self.life, self.motion.estimate.xyz)
 
-    def expected(self, targets: Array) -> Array:
-        """(T,) which of the targets have no mark and lie in the pictures of several cameras."""
-        expected = targets & ~self.marks.there
-        if expected.any():
-            expected &= self.views.in_pictures(self.motion.estimate.xyz).sum(axis=0) >= SHOWING
-        return expected
-
-    def sought(self, doubt: Array) -> Array:
+    def search_status(self, doubt: Array) -> Array:
         """The status that decides where the next frame is searched: (T,) u8. doubt: (T,) bool."""
-        return sought(self.life, self.params.local_search_frames, self.marks.there, doubt)
+        return search_status(self.life, self.params.local_search_frames, self.marks.there, doubt)
 
-    def unless_there(self, status: Array, doubt: Array, positions: Positions) -> Array:
-        """The status with which targets were sought; a doubted one found at its forecast keeps its own.
+    def unless_at_forecast(self, status: Array, doubt: Array, positions: Positions) -> Array:
+        """The status of the search; a doubted target that is found at its forecast keeps its own.
 
-        status, doubt: (T,) of :meth:`sought` and :meth:`doubted`. Returns (T,) u8.
+        status, doubt: (T,) of :meth:`search_status` and :meth:`doubted`. Returns (T,) u8.
         """
         there = doubt.take(positions.target)
         ahead = self.motion.estimate.xyz.take(positions.target, axis=0)
-        there &= close(positions.xyz, ahead, self.params.return_distance)
+        there &= within(positions.xyz, ahead, self.params.return_distance)
         target = positions.target[there]
         status = status.copy()
         status[target] = self.life.status[target]
@@ -201,27 +184,19 @@ class TargetFilter(Stage, ABC):
 
     def tracks(self) -> Tracks:
         """Rows of the targets that are tracked or predicted."""
-        target = followed(self.life.status).nonzero()[0]
+        target = has_position(self.life.status).nonzero()[0]
         now = self.motion.estimate
         return Tracks(
             target=target.astype(np.int32),
             state=self.life.status.take(target),
             xyz=now.xyz.take(target, axis=0),
             velocity=now.velocity.take(target, axis=0),
-            sigma=self.stated(now.sigma).take(target, axis=0),
+            sigma=self.departure.widened(now.sigma, self.life, now.xyz, self.period).take(target, axis=0),
         )
-
-    def stated(self, sigma: Array) -> Array:
-        """The filter's sigma of all targets, (T, 3) m, wider for tracks that may have left their targets."""
-        poor = self.life.poor
-        if not self.doubt_frames or not poor.any():
-            return sigma
-        seconds = self.expected(poor > 0) * poor * self.period
-        return np.asarray(np.sqrt(sigma * sigma + departure_variance(seconds)[:, None]))
 
     def forecast(self) -> Forecast:
         """The targets one period later; the rows of lost targets are zero."""
-        status = self.sought(self.doubted())
+        status = self.search_status(self.doubted())
         known = status != LOST
         ahead = self.motion.ahead(self.period)
         keep = known[:, None]

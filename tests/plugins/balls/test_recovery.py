@@ -19,7 +19,7 @@ from followspot_balls.bundle_fusion import Bundle
 from followspot_balls.mean_shift import MeanShift
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs
-from followspot_target_filter.life_cycle import Evidence, vague
+from followspot_target_filter.confirmation import ConfirmationRules, uncertain
 
 BALL, ELSEWHERE = (0.1, 0.2, 1.2), (-1.0, 0.0, 0.5)
 OFF = 2.0
@@ -86,7 +86,7 @@ def test_one_colour_blob_on_the_ray_to_a_reflector_makes_many_pairs_and_no_sure_
     found = fused(fusion, room_of("cicicicic"), "01357", off=OFF)
     assert found.support.tolist() == [1]
     assert found.evident.all()
-    assert vague(found, Evidence(3, 3, 0.3, 0.0, 0.0, 0)).all(), "so it needs several frames"
+    assert uncertain(found, ConfirmationRules(3, 3, 0.3, 0.0, 0.0, 0)).all(), "so it needs several frames"
     sure = fused(fusion, room_of("cicicicic"), "01357", off=OFF, sure_recovery_evidence=-50.0)
     assert sure.support[0] >= 6
 

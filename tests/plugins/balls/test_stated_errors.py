@@ -11,7 +11,7 @@ from tests.plugins.balls.watched import FPS, HERE, kalman, watch
 
 from followspot.context import Context
 from followspot_balls.kalman import Kalman
-from followspot_target_filter.life_cycle import AWAY, DEPARTURES
+from followspot_target_filter.departure import DEPARTURE_RATE, DEPARTURE_SIGMA
 
 
 def stated(stage: Kalman, frames: int, first: int = 40, fps: int = FPS) -> list[float]:
@@ -28,8 +28,10 @@ def test_a_track_that_few_candidates_show_states_that_it_may_have_left_its_targe
     before = float(watch(stage, 40)[-1].tracks.sigma.max())
     sigma = stated(stage, 300)
     assert np.all(np.diff(sigma[1:]) > 0)
-    left = 1 - np.exp(-DEPARTURES * np.array([10, 300]) / FPS)
-    assert np.take(sigma, [9, 299]) == pytest.approx(np.hypot(before, AWAY * np.sqrt(left)), rel=0.02)
+    left = 1 - np.exp(-DEPARTURE_RATE * np.array([10, 300]) / FPS)
+    assert np.take(sigma, [9, 299]) == pytest.approx(
+        np.hypot(before, DEPARTURE_SIGMA * np.sqrt(left)), rel=0.02
+    )
     assert watch(stage, 1, first=340)[0].tracks.sigma.max() == pytest.approx(before, rel=0.02)
 
 

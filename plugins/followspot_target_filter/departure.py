@@ -1,0 +1,68 @@
+"""Tracks that may have left their targets, because few candidates have shown them for long."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from followspot.geometry import Views
+from followspot.messages import Array
+from followspot.room import Room
+from followspot.tracking import TRACKED
+from followspot_target_filter.life_cycle import LifeCycle, has_position
+
+SEARCH_INTERVAL = 5
+"""A doubted target is searched everywhere in every fifth frame, and in the next one if it was found
+elsewhere: what two frames show is no coincidence."""
+DEPARTURE_RATE = 0.3
+"""Rate at which tracks that few candidates show leave their targets, 1/s."""
+DEPARTURE_SIGMA = 0.16
+"""Distance of such a track from its target along each axis, m, root mean square."""
+MINIMUM_VIEWS = 3
+"""Fewest cameras with a target in their pictures for which few candidates are a reason to doubt it."""
+
+
+class DepartureTest:
+    """Doubts tracks of targets without a mark that several cameras have in their pictures.
+
+    doubt_frames: successive frames with few candidates after which a target is doubted; 0: never. Without
+    colours none is doubted: nothing would tell a target from what else is there.
+    """
+
+    def __init__(self, room: Room, marked: Array, doubt_frames: int) -> None:
+        """marked: (T,) bool, targets with a mark."""
+        self.views = Views(room.cameras.values())
+        self.marked = marked
+        colored = any(camera.kind == "color" for camera in self.views.cameras)
+        self.frames = doubt_frames if colored else 0
+
+    def doubted(self, life: LifeCycle, xyz: Array) -> Array:
+        """Targets that are also searched elsewhere in the next frame: (T,) bool. xyz: (T, 3) m."""
+        beyond = life.weak - self.frames
+        if not self.frames or beyond.max(initial=-1) < 0:
+            return np.zeros(len(beyond), bool)
+        first = (beyond % SEARCH_INTERVAL == 0) & (life.status == TRACKED)
+        again = (beyond % SEARCH_INTERVAL == 1) & has_position(life.status) & (life.streak > 0)
+        return self._testable(np.asarray((beyond >= 0) & (first | again)), xyz)
+
+    def widened(self, sigma: Array, life: LifeCycle, xyz: Array, period: float) -> Array:
+        """The filter's sigma, (T, 3) m, wider for tracks that may have left their targets. period: s."""
+        if not self.frames or not life.weak.any():
+            return sigma
+        seconds = self._testable(life.weak > 0, xyz) * life.weak * period
+        return np.asarray(np.sqrt(sigma * sigma + departure_variance(seconds)[:, None]))
+
+    def _testable(self, targets: Array, xyz: Array) -> Array:
+        """(T,) which of the targets have no mark and lie in the pictures of several cameras."""
+        testable = targets & ~self.marked
+        if testable.any():
+            testable &= self.views.in_pictures(xyz).sum(axis=0) >= MINIMUM_VIEWS
+        return testable
+
+
+def departure_variance(seconds: Array) -> Array:
+    """Variance along each axis, m^2, of where targets are whose tracks may have left them, of any shape.
+
+    The filter takes errors of successive frames as independent, but what leads a track away does so in all.
+    seconds: for which few candidates have shown each.
+    """
+    return np.asarray(-np.expm1(-DEPARTURE_RATE * seconds) * DEPARTURE_SIGMA**2)
