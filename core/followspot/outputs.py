@@ -52,7 +52,7 @@ def check_yielded(declared: Sequence[OutputSpec], item: Any, *, live: bool) -> H
     given = [header for header in headers if header is not UNSTAMPED]
     if not given and not live:
         raise WrongOutput("yielded a message without its capture time: write `yield at(time_ns, message)`")
-    if any(header[1:3] != given[0][1:3] for header in given):
+    if len(given) > 1 and any(header[1:3] != given[0][1:3] for header in given):
         raise WrongOutput("yielded outputs of several times: give all of them the same time and number")
     return given[0] if given else UNSTAMPED
 

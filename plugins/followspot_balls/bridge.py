@@ -105,17 +105,17 @@ class Bridge(Stage):
         if forecast is None or not len(forecast.xyz):
             return positions
         before, self.steady = self.steady, self.steady.updated(forecast.xyz, tracked, forecast.period)
-        if not tracked.any():
+        if not np.count_nonzero(tracked):
             return positions
         rejected = tracked[positions.target] & self.outside_gate(positions, forecast)
-        if rejected.any():
+        if np.count_nonzero(rejected):
             positions = positions.where(~rejected)
         too_long = self.colorless_too_long(tracked, positions, blobs, forecast)
         unmeasured = tracked.copy()
         unmeasured[positions.target] &= (positions.support == 0) & ~positions.evident
         for one in existence:
             unmeasured &= ~one.given_up
-        if not unmeasured.any() or not any(len(b.xy) for b in blobs):
+        if not np.count_nonzero(unmeasured) or not any(len(b.xy) for b in blobs):
             return positions
         target = np.flatnonzero(unmeasured)
         innovations, found = self.nearest_blobs(target, blobs, forecast)
@@ -155,7 +155,7 @@ class Bridge(Stage):
         target, unconfirmed = tracked.nonzero()[0], tracked.copy()
         unconfirmed[positions.target[positions.confirmed]] = False
         shown = ~unconfirmed
-        if unconfirmed.any():
+        if np.count_nonzero(unconfirmed):
             shown |= self.color.shown(forecast.xyz, blobs).diagonal()
         xyz = forecast.xyz.take(target, axis=0)
         too_long[target] = self.colorless.unshown_too_long(target, shown[target], xyz, forecast.period)

@@ -183,7 +183,7 @@ def blobs_of(
         sought = in_pictures(pictures, owner, bits, limits, smallest)
         found.append(measured(sought, templates, p, count))
     blobs = found[-1] if len(found) < 3 else Found(*map(np.concatenate, zip(*found, strict=True)))
-    if not templates.rival.any():
+    if not np.count_nonzero(templates.rival):
         return blobs
     return Found(*(column[best_fitting(*blobs, templates.rival)] for column in blobs))
 

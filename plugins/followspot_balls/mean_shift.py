@@ -110,8 +110,10 @@ class MeanShift(Fusion):
         lost = lost_targets(forecast, candidates.targets.shape[1])
         threshold = self.threshold(candidates, lost)
         weights = epipolar_weight(candidates.epipolar, threshold) * candidates.targets.T
-        confirmed = (candidates.targets.T & candidates.confirmed).any(axis=1)
-        target = (weights.any(axis=1) & (confirmed | ~lost)).nonzero()[0]
+        there = np.asarray(weights.any(axis=1))
+        if np.count_nonzero(lost):
+            there &= (candidates.targets.T & candidates.confirmed).any(axis=1) | ~lost
+        target = there.nonzero()[0]
         weights, lost = weights[target], lost[target]
         center, sigma = expectation(forecast, target, lost)
         bandwidth = np.maximum(self.params.bandwidth_scale * sigma, self.params.minimum_bandwidth)
@@ -119,12 +121,13 @@ class MeanShift(Fusion):
         sample = Sample(candidates.xyz, candidates.labelled, weights, bandwidth)
         modes = self.modes(sample, center, candidates, lost)
         used = modes.held > self.params.minimum_support_weight
-        shown = np.where(used.any(axis=1, keepdims=True), used, modes.held > 0)
+        support = used.sum(axis=1, dtype=np.int32)
+        shown = np.where((support > 0)[:, None], used, modes.held > 0)
         positions = Positions(
             target=target.astype(np.int32),
             xyz=modes.center,
             covariance=self.covariances(candidates, target, modes, weights),
-            support=used.sum(axis=1).astype(np.int32),
+            support=support,
             confirmed=np.asarray((used & candidates.confirmed).any(axis=1)),
             evident=np.asarray((shown & candidates.evident).any(axis=1)),
             iterations=modes.steps.astype(np.int32),
@@ -141,7 +144,7 @@ class MeanShift(Fusion):
     def threshold(self, candidates: Candidates, lost: Array) -> Array | float:
         """T_ED, px: of all candidates, or (T, N) if a target has no forecast."""
         p = self.params
-        if not lost.any():
+        if not np.count_nonzero(lost):
             return p.epipolar_sigma
         return np.where(appearing(candidates, lost).T, p.recovery_epipolar_sigma, p.epipolar_sigma)
 
@@ -159,12 +162,12 @@ class MeanShift(Fusion):
         p = self.params
         start = weighted_mean(sample.xyz, sample.weights) if p.initial_center == "mean" else center.copy()
         dense = lost | (p.initial_center == "densest")
-        if dense.any():
+        if np.count_nonzero(dense):
             credit = self.credit(candidates, center[dense], lost[dense])
             start[dense] = densest(sample.rows(dense), credit)
         first = seek_modes(start, sample, p.convergence_distance, p.maximum_iterations)
         poor = ~dense & (first.held.sum(axis=1) <= p.minimum_mode_share * sample.weights.sum(axis=1))
-        if not poor.any():
+        if not np.count_nonzero(poor):
             return first
         rest = sample.rows(poor)
         credit = self.credit(candidates, center[poor], lost[poor])
@@ -176,7 +179,7 @@ class MeanShift(Fusion):
 
 def expectation(forecast: Forecast | None, target: Array, lost: Array) -> tuple[Array, Array]:
     """Forecast place and sigma along each axis, (M, 3) m each; zero for lost targets."""
-    if forecast is None or lost.all():
+    if forecast is None or np.count_nonzero(lost) == lost.size:
         return np.zeros((len(target), 3)), np.zeros((len(target), 3))
     variance = forecast.covariance.diagonal(axis1=1, axis2=2)
     known = ~lost[:, None]

@@ -109,7 +109,7 @@ class Triangulate(Stage):
         tracked = tracked_targets(forecast, len(self.radii))
         smaller = np.minimum(shares[:, :1], shares[:, 1:])
         whole = smaller >= self.params.minimum_evident_area * self.radii2
-        if not tracked.all():
+        if np.count_nonzero(tracked) < tracked.size:
             targets &= self.unclaimed(pairs, forecast)
             largest = (shares / self.stretched(xyz, pairs)).max(axis=1)
             targets &= tracked | self.plausible(shares, largest, pairs, targets & ~tracked, whole)

@@ -128,7 +128,7 @@ class VerifyPairs(Stage):
         number = np.array([self.number[b.camera] for b in blobs], np.intp)
         self.heard[number] = True
         view = number.repeat(counts)
-        row = np.concatenate([np.arange(count) for count in counts])
+        row = np.arange(len(view)) - (np.cumsum(counts) - counts).repeat(counts)
         xy = np.concatenate([b.xy for b in blobs])
         area = np.concatenate([b.area for b in blobs])
         targets = np.concatenate([b.targets for b in blobs])
@@ -171,7 +171,7 @@ class VerifyPairs(Stage):
     def sure_light(self, near: NearPairs, off_plane: Array, keep: Array, blobs: int) -> Array:
         """Which of all blobs are light for sure, by a pair that is a projection: (N,) bool."""
         light = np.zeros(blobs, bool)
-        if not keep.all():
+        if np.count_nonzero(keep) < keep.size:
             sure = off_plane.min(axis=0, initial=np.inf) < SURE * self.params.homography_tolerance
             light[near.pair[~keep & sure]] = True
         return light
@@ -209,7 +209,7 @@ class VerifyPairs(Stage):
     ) -> Array:
         """Share of the usual clutter around N blobs: (N,), 1 if no target is lost."""
         lost = lost_targets(forecast, targets.shape[1])
-        share = self.clutter.share(view, xy, targets, lost) if lost.any() else np.ones(len(view))
+        share = self.clutter.share(view, xy, targets, lost) if np.count_nonzero(lost) else np.ones(len(view))
         self.clutter.learn(sending, view, xy, targets, lost)
         return share
 
@@ -227,8 +227,7 @@ class VerifyPairs(Stage):
 
     def seen_apart(self, blobs: Sequence[Blobs]) -> bool:
         """Whether the cameras took their pictures at different times."""
-        first = blobs[0].header.time
-        return self.unsynchronised or any(b.header.time != first for b in blobs)
+        return self.unsynchronised or len({b.header.time for b in blobs}) > 1
 
     def at_one_moment(
         self, xy: Array, view: Array, targets: Array, blobs: Sequence[Blobs], forecast: Forecast

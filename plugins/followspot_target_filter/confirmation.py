@@ -58,12 +58,12 @@ def confirmed(
     """
     target, xyz = positions.target, positions.xyz
     kept = missing_long(life, near)
-    if kept.any():
+    if np.count_nonzero(kept):
         kept &= (status == MISSING) != within(life.candidate, last.last, rules.return_distance)
     streak = life.streak * kept
     status, before = status.take(target), life.status.take(target)
     known = has_position(status)
-    if known.all():
+    if np.count_nonzero(known) == len(known):
         return life._replace(streak=streak), known
     possible = (positions.support > 0) & (positions.confirmed | (status != LOST)) & ~positions.predicted
     possible &= ~occupied(xyz, known, rules.separation)

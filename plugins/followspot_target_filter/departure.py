@@ -46,7 +46,7 @@ class DepartureTest:
 
     def widened(self, sigma: Array, life: LifeCycle, xyz: Array, period: float) -> Array:
         """The filter's sigma, (T, 3) m, wider for tracks that may have left their targets. period: s."""
-        if not self.frames or not life.weak.any():
+        if not self.frames or not np.count_nonzero(life.weak):
             return sigma
         seconds = self._testable(life.weak > 0, xyz) * life.weak * period
         return np.asarray(np.sqrt(sigma * sigma + departure_variance(seconds)[:, None]))
@@ -54,7 +54,7 @@ class DepartureTest:
     def _testable(self, targets: Array, xyz: Array) -> Array:
         """(T,) which of the targets have no mark and lie in the pictures of several cameras."""
         testable = targets & ~self.marked
-        if testable.any():
+        if np.count_nonzero(testable):
             testable &= self.views.in_pictures(xyz).sum(axis=0) >= MINIMUM_VIEWS
         return testable
 

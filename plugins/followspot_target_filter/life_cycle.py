@@ -62,9 +62,9 @@ def search_status(life: LifeCycle, near: int, marked: Array, doubted: Array) -> 
     status = life.status.copy()
     status[doubted] = LOST
     everywhere = missing_long(life, near)
-    if everywhere.any():
+    if np.count_nonzero(everywhere):
         status[everywhere & ((life.missed - near) % 2 == 1)] = LOST
-    if marked.any() and np.count_nonzero(life.status == TRACKED) < len(marked) - 1:
+    if np.count_nonzero(marked) and np.count_nonzero(life.status == TRACKED) < len(marked) - 1:
         status[marked & (life.status == LOST)] = MISSING
     return status
 
@@ -86,7 +86,7 @@ def coasted(life: LifeCycle, measured: Array, bridged: Array, maximum_missed: in
     measured, bridged: (T,) bool; a bridged target is PREDICTED instead of MISSING.
     """
     hits = life.hits + measured
-    if measured.all():
+    if np.count_nonzero(measured) == len(measured):
         status = np.full(len(hits), TRACKED, np.uint8)
         return life._replace(status=status, missed=np.zeros(len(hits), int), hits=hits)
     missed = np.where(measured, 0, life.missed + 1)

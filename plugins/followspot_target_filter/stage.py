@@ -93,24 +93,24 @@ class TargetFilter(Stage, ABC):
         self.life = LifeCycle.lost(count)
         self.last, self.before, self.measured = np.zeros((3, count, 3))
         self.time, self.period = -1, DEFAULT_PERIOD
+        self.decide_search()
 
     def process(self, positions: Positions) -> Outputs:
         p = self.params
         self.advance(positions.header.time)
-        doubt = self.doubted()
-        status = self.search_status(doubt)
+        doubt, status = self.doubt, self.search_status
         self.motion.predict(self.period)
-        if doubt.any():
+        if np.count_nonzero(doubt):
             status = self.unless_at_forecast(status, doubt, positions)
         last = LastPositions(self.last, self.measured)
         life, counted = confirmed(self.life, status, p.local_search_frames, positions, last, self.rules)
-        if not counted.all():
+        if np.count_nonzero(counted) < len(counted):
             positions = positions.where(counted)
         target, xyz = positions.target.astype(np.intp), positions.xyz
         noise, sure = self.noise(positions.covariance), positions.support >= p.minimum_support
         new = ((status == LOST) | (self.life.status == LOST)).take(target)
         old = slice(None)
-        if new.any():
+        if np.count_nonzero(new):
             self.motion.initiate(target[new], xyz[new], noise[new])
             old = ~new
         self.motion.update(target[old], xyz[old], noise[old], sure[old], self.period)
@@ -118,11 +118,12 @@ class TargetFilter(Stage, ABC):
         measured[target], agreed[target] = ~positions.predicted, sure
         bridged[target] = positions.predicted
         bridged |= doubt & ~measured
-        if bridged.any():
+        if np.count_nonzero(bridged):
             bridged &= self.motion.estimate.sigma.max(axis=1) <= p.maximum_predicted_sigma
         life = with_weak_counted(life, measured, agreed)
         self.life = coasted(life, measured, bridged, p.maximum_missed_frames)
         self.remember(target, target[new], measured)
+        self.decide_search()
         return Outputs(self.tracks(), self.forecast())
 
     def close(self) -> None:
@@ -130,18 +131,18 @@ class TargetFilter(Stage, ABC):
         if text := not_found(self.room, np.asarray(self.measured.any(axis=1))):
             self.context.warn(text)
 
-    def doubted(self) -> Array:
-        """Targets that are also searched elsewhere in the next frame: (T,) bool."""
-        return self.departure.doubted(self.life, self.motion.estimate.xyz)
-
-    def search_status(self, doubt: Array) -> Array:
-        """The status that decides where the next frame is searched: (T,) u8. doubt: (T,) bool."""
-        return search_status(self.life, self.params.local_search_frames, self.marks.there, doubt)
+    def decide_search(self) -> None:
+        """Decide where the next frame is searched, and which targets are also searched elsewhere."""
+        self.doubt = self.departure.doubted(self.life, self.motion.estimate.xyz)
+        """(T,) bool."""
+        near, marked = self.params.local_search_frames, self.marks.there
+        self.search_status = search_status(self.life, near, marked, self.doubt)
+        """(T,) u8, the status of each target as far as the search is concerned."""
 
     def unless_at_forecast(self, status: Array, doubt: Array, positions: Positions) -> Array:
         """The status of the search; a doubted target that is found at its forecast keeps its own.
 
-        status, doubt: (T,) of :meth:`search_status` and :meth:`doubted`. Returns (T,) u8.
+        status, doubt: (T,) of :meth:`decide_search`. Returns (T,) u8.
         """
         there = doubt.take(positions.target)
         ahead = self.motion.estimate.xyz.take(positions.target, axis=0)
@@ -196,13 +197,12 @@ class TargetFilter(Stage, ABC):
 
     def forecast(self) -> Forecast:
         """The targets one period later; the rows of lost targets are zero."""
-        status = self.search_status(self.doubted())
-        known = status != LOST
+        known = self.search_status != LOST
         ahead = self.motion.ahead(self.period)
         keep = known[:, None]
         forecast = Forecast(
             period=self.period,
-            state=status,
+            state=self.search_status,
             xyz=ahead.xyz * keep,
             velocity=ahead.velocity * keep,
             covariance=ahead.covariance * keep[..., None],
@@ -210,7 +210,7 @@ class TargetFilter(Stage, ABC):
             before=self.before * keep,
         )
         at_mark = known & (self.life.status == LOST)
-        return self.marks.placed(forecast, at_mark) if at_mark.any() else forecast
+        return self.marks.placed(forecast, at_mark) if np.count_nonzero(at_mark) else forecast
 
     def state(self) -> Any:
         return {
@@ -229,3 +229,4 @@ class TargetFilter(Stage, ABC):
         self.last, self.before = np.array(state["last"]), np.array(state["before"])
         self.measured = np.array(state["measured"])
         self.time, self.period = int(state["time"]), float(state["period"])
+        self.decide_search()

@@ -50,7 +50,7 @@ class Colorless:
             return positions
         shown = self.shown(positions, candidates)
         too_long = self.unshown_too_long(target, shown, positions.xyz, forecast.period)
-        if shown.all():
+        if np.count_nonzero(shown) == shown.size:
             return positions
         if len(forecast.state):  # the first forecast knows no targets
             too_long |= ~shown & (positions.support < 2) & (forecast.state[target] == MISSING)
@@ -62,7 +62,7 @@ class Colorless:
         shown: (M,) bool, whether one shows them in this frame; xyz: (M, 3) m, where they are; period: s.
         """
         unseen = ~shown
-        if not unseen.any():
+        if not np.count_nonzero(unseen):
             self.since[target] = 0.0
             return unseen
         unseen[unseen] = self.in_picture(xyz[unseen])

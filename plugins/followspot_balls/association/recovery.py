@@ -89,7 +89,7 @@ class Recovery:
         count = len(self.detection)
         lost = lost_targets(forecast, count)[positions.target]
         weighed = lost & positions.confirmed & (positions.evident | (positions.support > 1))
-        if self.depth or not weighed.any():
+        if self.depth or not np.count_nonzero(weighed):
             self.forget(forecast)
             return positions
         row = weighed.nonzero()[0]

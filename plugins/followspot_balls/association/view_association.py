@@ -127,7 +127,7 @@ class ViewAssociation(Stage, ABC):
         forecast = finite_forecast(forecast)
         lost, tracked = lost_targets(forecast, count), tracked_targets(forecast, count)
         unweighed = self.unweighed(candidates, forecast, tracked)
-        if unweighed.all():
+        if np.count_nonzero(unweighed) == unweighed.size:
             return self.without_hypotheses(candidates, forecast, tracked, unweighed)
         sure = candidates.targets & candidates.confirmed[:, None]
         rows = np.where(lost | sure.any(axis=0), sure, candidates.targets)

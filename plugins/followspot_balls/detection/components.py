@@ -106,5 +106,7 @@ def of_size(area: Array, smallest: Array, largest: Array | float, view: Array) -
 
 def clipped(blobs: Components, strip: Strip, windows: Windows) -> Array:
     """Which components of a strip of windows touch the border of theirs, (N,) bool."""
-    border = at_border(blobs.row, blobs.column, strip.part, windows)
-    return np.asarray(np.bincount(blobs.label, border, len(blobs.area)) > 0)
+    touching = np.zeros(len(blobs.area), bool)
+    border = at_border(blobs.row, blobs.column, strip.part, windows).nonzero()[0]
+    touching[blobs.label.take(border)] = True
+    return touching

@@ -19,7 +19,8 @@ MARGIN = 2
 USUAL = 320.0
 """Longer side of the pictures that the smallest search radius is for, px. In larger ones it grows in
 proportion, because a target travels as many more pixels in a frame."""
-TINY = np.finfo(float).tiny
+TINY = 1e-150
+"""Moves a place off the optical axis, so that it has a direction from there, m; its square is above 0."""
 
 
 class Circles(NamedTuple):
@@ -169,7 +170,7 @@ def forecast_images(room: Room, forecast: Forecast) -> Images:
     travel, narrow, long = np.hypot(offset[..., 0], offset[..., 1]).swapaxes(0, 1)
     center, ball = start[:, 1], (narrow + long) / 2
     lost = forecast.state == LOST
-    if lost.any():
+    if np.count_nonzero(lost):
         center[:, lost], ball[:, lost] = np.nan, np.nan
     return Images(center, travel, ball)
 
@@ -187,21 +188,25 @@ def room_pictures(room: Room) -> Pictures:
     return Pictures(size / 2, size.max(axis=2, initial=0))
 
 
-def across(local: Array) -> tuple[Array, Array]:
-    """Unit vectors square to rays, along which the semi-axes of a sphere's outline lie: (..., 3) each.
+def across(local: Array) -> Array:
+    """Unit vectors square to rays, along which the semi-axes of a sphere's outline lie: (2, C, T, 3).
 
     The first goes around the optical axis, the second away from it. How long their images are depends on the
     lens: a pinhole camera draws a sphere aside longer outwards, a fisheye hardly.
-    local: (..., 3) m, in camera coordinates.
+    local: (C, T, 3) m, in camera coordinates.
     """
-    x, y, z = np.moveaxis(local, -1, 0)
-    aside = np.hypot(x, y)
-    middle = aside <= TINY
-    safe = np.where(middle, 1.0, aside)
-    cos, sin = np.where(middle, 1.0, x / safe), y / safe
-    distance = np.maximum(np.hypot(aside, z), TINY)
-    around = np.stack([-sin, cos, np.zeros_like(cos)], axis=-1)
-    return around, np.stack([cos * z, sin * z, -aside], axis=-1) / distance[..., None]
+    x, y, z = local[..., 0] + TINY, local[..., 1], local[..., 2]
+    aside2 = x * x + y * y
+    aside = np.sqrt(aside2)
+    cos, sin = x / aside, y / aside
+    axes = np.zeros((2, 3, *x.shape))  # each coordinate is contiguous, which makes arithmetic faster
+    np.negative(sin, out=axes[0, 0])
+    axes[0, 1] = cos
+    np.multiply(cos, z, out=axes[1, 0])
+    np.multiply(sin, z, out=axes[1, 1])
+    np.negative(aside, out=axes[1, 2])
+    axes[1] /= np.sqrt(aside2 + z * z)
+    return np.asarray(axes.transpose(0, 2, 3, 1))
 
 
 def distances(points: Array, centers: Array) -> Array:

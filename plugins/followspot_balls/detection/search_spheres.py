@@ -38,7 +38,7 @@ def in_search_spheres(
     """
     lost = lost_targets(forecast, len(radii))
     real = ~np.isnan(xyz[:, :1])
-    if forecast is None or lost.all():
+    if forecast is None or np.count_nonzero(lost) == lost.size:
         return np.asarray(real & lost)
     offset = xyz[:, None] - forecast.xyz
     spheres = reach(forecast)

@@ -36,7 +36,7 @@ def divided(blobs: Components, large: Array, level: Array, strip: Strip, circles
     """
     near = within_reach(blobs.center.take(large, axis=0), blobs.area.take(large), circles)
     several = near.sum(axis=1) > 1
-    if not several.any():
+    if not np.count_nonzero(several):
         return blobs
     large, circles = large[several], Circles(*(column[several] for column in circles))
     row, pixel, x, y = placed(blobs, large, strip)

@@ -122,7 +122,7 @@ def followed(
     """
     corrected, squared = update(motion, target, xyz, noise)
     sudden = sure & (squared > gate * gate)
-    if not sudden.any():
+    if not np.count_nonzero(sudden):
         return corrected
     motion = manoeuvred(motion, target[sudden], xyz[sudden], noise[sudden], seconds, gate)
     return update(motion, target, xyz, noise)[0]

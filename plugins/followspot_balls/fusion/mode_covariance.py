@@ -129,7 +129,7 @@ class ModeCovariance:
         p = self.params
         clearance = np.abs(center @ self.normals.T + self.planes[:, 3]) - self.radii.take(target)[:, None]
         least = clearance.min(axis=1, initial=np.inf)
-        if not (least < p.glow_range).any():
+        if not np.count_nonzero(least < p.glow_range):
             return
         sigma = glow_sigma(np.maximum(least, 0.0), p.glow_sigma, p.glow_range)  # 0 beyond the range
         nearest = clearance.argmin(axis=1)

@@ -61,7 +61,7 @@ def seek_modes(start: Array, sample: Sample, tolerance: float, steps: int) -> Mo
         travel = mean - center
         moving = np.vecdot(travel, travel) >= tolerance * tolerance
         center = mean
-        if not moving.any():
+        if not np.count_nonzero(moving):
             break
     return Modes(center, held, taken)
 

@@ -67,7 +67,7 @@ class ClutterMap:
         lost: (T,) bool.
         """
         self.frame += 1
-        if self.frame - self.last < EVERY or not lost.any():
+        if self.frame - self.last < EVERY or not np.count_nonzero(lost):
             return
         self.weight, self.last = self.weight_now(), self.frame
         if self.weight > HEAVIEST:

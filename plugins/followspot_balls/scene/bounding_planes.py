@@ -56,9 +56,9 @@ def raised(positions: Positions, planes: Array, radii: Array, sigma: float) -> P
     clearance = positions.xyz @ planes[:, :3].T + planes[:, 3] - radii.take(positions.target)[:, None]
     depth = clearance.min(axis=1, initial=0.0)
     low = depth < 0
-    if low.any():
+    if np.count_nonzero(low):
         low &= np.isfinite(positions.covariance).all(axis=(1, 2))
-    if not low.any():
+    if not np.count_nonzero(low):
         return positions
     normal = planes.take(clearance.argmin(axis=1), axis=0)[:, :3]
     across = (positions.covariance @ normal[..., None])[..., 0]
