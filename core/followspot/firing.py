@@ -21,9 +21,9 @@ def is_firings(port: str) -> bool:
 class Firing(Message):
     """The messages that a firing took, in order. Its header has the number and capture time of the firing.
 
-    checkpoint: the stage before this firing as JSON (`followspot.worker.journal.Checkpoint`), empty if the
-    firings before it lead there; edge: of each message, the row in the newest checkpoint's edges; captured:
-    its capture time.
+    checkpoint: the stage before this firing as JSON (`followspot.worker.stage_checkpoint.Checkpoint`), empty
+    if the firings before it lead there; edge: of each message, the row in the newest checkpoint's edges;
+    captured: its capture time.
     """
 
     checkpoint: Array = column("B", dtype="u1")

@@ -24,12 +24,12 @@ from followspot.stage import Stage
 from followspot.transport.codec import unpack
 from followspot.worker.build import RUNNERS
 from followspot.worker.inputs.recorded_join import RecordedFiring, RecordedJoin
-from followspot.worker.journal import Checkpoint, NotedInput
 from followspot.worker.output_port import OutputPort
 from followspot.worker.runners.deferred_runner import DeferredRunner
 from followspot.worker.runners.error_policy import StageError
 from followspot.worker.runners.lagged_runner import LaggedRunner
 from followspot.worker.runners.stage_runner import StageRunner
+from followspot.worker.stage_checkpoint import Checkpoint, InputRecord
 
 __all__ = ["Checkpoint", "Given", "Repetition", "Unrepeatable", "checkpoint_in", "held_in", "missing_in"]
 
@@ -182,7 +182,7 @@ class Repetition:
             raise Unrepeatable("a firing took no message that lets the stage fire")
         return RecordedFiring(firing.header.time, arguments, fired)
 
-    def _argument(self, spec: InputSpec, noted: NotedInput, found: Sequence[Message]) -> object:
+    def _argument(self, spec: InputSpec, noted: InputRecord, found: Sequence[Message]) -> object:
         """The argument for an input that took these messages."""
         if noted.joined:
             return tuple(found)

@@ -62,7 +62,10 @@ class Rewiring:
         }
         self.gone = [runner for runner in scheduler.runners if runner.name not in self._stays]
         self._queues = {
-            queue.row // COLUMNS: queue for runner in scheduler.runners for queue in _queues(runner)
+            queue.row // COLUMNS: queue
+            for runner in scheduler.runners
+            for port in runner.join.ports
+            for queue in port.queues
         }
         self.replacements: list[Replacement] = []
         self.new: list[StageRunner] = []
@@ -251,8 +254,3 @@ def is_same(runner: StageRunner, stage: PlannedStage) -> bool:
     """Whether the stage that works is the planned one already."""
     now = runner.stage
     return type(now) is load_stage(stage.uses) and now.params == type(now).Params(**stage.params)
-
-
-def _queues(runner: StageRunner) -> list[InputQueue]:
-    """The queues of all edges into a stage."""
-    return [*runner.join.members, *(queue for sampled in runner.join.sampled for queue in sampled.queues)]

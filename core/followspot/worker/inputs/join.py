@@ -33,6 +33,11 @@ class JoinInput:
     members: tuple[InputQueue, ...] = ()
     sampled: SampledInput | None = None
 
+    @property
+    def queues(self) -> tuple[InputQueue, ...]:
+        """The queues of all edges that feed it."""
+        return self.members if self.sampled is None else (*self.members, *self.sampled.queues)
+
 
 class Join:
     """The inputs of one stage.

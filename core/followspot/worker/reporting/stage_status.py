@@ -53,7 +53,7 @@ def paths_now(scheduler: Scheduler) -> tuple[PathStatus, ...]:
 def _status(runner: StageRunner, error: str, at_work: str) -> StageStatus:
     """Status of one stage; see `stages_now`."""
     state, on = _state(runner, at_work)
-    queues = (*runner.join.members, *(queue for sampled in runner.join.sampled for queue in sampled.queues))
+    queues = [queue for port in runner.join.ports for queue in port.queues]
     invalid = next((f"{i.name}: {i.invalid_reason}" for i in queues if i.invalid_reason), "")
     count = runner.count
     return StageStatus(
