@@ -19,9 +19,10 @@ if TYPE_CHECKING:
     from followspot.library.connect import ConnectedRun, connect
     from followspot.library.graph import Graph
     from followspot.library.keep import Keep
+    from followspot.library.own_run import OwnRun, RunFailed
     from followspot.library.recording import Recording, open_recording
     from followspot.library.report import Report
-    from followspot.library.run import OwnRun, RunFailed, check, run
+    from followspot.library.run import check, run
     from followspot.library.subscription import Subscription
     from followspot.library.table import Table
     from followspot.messages import Array, Header, Message, at, column
@@ -50,8 +51,8 @@ _HOME = {
     "Recording": "library.recording",
     "open_recording": "library.recording",
     "Report": "library.report",
-    "OwnRun": "library.run",
-    "RunFailed": "library.run",
+    "OwnRun": "library.own_run",
+    "RunFailed": "library.own_run",
     "check": "library.run",
     "run": "library.run",
     "Subscription": "library.subscription",

@@ -1,53 +1,23 @@
-"""A run that a script or a notebook starts and holds."""
+"""Checks a graph, or starts it, from a script or a notebook."""
 
 from __future__ import annotations
 
-import threading
 import time
-import warnings
 from collections.abc import Mapping, Sequence
-from contextlib import AbstractContextManager, suppress
 from pathlib import Path
 from typing import Any, Unpack
 
-from followspot.control.dispatch import Dispatcher, Request
-from followspot.control.lifecycle import StopRun
-from followspot.control.unix_socket import serve_requests
-from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.errors import InputError, Mistake
 from followspot.graph.arrange import EdgeChoice
 from followspot.library.graph import Graph
 from followspot.library.keep import Keep
-from followspot.library.keeping import StartKeeping, keeping, unkept
+from followspot.library.keeping import keeping
+from followspot.library.own_run import OwnRun
 from followspot.library.plan_settings import PlanSettings, plan_of, whole
-from followspot.library.report import Report
-from followspot.library.script_handle import ScriptHandle
 from followspot.library.subscribed import Subscribed
-from followspot.library.subscription import Subscription
-from followspot.operator.changed import Changed
-from followspot.operator.coordinator import Coordinator
 from followspot.operator.launch import prepared
-from followspot.operator.reporting.report import RunReport
-from followspot.operator.reporting.truth import run_scores
-from followspot.operator.run_dispatcher import run_dispatcher
-from followspot.operator.run_requests import Surroundings
-from followspot.plugins.registry import offer_stage
-from followspot.stage import Stage
 from followspot.transport.zenoh.network import Network
 from followspot.worker.wiring import RunOptions
-
-_POLL_INTERVAL = 1.0
-"""Seconds between two checks whether the run waits for a subscription without a reader."""
-_BEGIN = 120.0
-"""Seconds that stages may take to be set up before a run answers."""
-
-_RECORDER_POLL_INTERVAL = 0.05
-"""Seconds between two looks whether the flight recorder is ready."""
-
-PreparedRun = tuple[Coordinator, Surroundings]
-
-
-class RunFailed(FollowspotError):
-    """The run ended with errors; the text has them."""
 
 
 def check(
@@ -121,155 +91,3 @@ def run(
         in_process=subscribed.in_process,
     )
     return OwnRun(subscribed, ready, folder, kept)
-
-
-class OwnRun(ScriptHandle):
-    """A run of this process. Its thread goes on until the sources end, `stop`, or the end of the block."""
-
-    def __init__(
-        self,
-        subscribed: Subscribed,
-        ready: AbstractContextManager[PreparedRun],
-        out: Path,
-        keep: StartKeeping,
-    ) -> None:
-        super().__init__("", subscribed.plan.graph, self._asked, failure=self._failure)
-        self.out = out
-        self._subscribed = subscribed
-        self._dispatcher: Dispatcher | None = None
-        self._report: RunReport | None = None
-        self._whole: Report | None = None
-        self._error: BaseException | None = None
-        self._begun = threading.Event()
-        self._ended = threading.Event()
-        """Not the thread's own end: `Thread.join` takes a thread for ended when Ctrl-C interrupts it."""
-        subscribed.failure = self._failure
-        self._abandoned = False
-        threading.Thread(target=self._live, args=(ready, keep), name="run", daemon=True).start()
-        try:
-            self._begun.wait(_BEGIN)
-            if keep is not unkept:
-                self._await_recorder()
-        except BaseException:  # after Ctrl-C no script has this handle, and so none could end the run
-            self._abandon()
-            raise
-
-    def close(self) -> None:
-        """End the run, and wait until its outputs are complete."""
-        self._subscribed.close()
-        super().close()
-        if not self._ended.is_set() and self._dispatcher is not None:
-            self.stop()
-        self._ended.wait()
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        self.close()
-        if kind is None:
-            self._raise()
-            self._warn()
-
-    def swap(self, stage: str, uses: str | type[Stage], *, fresh: bool = False) -> Changed:
-        """Replace a stage during the run by another plugin stage, or by a class of this process."""
-        return super().swap(stage, uses if isinstance(uses, str) else offer_stage(uses), fresh=fresh)
-
-    def __getitem__(self, port: str) -> Subscription[Any]:
-        """The messages of a port: all of them if it was named in `ports=`, else the newest from now on.
-
-        port: STAGE.PORT, or a shorter name as `ports=` takes it. Raises FollowspotError.
-        """
-        found = self._subscribed.found(port)
-        if found is not None and (self._ended.is_set() or not found.closed):
-            return found
-        return super().__getitem__(port)
-
-    def wait(self) -> Report:
-        """Wait for the end of the run and return its report.
-
-        Raises RunFailed if it failed, FollowspotError if it waits for a subscription without a reader.
-        """
-        while not self._ended.wait(_POLL_INTERVAL):
-            self._subscribed.check_read()
-        self._raise()
-        return self.report
-
-    @property
-    def report(self) -> Report:
-        """The report after the end of the run. Raises FollowspotError before, RunFailed if the run never
-        began.
-        """
-        if self._whole is not None:
-            return self._whole
-        if not self._ended.is_set():
-            raise FollowspotError("the run goes on; leave its block, or wait() for its end")
-        if self._report is None:
-            raise RunFailed(str(self._error)) from self._error
-        plan, frames = self._subscribed.plan, self._report.frames
-        self._whole = Report(self._report, self.out, run_scores(plan, self.out, frames))
-        return self._whole
-
-    def _await_recorder(self) -> None:
-        """Wait until the flight recorder holds what the run sends."""
-        deadline = time.monotonic() + _BEGIN
-        with suppress(FollowspotError):  # the run has ended
-            while self.kept() is None and time.monotonic() < deadline:
-                time.sleep(_RECORDER_POLL_INTERVAL)
-
-    def _abandon(self) -> None:
-        """Have the run end as soon as its stages are set up, without waiting for that."""
-        self._abandoned = True
-        self._subscribed.close()
-        if self._dispatcher is not None:
-            self.stop()
-
-    def _live(self, ready: AbstractContextManager[PreparedRun], keep: StartKeeping) -> None:
-        """The life of the run, in a thread: prepare, run, and tell all that wait for its end."""
-        try:
-            with ready as (coordinator, around):
-                self.run = coordinator.name
-                self._dispatcher = run_dispatcher(coordinator, around)
-                if self._abandoned:
-                    coordinator.stop()
-                with (
-                    keep(self.run) as failed,
-                    serve_requests(self.run, self.graph, self._dispatcher),
-                ):
-                    self._report = coordinator.execute(on_begin=self._begun.set)
-                    failed(self._report.errors)
-        except BaseException as error:
-            self._error = error
-        finally:
-            self._begun.set()
-            self._subscribed.end()
-            self._tapped.end()
-            self._ended.set()
-
-    def _asked(self, request: Request, timeout: float) -> Any:
-        if self._dispatcher is None or self._ended.is_set():
-            if isinstance(request, StopRun):
-                return None  # it may have ended a moment ago
-            raise FollowspotError("the run has ended")
-        with self._subscribed.yielding():  # the loop over a subscription may be what asks
-            return self._dispatcher.dispatch(request)
-
-    def _failure(self) -> Exception | None:
-        """The error of the run after its end; None if it succeeded."""
-        self._ended.wait()
-        if isinstance(self._error, FollowspotError):
-            return self._error
-        if self._error is not None:
-            return RunFailed(repr(self._error))
-        errors = self._report.errors if self._report is not None else ()
-        return RunFailed("\n".join(errors)) if errors else None
-
-    def _warn(self) -> None:
-        """Issue the report's warnings in Python and, unless the run was stopped, name the silent stages."""
-        report = self._report
-        if report is None:
-            return
-        silences = () if report.stopped else report.silences
-        for text in (*report.warnings, *(f"{silence}; {silence.advice}" for silence in silences)):
-            warnings.warn(text, stacklevel=3)
-
-    def _raise(self) -> None:
-        if (error := self._failure()) is not None:
-            raise error

@@ -12,7 +12,7 @@ import pytest
 from tests.core.library.scripts import GRAPH, TICKS, composed, endless
 
 import followspot as fs
-import followspot.library.run as run_module
+import followspot.library.own_run as run_module
 from followspot.errors import FollowspotError
 from followspot.tracking import Tracks
 
