@@ -7,7 +7,7 @@ from typing import Any
 
 from followspot.errors import FollowspotError
 from followspot.messages import UNSTAMPED, Header, Message
-from followspot.ports import ONE_OUTPUT, OutputSpec
+from followspot.port_specs import ONE_OUTPUT, OutputSpec
 
 _MISSING = object()
 

@@ -7,12 +7,10 @@ import inspect
 import types
 import typing
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
-from typing import Any, Literal, get_args, get_origin
+from typing import Any, get_args, get_origin
 
 from followspot.errors import FollowspotError
-from followspot.firing import FIRINGS, Firing
 from followspot.messages import Message
 from followspot.port_marks import (
     DeferredMark,
@@ -24,82 +22,20 @@ from followspot.port_marks import (
     Source,
     WindowMark,
 )
+from followspot.port_specs import ONE_OUTPUT, SEVERAL, Giving, InputKind, InputSpec, OutputSpec, Ports
 from followspot.stage import Stage
 
-InputKind = Literal["plain", "latest", "joined", "nearest", "window"]
 _MARKS: dict[type, InputKind] = {
     LatestMark: "latest",
     JoinedMark: "joined",
     NearestMark: "nearest",
     WindowMark: "window",
 }
-Giving = Literal["one", "several", "later", "lagged"]
-"""What a stage gives for a firing: one message each, several (`Outputs`), a later one (`Deferred`), or
-messages for earlier firings (`Lagged`)."""
 _GIVING: dict[type, Giving] = {OutputsMark: "several", DeferredMark: "later", LaggedMark: "lagged"}
-SEVERAL = ("joined", "window")
-"""Kinds of inputs whose argument is a tuple of messages."""
-ONE_OUTPUT = "out"
-"""Name of the port of a stage that returns one message type."""
 
 
 class SignatureError(FollowspotError):
     """The signature of `process` does not declare the ports; the text says what to write."""
-
-
-@dataclass(frozen=True)
-class InputSpec:
-    """One parameter of `process`. required: it has no default, so an edge must feed it."""
-
-    name: str
-    type: type[Message]
-    kind: InputKind
-    required: bool
-    uniform: bool = False
-    """True if all its messages are of one type, whichever it is: `Joined[M]` with a type variable M."""
-
-    @property
-    def fires(self) -> bool:
-        """Whether a message of this input lets the stage fire; the other kinds are sampled."""
-        return self.kind in ("plain", "joined")
-
-    @property
-    def several(self) -> bool:
-        """Whether any number of edges may feed it, and its argument is a tuple."""
-        return self.kind in SEVERAL
-
-
-@dataclass(frozen=True)
-class OutputSpec:
-    """The result of `process`, or one field of it."""
-
-    name: str
-    type: type[Message]
-
-
-@dataclass(frozen=True)
-class Ports:
-    """All ports of a stage; a source has no inputs, a sink no outputs."""
-
-    inputs: tuple[InputSpec, ...]
-    outputs: tuple[OutputSpec, ...]
-    source: bool
-    gives: Giving = "one"
-
-    @property
-    def any_name(self) -> bool:
-        """True if a graph may give the input any name: there is one alone, and it takes any message."""
-        return len(self.inputs) == 1 and self.inputs[0].type is Message
-
-    def input(self, name: str) -> InputSpec | None:
-        """The input that a graph means by this name."""
-        return next((port for port in self.inputs if self.any_name or port.name == name), None)
-
-    def output(self, name: str) -> OutputSpec | None:
-        """The output of that name; None if there is none. `FIRINGS` is one of any stage with inputs."""
-        if name == FIRINGS and self.inputs:
-            return OutputSpec(FIRINGS, Firing)
-        return next((port for port in self.outputs if port.name == name), None)
 
 
 def ports(stage: type[Stage]) -> Ports:
@@ -138,11 +74,6 @@ def _ports(stage: Any) -> Ports:
     if gives != "one" and source:
         raise SignatureError(f"{stage.__name__}.process yields already: a source returns Source[MessageType]")
     return Ports(inputs, _outputs(stage, returned), source, gives)
-
-
-def accepts(wanted: type[Message], offered: type[Message]) -> bool:
-    """True if an input of one type takes messages of another: the same type, or a subclass."""
-    return issubclass(offered, wanted)
 
 
 def _check_callable(stage: type[Stage], process: Callable[..., Any]) -> None:

@@ -18,7 +18,8 @@ from followspot.firing import Firing
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.messages import Header, InvalidMessage, Message
 from followspot.plugins.registry import load_stage
-from followspot.ports import InputSpec, ports
+from followspot.port_specs import InputSpec
+from followspot.ports import ports
 from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.transport.codec import unpack

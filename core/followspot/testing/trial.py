@@ -17,7 +17,8 @@ import pydantic
 
 from followspot.context import Context
 from followspot.messages import Array, Header, Message, stamped
-from followspot.ports import Ports, ports
+from followspot.port_specs import Ports
+from followspot.ports import ports
 from followspot.room import Member, Room
 from followspot.sealing import seal
 from followspot.stage import Stage

@@ -16,7 +16,7 @@ from followspot.firing import FIRINGS
 from followspot.graph.frame_count import accompanying_sources
 from followspot.graph.plan import PlannedStage
 from followspot.messages import Array
-from followspot.ports import Giving
+from followspot.port_specs import Giving
 from followspot.stage import Stage
 from followspot.transport.edge import PortWriter
 from followspot.worker.build_inputs import InputBuilder

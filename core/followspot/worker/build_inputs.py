@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 
 from followspot.graph.plan import AHEAD, PlannedEdge, PlannedStage
-from followspot.ports import InputSpec
+from followspot.port_specs import InputSpec
 from followspot.room_fit import misfit
 from followspot.sealing import seal
 from followspot.transport.token import ABSENT

@@ -14,7 +14,7 @@ from followspot.operator.launch import local_run
 from followspot.operator.reporting.report import RunReport
 from followspot.outputs import WrongOutput, check_returned, check_yielded
 from followspot.plugins.registry import load_stage
-from followspot.ports import OutputSpec
+from followspot.port_specs import OutputSpec
 from followspot.worker.wiring import RunOptions
 
 WRONG = Path(__file__).parents[2] / "stages" / "wrong.py"

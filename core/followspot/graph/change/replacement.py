@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.messages import Message
 from followspot.plugins.registry import load_stage
-from followspot.ports import InputSpec, Ports, accepts, ports
+from followspot.port_specs import InputSpec, Ports, accepts
+from followspot.ports import ports
 from followspot.room import SETS
 from followspot.stage import Stage
 

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from followspot.errors import Mistake, did_you_mean
 from followspot.graph.declaration import InputDeclaration
 from followspot.graph.instances import Instance
-from followspot.ports import Ports, ports
+from followspot.port_specs import Ports
+from followspot.ports import ports
 from followspot.room import SETS
 from followspot.stage import Stage
 

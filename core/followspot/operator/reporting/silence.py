@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from followspot.firing import FIRINGS
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
 from followspot.operator.reporting.scored import class_of
-from followspot.ports import Ports, gives_always, ports
+from followspot.port_specs import Ports
+from followspot.ports import gives_always, ports
 from followspot.worker.ledger import EdgeCount
 
 Counted = tuple[PlannedEdge, EdgeCount]

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from followspot.messages import Message
-from followspot.ports import InputSpec
+from followspot.port_specs import InputSpec
 from followspot.transport.token import ABSENT, END
 from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.inputs.sampled_input import SampledInput

@@ -21,7 +21,8 @@ from followspot.library.repeat import (
 )
 from followspot.messages import stamped
 from followspot.plugins.registry import load_stage
-from followspot.ports import Giving, ports
+from followspot.port_specs import Giving
+from followspot.ports import ports
 from followspot.wire import pack
 from followspot_record.comparison import RunningComparison
 from followspot_record.embedded import stage_mistakes
