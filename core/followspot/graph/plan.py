@@ -243,6 +243,18 @@ class Plan:
         """Host of the worker that runs this stage. Raises KeyError."""
         return self.host_of(self.worker_of(stage))
 
+    def ring_edges(self) -> list[int]:
+        """Numbers of the edges between two workers of one host, which need a socket pair each."""
+        return [number for number, edge in self.numbered() if edge.kind == "ring"]
+
+    def uses_zenoh(self, worker: str | None = None) -> bool:
+        """Whether any edge, or any edge of this worker, goes over Zenoh."""
+        return any(
+            edge.kind == "zenoh"
+            and (worker is None or worker in map(self.worker_of, (edge.from_stage, edge.to_stage)))
+            for edge in self.edges
+        )
+
     def placed(self, stage: str) -> PlannedWorker:
         """The worker that runs this stage, with its host. Raises KeyError."""
         worker = self.worker_of(stage)

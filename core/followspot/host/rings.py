@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from followspot.control.worker_orders import Side
 from followspot.graph.plan import Plan
-from followspot.worker.edge_links import ring_edges, socket_pair
+from followspot.transport.ring.link import socket_pair
 
 
 class RingEnd(NamedTuple):
@@ -40,13 +40,13 @@ class Rings:
 
     def rearrange(self, plan: Plan, workers: set[str]) -> None:
         """Take a new plan; new edges get their ends when one of their workers restarts."""
-        rings = ((number, plan.edge(number)) for number in ring_edges(plan))
+        rings = ((number, plan.edge(number)) for number in plan.ring_edges())
         ends = {n: (plan.worker_of(edge.from_stage), plan.worker_of(edge.to_stage)) for n, edge in rings}
         self._homes = {edge: pair for edge, pair in ends.items() if pair[0] in workers}
 
     def added(self, plan: Plan, workers: set[str]) -> Iterator[RingEnd]:
         """New ends for the edges that a plan adds between workers here that run already."""
-        for number in ring_edges(plan):
+        for number in plan.ring_edges():
             edge = plan.edge(number)
             sender, receiver = plan.worker_of(edge.from_stage), plan.worker_of(edge.to_stage)
             if number not in self._homes and sender in workers:

@@ -24,7 +24,6 @@ from followspot.host.worker_process import WorkerProcess
 from followspot.host.worker_starts import WorkerStarts
 from followspot.log.run_log import RunLog
 from followspot.transport.zenoh.network import Network
-from followspot.worker.edge_links import uses_zenoh
 
 
 class WorkerPool:
@@ -100,7 +99,7 @@ class WorkerPool:
             clock=correction,
         )
         worker.channel.tell(order, (self._ledger,))
-        if uses_zenoh(self.plan, name) and not (self._hub or self._network.router):
+        if self.plan.uses_zenoh(name) and not (self._hub or self._network.router):
             while not worker.locators and worker.busy:  # each worker connects to those before it
                 self._receive_from(worker)
 

@@ -16,8 +16,8 @@ from followspot.control.worker_orders import LeaveRun, SendStates, SetClock, Tak
 from followspot.graph.plan_data import plan_from_data
 from followspot.worker.change.hot_swap import HotSwap
 from followspot.worker.change.rewiring import Rewiring
-from followspot.worker.edge_links import EdgeLinks, rows_of
-from followspot.worker.ledger import Ledger
+from followspot.worker.edge_links import EdgeLinks
+from followspot.worker.ledger import COLUMNS, Ledger
 from followspot.worker.reporting.host_reporter import HostReporter
 from followspot.worker.reporting.report import Warnings
 from followspot.worker.runners.stage_runner import StageRunner
@@ -73,7 +73,14 @@ class BuiltWorker:
 
     def give_up(self, workers: Collection[str]) -> None:
         """These workers have ended: nothing more comes from the other ends of their edges."""
-        self.scheduler.ends.give_up(rows_of(self.links.plan, workers))
+        plan, ended = self.links.plan, set(workers)
+        self.scheduler.ends.give_up(
+            {
+                number * COLUMNS
+                for number, edge in plan.numbered()
+                if not ended.isdisjoint(map(plan.worker_of, (edge.from_stage, edge.to_stage)))
+            }
+        )
 
     def restore(self, states: Mapping[str, Any]) -> None:
         """Restore checkpoints, by stage, of a worker that died; warn of those that cannot be restored."""
@@ -88,7 +95,7 @@ class BuiltWorker:
 
     def publish_ports(self) -> None:
         """Publish the ports that are not published yet, if the worker has a Zenoh session."""
-        if self.links.session is not None:
+        if self.links.zenoh.session is not None:
             from followspot.worker.taps.published_ports import published
 
             self._published += published(self.links, self.scheduler, self._published)

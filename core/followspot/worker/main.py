@@ -24,7 +24,7 @@ from followspot.worker.blas_limit import ONE_BLAS_THREAD
 from followspot.worker.build import build_worker
 from followspot.worker.built_worker import BuiltWorker
 from followspot.worker.clock import Clock
-from followspot.worker.edge_links import EdgeLinks, uses_zenoh
+from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.ledger import Ledger
 from followspot.worker.orders import Orders
 from followspot.worker.os_scheduling import apply_scheduling
@@ -74,7 +74,7 @@ class WorkerMain:
             if self.worker is not None:
                 self.worker.close()
             if links is not None:
-                links.close()
+                links.zenoh.close()
         if links is not None:
             self._warn_of_rejected(links)
         self.reporter.send_log()
@@ -103,7 +103,7 @@ class WorkerMain:
             self.warnings.add(f"worker {order.worker}", refusal)
         session = None
         network = order.network
-        if uses_zenoh(plan, order.worker) or network.leads_somewhere:
+        if plan.uses_zenoh(order.worker) or network.leads_somewhere:
             from followspot.transport.zenoh.session import connected, locators, log_rejections
 
             if network.certificates:  # the host counts the rejected peers that Zenoh logs
@@ -153,7 +153,7 @@ class WorkerMain:
         """Wait at the barrier for the start; False if the run is stopped before."""
         while True:
             while not self.channel.waits(_REMINDER):
-                worker.links.remind()
+                worker.links.zenoh.announce_again()
             received = self.channel.receive()
             if isinstance(received.request, StartRun):
                 worker.options.clock.begun = received.request.begun

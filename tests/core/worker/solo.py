@@ -9,8 +9,9 @@ from followspot.control.tapping import Tapping
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.operator.reporting.report import RunReport, merge
+from followspot.transport.ring.link import socket_pair
 from followspot.worker.build import build_worker
-from followspot.worker.edge_links import EdgeLinks, ring_edges, socket_pair
+from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.ledger import Ledger
 from followspot.worker.reporting.report import Warnings, worker_report
 from followspot.worker.taps.port_taps import tap, taps_of
@@ -24,7 +25,7 @@ class Solo:
         self.plan = plan
         self.warnings = Warnings()
         self.ledger = Ledger(len(plan.edges))
-        pairs = {number: socket_pair() for number in ring_edges(plan)}
+        pairs = {number: socket_pair() for number in plan.ring_edges()}
         sending = {number: pair[0] for number, pair in pairs.items()}
         receiving = {number: pair[1] for number, pair in pairs.items()}
         links = EdgeLinks(plan, sending, receiving, None, "solo")

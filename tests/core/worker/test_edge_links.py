@@ -16,7 +16,7 @@ from followspot.transport.edge import PortReader
 from followspot.transport.token import Token, Watermark
 from followspot.transport.zenoh.edge import open_session
 from followspot.worker.build import build_worker
-from followspot.worker.edge_links import EdgeLinks, uses_zenoh
+from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.ledger import Ledger
 from followspot.worker.taps.published_ports import published
 from followspot.worker.wiring import RunOptions, Wiring
@@ -44,7 +44,7 @@ def test_a_reader_that_waits_for_the_start_says_again_that_it_is_there(tmp_path:
         session.declare_subscriber("**/credit/**", lambda sample: heard.append(str(sample)))
         time.sleep(0.1)
         before = len(heard)
-        links.remind()
+        links.zenoh.announce_again()
         deadline = time.monotonic() + 20.0
         while len(heard) == before and time.monotonic() < deadline:
             time.sleep(0.01)
@@ -125,10 +125,10 @@ def poll(reader: PortReader) -> list[Token]:
 def test_only_workers_at_an_edge_over_zenoh_need_a_session(tmp_path: Path) -> None:
     (tmp_path / "g.yaml").write_text(PAIR.replace("b: {uses: ticks.write,", "b: {uses: ticks.add,") + CAUGHT)
     plan = compile_graph(tmp_path / "g.yaml", placement="stage", plugin_files=[TICKS], edges="ring")
-    assert not uses_zenoh(plan)
-    assert not uses_zenoh(plan, "a")
+    assert not plan.uses_zenoh()
+    assert not plan.uses_zenoh("a")
     first, *others = plan.edges
     assert (first.from_stage, first.to_stage) == ("a", "b")
     mixed = replace(plan, edges=(replace(first, kind="zenoh"), *others))
-    assert uses_zenoh(mixed)
-    assert [uses_zenoh(mixed, worker) for worker in "abc"] == [True, True, False]
+    assert mixed.uses_zenoh()
+    assert [mixed.uses_zenoh(worker) for worker in "abc"] == [True, True, False]

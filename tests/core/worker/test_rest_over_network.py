@@ -72,7 +72,7 @@ def changing(folder: Path) -> Iterator[Changing]:
         later = theirs.for_plan(with_another_edge(plan)).reader(1, Message)
         links = EdgeLinks(plan, {}, {}, session, "run")
         run = Changing(folder, links, former, later)
-        assert wait_until(lambda: links.remind() or former.matched())
+        assert wait_until(lambda: links.zenoh.announce_again() or former.matched())
         links.wait_matched()
         run.scheduler.setup()
         thread = threading.Thread(target=run.scheduler.run)

@@ -126,3 +126,8 @@ class Link:
         self._sent += 1
         self.control.words[SENT] = self._sent
         return True
+
+
+def socket_pair() -> tuple[socket.socket, socket.socket]:
+    """Sending and receiving end of one ring edge; they have no name, so a kill leaves nothing behind."""
+    return socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)

@@ -54,11 +54,13 @@ def published(
 
     before: those that are published. There are none without a session; they end with that of the links.
     """
-    if links.session is None:
+    if links.zenoh.session is None:
         return []
     taken, known = _on_their_keys(links.plan), {one.output for one in before}
     return [
-        PublishedPort(links.session, port_key(links.run, host, runner.name, port), output, scheduler)
+        PublishedPort(
+            links.zenoh.session, port_key(links.zenoh.run, host, runner.name, port), output, scheduler
+        )
         for runner, host in ((runner, links.plan.host_of_stage(runner.name)) for runner in scheduler.runners)
         for port, output in runner.outputs
         if not (port == FIRINGS or (runner.name, port) in taken or output in known)

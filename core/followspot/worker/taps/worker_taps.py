@@ -88,9 +88,9 @@ class WorkerTaps:
             self._detached.pop().close()
 
     def _post(self, tapping: Tapping) -> Post | None:
-        session = self._links.session
+        session = self._links.zenoh.session
         if not self._host or session is None:
             return None
         from followspot.transport.zenoh.post import ZenohPost
 
-        return ZenohPost(session, tap_key(self._links.run, self._host, tapping.port, tapping.uses))
+        return ZenohPost(session, tap_key(self._links.zenoh.run, self._host, tapping.port, tapping.uses))
