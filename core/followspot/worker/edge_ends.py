@@ -140,7 +140,7 @@ class EdgeEnds:
         for writer, runner in self.writers:
             if runner.blocked:
                 writer.want_credit()
-                if runner.has_room():
+                if runner.outputs.has_room():
                     self._mark(runner.rank)
                     runner.blocked = False
                     came = True

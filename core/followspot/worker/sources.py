@@ -57,7 +57,7 @@ class Sources:
                 self._resting_until = min(self._resting_until, until)
                 reached = min(reached, source.watermark + 1)
                 continue
-            source.blocked = not source.has_room()
+            source.blocked = not source.outputs.has_room()
             if source.blocked:
                 continue
             kept = source.keeps

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, Literal, Protocol, Self
 
 import numpy as np
@@ -78,7 +78,10 @@ class Journaled(Protocol):
     uses: str
     stage: Stage
     join: Join
-    outputs: tuple[tuple[str, OutputPort], ...]
+
+    @property
+    def outputs(self) -> Iterable[tuple[str, OutputPort]]:
+        """Its output ports by name."""
 
     @property
     def count(self) -> FiringCounts:

@@ -58,9 +58,9 @@ def test_a_stage_says_who_blocks_it(tmp_path: Path) -> None:
     run = solo(tmp_path)
     run.scheduler.setup()
     count, half, _ = run.scheduler.runners
-    while count.has_room():
+    while count.outputs.has_room():
         run.scheduler.sources.all[0].pull()
-    count.blocked = not count.has_room()
+    count.blocked = not count.outputs.has_room()
     assert stages(run)["count"].state == "sending"
     assert stages(run)["count"].on == (half.join.members[0].name,)
     run.scheduler.close()
@@ -70,9 +70,9 @@ def test_a_stage_says_which_edge_to_another_worker_blocks_it(tmp_path: Path) -> 
     run = solo(tmp_path, edges="ring")
     run.scheduler.setup()
     count = run.scheduler.runners[0]
-    while count.has_room():
+    while count.outputs.has_room():
         run.scheduler.sources.all[0].pull()
-    count.blocked = not count.has_room()
+    count.blocked = not count.outputs.has_room()
     assert (stages(run)["count"].state, stages(run)["count"].on) == ("sending", ("count.out -> half.number",))
     run.scheduler.close()
 

@@ -108,7 +108,7 @@ class DeferredRunner(StageRunner):
             future, header, _ = self._answers[0]
             if not future.done() and not self._timed_out():
                 return
-            if not self.has_room():
+            if not self.outputs.has_room():
                 self.blocked = True
                 return
             self._answers.popleft()

@@ -154,7 +154,7 @@ class LiveSourceRunner(SourceRunner):
     def _outputs_of(self, item: Any) -> Iterator[OutputPort]:
         """The outputs for which an item has a message."""
         for port, output in self.outputs:
-            if self.single is not None or getattr(item, port, None) is not None:
+            if self.outputs.single is not None or getattr(item, port, None) is not None:
                 yield output
 
     def _next(self) -> Any:

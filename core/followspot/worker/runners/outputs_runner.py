@@ -76,8 +76,8 @@ class OutputsRunner(StageRunner):
     def _send_waiting(self) -> None:
         """Send what waits, then announce that nothing comes until the next firing can."""
         while self._unsent:
-            if not self.has_room():
+            if not self.outputs.has_room():
                 self.blocked = True
                 return
-            self.send(*self._unsent.popleft())
+            self.outputs.send(*self._unsent.popleft())
         self._announce(self.join.closed + 1)

@@ -73,7 +73,7 @@ class SourceRunner(StageRunner):
             self._kept, self._kept_time = item, header.time
             return False
         self.watermark = header.time
-        self.send(item, header)
+        self.outputs.send(item, header)
         self.yielded += 1
         self.count.fired += 1
         return True

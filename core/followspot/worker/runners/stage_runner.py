@@ -8,7 +8,6 @@ from operator import attrgetter
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
-from followspot.firing import FIRINGS
 from followspot.graph.plan import ErrorPolicy
 from followspot.messages import Header, Message
 from followspot.outputs import untimed
@@ -23,6 +22,7 @@ from followspot.worker.latency import PathLatencies
 from followspot.worker.output_port import OutputPort
 from followspot.worker.runners.error_policy import RAISED, recover
 from followspot.worker.runners.stage_life import StageLife
+from followspot.worker.runners.stage_outputs import StageOutputs
 
 _capture_time = attrgetter("time")
 Returned = TypeVar("Returned")
@@ -64,11 +64,7 @@ class StageRunner(StageLife):
         super().__init__(name, build, on_error)
         self.rank = rank
         self.join = join
-        self.outputs = tuple(outputs.items())
-        self._results = tuple(named for named in self.outputs if named[0] != FIRINGS)
-        """The outputs of what `process` returns."""
-        self.single = self._results[0][1] if [name for name, _ in self._results] == ["out"] else None
-        """The output port of a stage that returns messages of one type; else None."""
+        self.outputs = StageOutputs(outputs)
         self.deadline = deadline
         self.overdue_at: float | None = None
         """When the deadline of the oldest waiting message passes, s, monotonic; None if none waits."""
@@ -81,8 +77,8 @@ class StageRunner(StageLife):
         self.absent = False
         """Whether the outputs have announced `ABSENT`."""
         self.paths = PathLatencies(groups)
-        self.journal = Journal(outputs.get(FIRINGS))
-        self.is_sink = not self._results
+        self.journal = Journal(self.outputs.firings)
+        self.is_sink = self.outputs.none
         self.clock = clock
         self._passed = -END
         """The watermark that the outputs have announced."""
@@ -115,7 +111,7 @@ class StageRunner(StageLife):
             if overdue:  # the stage waits for feedback, which no deadline cuts short
                 self.overdue_at = None
             return None
-        self.blocked = not self.has_room()
+        self.blocked = not self.outputs.has_room()
         return None if self.blocked else fire_at
 
     def take(self, fire_at: int) -> FiringInputs:
@@ -153,7 +149,7 @@ class StageRunner(StageLife):
         if self.is_sink:
             self.paths.add(header, self.clock.now())
         else:
-            self.send(result, header, self._following())
+            self.outputs.send(result, header, self._following())
             self.note_budget(header)
 
     def note_budget(self, header: Header) -> None:
@@ -170,23 +166,6 @@ class StageRunner(StageLife):
                 return True
         return False
 
-    def has_room(self) -> bool:
-        """Whether every output has credit for a message."""
-        if self.single is not None and len(self.outputs) == 1:
-            return self.single.has_room()
-        return all(output.has_room() for _, output in self.outputs)
-
-    def send(self, result: Any, header: Header, following: int = UNKNOWN) -> None:
-        """Send what `process` returned; a port without a message still advances its watermark.
-
-        following: the watermark after it, ns, if more is known than what the message itself announces.
-        """
-        if self.single is not None:
-            self._send_to(self.single, result, header, following)
-            return
-        for port, output in self._results:
-            self._send_to(output, None if result is None else getattr(result, port), header, following)
-
     def replace_stage(self, stage: Stage, build: Callable[[], Stage]) -> None:
         """Run another stage, which is set up and fits the edges, from the next firing on (hot swap)."""
         self.stage = stage
@@ -194,8 +173,7 @@ class StageRunner(StageLife):
         found = ports(type(stage))
         self._declare()
         self.join = self.join.read_by(found.inputs)
-        self.outputs = tuple(named for named in self.outputs if found.output(named[0]) is not None)
-        self._results = tuple(named for named in self.outputs if named in self._results)
+        self.outputs.keep(found)
 
     def reconnect(self, readers: Mapping[str, Sequence[InputQueue]]) -> None:
         """Have these readers in the same worker at each output, instead of the former ones."""
@@ -208,7 +186,11 @@ class StageRunner(StageLife):
 
     def leave(self) -> None:
         """Fire with the messages that wait, without their missing partners: the stage leaves the graph."""
-        while not self.done and self.has_room() and (fire_at := self.join.ready(overdue=True)) is not None:
+        while (
+            not self.done
+            and self.outputs.has_room()
+            and (fire_at := self.join.ready(overdue=True)) is not None
+        ):
             firing = self.take(fire_at)
             self.deliver(self.run(firing), firing.header)
 
@@ -227,8 +209,7 @@ class StageRunner(StageLife):
         self.done = True
         self.close()
         self._discard_rest()
-        for _, output in self.outputs:
-            output.end()
+        self.outputs.end()
 
     def _discard_rest(self) -> None:
         """Discard messages after the last firing: feedback, or from a sender that was started again."""
@@ -270,28 +251,19 @@ class StageRunner(StageLife):
 
     def _announce(self, watermark: int) -> None:
         """Announce on all outputs that nothing earlier will come, ns."""
-        for _, output in self.outputs:
-            output.advance(watermark)
+        self.outputs.advance(watermark)
 
     def _pass_on_absence(self) -> None:
         """Announce once that all inputs are absent, so that joins downstream do not wait for them."""
         if not self.absent:
             self.absent = True
-            for _, output in self.outputs:
-                output.absent()
+            self.outputs.absent()
 
     def _overdue(self, deadline: float) -> bool:
         """Whether a message of a live join has waited beyond the deadline; notes when the next one will."""
         since = self.join.waiting_since()
         self.overdue_at = None if since is None else (since - self.clock.steady) / 1e9 + deadline
         return self.overdue_at is not None and time.monotonic() >= self.overdue_at
-
-    @staticmethod
-    def _send_to(output: OutputPort, message: Message | None, header: Header, following: int) -> None:
-        if message is None:
-            output.advance(max(header.time + 1 + output.lateness, following))
-        else:
-            output.send(message, header, following)
 
 
 def _header(fired: Sequence[Message], time: int) -> Header:
