@@ -11,16 +11,15 @@ import sys
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 from followspot.control.dispatch import Handlers
 from followspot.control.lifecycle import StopRun
-from followspot.control.progress import Progress
 from followspot.transport.edge import PortWriter
 from followspot.transport.wakeup_event import WakeupEvent
 from followspot.worker.edge_ends import EdgeEnds
 from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.pace import Pace
+from followspot.worker.rest import Rest
 from followspot.worker.runners.deferred_runner import DeferredRunner
 from followspot.worker.runners.error_policy import StageError
 from followspot.worker.runners.live_source import LiveSourceRunner
@@ -37,18 +36,6 @@ _SWITCH_INTERVAL = 0.0005
 """Seconds that one thread may keep the interpreter; live sources and Zenoh have threads of their own."""
 _ALL = range(sys.maxsize)
 """Rows of all edges."""
-
-
-class Rest(NamedTuple):
-    """What to do once a worker is at rest.
-
-    act: called with whether it is at rest; deadline: s, monotonic, when to act anyway; calm: whether
-    nothing waits here for what live sources or other workers have yet to give.
-    """
-
-    act: Callable[[bool], None]
-    deadline: float
-    calm: Callable[[], bool]
 
 
 class Scheduler:
@@ -169,13 +156,6 @@ class Scheduler:
         self._wakeup.close()
         return problems
 
-    def progress(self) -> Progress:
-        """How far the worker has come: its sinks that still have inputs, else its sources."""
-        sinks = [runner for runner in self.runners if runner.is_sink and runner.join.members]
-        sources = [source for source in self.sources.all if not source.accompanying]
-        counted = [sink.count.fired for sink in sinks] or [source.yielded for source in sources]
-        return Progress(min(counted, default=0), max((s.watermark for s in self.sources.all), default=-1))
-
     @property
     def activity(self) -> int:
         """Firings and messages taken so far: while it stays the same, the worker has done nothing."""
@@ -192,8 +172,8 @@ class Scheduler:
         if self._stopping:
             self._stop_sources()
         if self._rest is not None:
-            self._rests(self._rest, idle=False)
-        if self._stands_back():
+            self._act_at_rest(self._rest, idle=False)
+        if self._sources_wait():
             return True
         if self.schedule.ready:
             self.sources.pull()
@@ -202,14 +182,14 @@ class Scheduler:
         if self.sources.pull() or self.schedule.fire_waiting():
             return True
         if self._rest is not None:
-            self._rests(self._rest, idle=True)
+            self._act_at_rest(self._rest, idle=True)
             return True
         if not self.sources.hold.aligned and self._finished():
             return False
         self._wait()
         return True
 
-    def _stands_back(self) -> bool:
+    def _sources_wait(self) -> bool:
         """Whether the sources wait for the ready stages.
 
         In a worker with live sources they wait for as many rounds as there are stages, in which a message
@@ -221,11 +201,9 @@ class Scheduler:
             self._rounds = 0
         return self._rounds > 0
 
-    def _rests(self, rest: Rest, *, idle: bool) -> None:
+    def _act_at_rest(self, rest: Rest, *, idle: bool) -> None:
         """Act if the worker is at rest, or has not come to rest in time; else sleep if it is idle."""
-        reached = (
-            idle and self.sources.still() and rest.calm() and not any(runner.asks for runner in self.runners)
-        )
+        reached = idle and rest.reached(self.sources, self.runners)
         if reached or time.monotonic() >= rest.deadline:
             self._rest = None
             rest.act(reached)

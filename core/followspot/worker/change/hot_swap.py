@@ -13,10 +13,9 @@ from followspot.errors import FollowspotError
 from followspot.worker.change.joint_change import JointChange
 from followspot.worker.change.replacement import Replacement, discarded, dry_run, prepared, take_over
 from followspot.worker.change.rewiring import Rewiring
-from followspot.worker.scheduler import Rest, Scheduler
+from followspot.worker.rest import REST_TIMEOUT, Rest
+from followspot.worker.scheduler import Scheduler
 
-_REST_TIMEOUT = 20.0
-"""Seconds in which the stages of a replay must come to rest before its graph changes."""
 _LIVE_REST_TIMEOUT = 2.0
 """Seconds after which a live graph changes all the same, if it is never between two sets of messages."""
 Answer = Callable[[ChangeStatus], None]
@@ -115,11 +114,10 @@ class HotSwap:
     def _take_over(self, order: ChangeOrder) -> None:
         """Let what was built take over: at once, or at rest if stages or edges come or go."""
         if self._rewiring is not None:
-            timeout = _LIVE_REST_TIMEOUT if self._rewiring.wiring.live else _REST_TIMEOUT
-            deadline = time.monotonic() + timeout
+            timeout = _LIVE_REST_TIMEOUT if self._rewiring.wiring.live else REST_TIMEOUT
             act, rewiring = partial(self._rewire_at, order), self._rewiring
             self.scheduler.sources.hold.align(self.scheduler.sources.hold.newest + rewiring.window)
-            self.scheduler.at_rest(Rest(act, deadline, rewiring.calm))
+            self.scheduler.at_rest(Rest(act, time.monotonic() + timeout, rewiring.calm))
             return
         built, self._built, self._id = self._built, (), ""
         try:
@@ -139,7 +137,7 @@ class HotSwap:
         try:
             if not (rests or rewiring.wiring.live):
                 rewiring.discard()
-                raise FollowspotError(f"the stages did not come to rest within {_REST_TIMEOUT:.0f} s")
+                raise FollowspotError(f"the stages did not come to rest within {REST_TIMEOUT:.0f} s")
             rewiring.leave()
             rewiring.take_over(fresh=order.fresh)
             rewiring.close_old()

@@ -14,10 +14,9 @@ from functools import partial
 from followspot.control.swap import ChangeOrder, ChangePhase, ChangeStatus, Rested
 from followspot.errors import FollowspotError
 from followspot.worker.change.rewiring import Rewiring
-from followspot.worker.scheduler import Rest, Scheduler
+from followspot.worker.rest import REST_TIMEOUT, Rest
+from followspot.worker.scheduler import Scheduler
 
-_REST_TIMEOUT = 20.0
-"""Seconds in which a worker of a replay must come to rest."""
 _LIVE_REST_TIMEOUT = 1.0
 """Seconds after which a worker of a live run changes all the same."""
 _OPERATOR_TIMEOUT = 60.0
@@ -87,8 +86,7 @@ class JointChange:
         if order.until >= 0:
             self._scheduler.sources.hold.align(order.until)
         rewiring.leave(order.leaving)
-        timeout = _LIVE_REST_TIMEOUT if rewiring.wiring.live else _REST_TIMEOUT
-        deadline = time.monotonic() + timeout
+        deadline = time.monotonic() + (_LIVE_REST_TIMEOUT if rewiring.wiring.live else REST_TIMEOUT)
         self._scheduler.at_rest(Rest(partial(self._rested, order, rewiring), deadline, self._calm))
 
     def _calm(self) -> bool:
@@ -97,7 +95,7 @@ class JointChange:
 
     def _rested(self, order: ChangeOrder, rewiring: Rewiring, reached: bool) -> None:
         if not (reached or rewiring.wiring.live):
-            self._fail(order, f"the stages did not come to rest within {_REST_TIMEOUT:.0f} s")
+            self._fail(order, f"the stages did not come to rest within {REST_TIMEOUT:.0f} s")
             return
         try:
             if not order.fresh:

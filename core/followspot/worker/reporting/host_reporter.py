@@ -88,12 +88,19 @@ class HostReporter:
         for turn in count():
             if self._over.wait(_PROGRESS_PERIOD):
                 return
-            progress = scheduler.progress()
             try:
-                self._channel.send(Progress(fired=progress.fired, time=progress.time))
+                self._channel.send(_progress(scheduler))
                 self.send_log()
                 if turn % _STAGES_EVERY == 0:
                     self.send_stages(scheduler)
             except ChannelClosed:
                 on_closed()
                 return
+
+
+def _progress(scheduler: Scheduler) -> Progress:
+    """How far the worker has come: its sinks that still have inputs, else its sources."""
+    sources = scheduler.sources.all
+    fired = [runner.count.fired for runner in scheduler.runners if runner.is_sink and runner.join.members]
+    counted = fired or [source.yielded for source in sources if not source.accompanying]
+    return Progress(fired=min(counted, default=0), time=max((s.watermark for s in sources), default=-1))
