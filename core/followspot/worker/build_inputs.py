@@ -11,7 +11,8 @@ from followspot.room_fit import misfit
 from followspot.sealing import seal
 from followspot.transport.token import ABSENT
 from followspot.worker.inputs.input_queue import UNCHANGED, InputQueue
-from followspot.worker.inputs.join import Join, JoinInput
+from followspot.worker.inputs.join import Join
+from followspot.worker.inputs.join_input import JoinInput
 from followspot.worker.inputs.sampled_input import NearestInput, NewestInput, SampledInput, WindowInput
 from followspot.worker.ledger import Ledger
 from followspot.worker.links import Links

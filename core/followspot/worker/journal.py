@@ -15,7 +15,8 @@ import numpy as np
 from followspot.firing import Firing
 from followspot.messages import Header, Message, stamped
 from followspot.sealing import seal
-from followspot.worker.inputs.join import Join, JoinInput
+from followspot.worker.inputs.join import Join
+from followspot.worker.inputs.join_input import JoinInput
 from followspot.worker.inputs.sampled_input import NearestInput, NewestInput, WindowInput
 from followspot.worker.output_port import OutputPort
 from followspot.worker.stage_checkpoint import Journaled, checkpoint_of, edges_into

@@ -16,7 +16,8 @@ from followspot.messages import Header
 from followspot.stage import Stage
 from followspot.transport.codec import pack
 from followspot.worker.inputs.input_queue import InputQueue
-from followspot.worker.inputs.join import Join, JoinInput
+from followspot.worker.inputs.join import Join
+from followspot.worker.inputs.join_input import JoinInput
 from followspot.worker.inputs.sampled_input import NearestInput, NewestInput, WindowInput
 from followspot.worker.output_port import OutputPort
 

@@ -16,7 +16,8 @@ from followspot.messages import Header, stamped
 from followspot.ports import ports
 from followspot.transport.token import END
 from followspot.worker.inputs.input_queue import InputQueue
-from followspot.worker.inputs.join import Join, JoinInput
+from followspot.worker.inputs.join import Join
+from followspot.worker.inputs.join_input import JoinInput
 from followspot.worker.ledger import Ledger
 from followspot.worker.output_port import OutputPort
 from followspot.worker.runners import deferred_runner

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from followspot.messages import Header, Message, stamped
 from followspot.transport.token import END, Watermark
 from followspot.worker.inputs.input_queue import InputQueue
-from followspot.worker.inputs.join import Join, JoinInput
+from followspot.worker.inputs.join import Join
+from followspot.worker.inputs.join_input import JoinInput
 from followspot.worker.inputs.sampled_input import NearestInput, NewestInput, SampledInput, WindowInput
 from followspot.worker.ledger import PRODUCED, Ledger
 

@@ -12,7 +12,8 @@ from followspot.messages import Header, Message, stamped
 from followspot.operator.launch import local_run
 from followspot.operator.reporting.report import RunReport
 from followspot.worker.inputs.input_queue import InputQueue
-from followspot.worker.inputs.join import Join, JoinInput
+from followspot.worker.inputs.join import Join
+from followspot.worker.inputs.join_input import JoinInput
 from followspot.worker.ledger import Ledger
 from followspot.worker.wiring import RunOptions
 

@@ -11,7 +11,8 @@ from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import ABSENT, END, Watermark
 from followspot.worker.inputs.input_queue import InputQueue
-from followspot.worker.inputs.join import Join, JoinInput
+from followspot.worker.inputs.join import Join
+from followspot.worker.inputs.join_input import JoinInput
 from followspot.worker.ledger import UNMATCHED, Ledger
 from followspot.worker.output_port import OutputPort
 from followspot.worker.pace import Pace

@@ -10,33 +10,13 @@ join depends on the time.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 from followspot.messages import Message
 from followspot.port_specs import InputSpec
 from followspot.transport.token import ABSENT, END
 from followspot.worker.inputs.input_queue import InputQueue
-from followspot.worker.inputs.sampled_input import SampledInput
+from followspot.worker.inputs.join_input import JoinInput, rearranged, with_former_samples
 from followspot.worker.ledger import LATE, UNMATCHED
-
-
-@dataclass(frozen=True)
-class JoinInput:
-    """One parameter of `process` and the edges that feed it: members of the join, or one sampled input.
-
-    An optional input without an edge has neither; the stage gets None, or an empty tuple.
-    """
-
-    name: str
-    joined: bool
-    """Whether its argument is a tuple."""
-    members: tuple[InputQueue, ...] = ()
-    sampled: SampledInput | None = None
-
-    @property
-    def queues(self) -> tuple[InputQueue, ...]:
-        """The queues of all edges that feed it."""
-        return self.members if self.sampled is None else (*self.members, *self.sampled.queues)
 
 
 class Join:
@@ -63,38 +43,19 @@ class Join:
         """Capture time, ns, up to which everything was fired or discarded; before all times at first."""
         self.in_time = UNMATCHED
         """Ledger column of messages whose window is closed: `LATE` once a deadline has closed one."""
-        self._reach = 0
+        self._first_window = 0
         """Window, ns, of the member with the earliest message."""
 
     def read_by(self, inputs: Sequence[InputSpec]) -> Join:
-        """The same inputs for a stage that declares these ports, perhaps in another order; the only input of
-        one stage is that of the other, whatever their names are.
-        """
-        known = {port.name: port for port in self.ports}
-        if len(inputs) == len(self.ports) == 1:
-            known = {inputs[0].name: self.ports[0]}
-        arranged = [
-            replace(known.get(p.name) or JoinInput(p.name, joined=False), joined=p.several) for p in inputs
-        ]
-        join = Join(arranged, lateness=self.lateness, lag=self.lag)
-        join.closed, join.in_time, join._reach = self.closed, self.in_time, self._reach
+        """The same join for another stage that declares these ports; see `rearranged`."""
+        join = Join(tuple(rearranged(self.ports, inputs)), lateness=self.lateness, lag=self.lag)
+        join._resume(self)
         return join
 
-    def carry_on(self, old: Join) -> None:
+    def carry_on(self, former: Join) -> None:
         """Go on from where the former join of the stage is; sampled inputs of the same edges stay."""
-        self.closed, self.in_time, self._reach = old.closed, old.in_time, old._reach
-        known = {port.name: port for port in old.ports if port.sampled is not None}
-        kept = []
-        for port in self.ports:
-            was = known.get(port.name)
-            same = (
-                was is not None
-                and was.sampled is not None
-                and port.sampled is not None
-                and was.sampled.queues == port.sampled.queues
-            )
-            kept.append(was if same and was is not None else port)
-        self.ports = tuple(kept)
+        self._resume(former)
+        self.ports = tuple(with_former_samples(self.ports, former.ports))
         self.sampled = tuple(port.sampled for port in self.ports if port.sampled is not None)
 
     def ready(self, *, overdue: bool = False) -> int | None:
@@ -114,8 +75,8 @@ class Join:
             if first is None:
                 return None
             time = first.messages[0].header.time
-            self._reach = first.window
-            if not self._certain(time):
+            self._first_window = first.window
+            if not self._all_known(time):
                 if not overdue:
                     return None
                 self.in_time = LATE
@@ -125,15 +86,12 @@ class Join:
             elif not self._all_required(time):
                 first.discard(UNMATCHED)
                 continue
-            far = self._far(time)
-            if far is None:
+            early = self._not_nearest(time)
+            if early is None or (overdue and len(early.messages) == 1):
                 return self._sampled_ready(time, overdue)
-            if len(far.messages) > 1:
-                far.discard(UNMATCHED)
-            elif not overdue:
+            if len(early.messages) == 1:
                 return None
-            else:
-                return self._sampled_ready(time, overdue)
+            early.discard(UNMATCHED)
 
     def take(self, time: int) -> tuple[list[object], list[Message]]:
         """The arguments of the firing at `time` in the order of the ports, and the messages that fired."""
@@ -150,14 +108,14 @@ class Join:
             if not (port.members or port.joined):
                 arguments.append(None)
                 continue
-            found = self._taken(port.members, time)
+            found = self._take_first(port.members, time)
             fired += found
             arguments.append(tuple(found) if port.joined else found[0])
         return arguments, fired
 
     def gives(self, queue: InputQueue, time: int) -> bool:
         """Whether a member gives its first message to the firing at this time, ns; ask before `take`."""
-        return queue is self.only or self._has(queue, time)
+        return queue is self.only or self._in_window(queue, time)
 
     def relieve(self, earliest: int) -> None:
         """Let the senders of full edges go on where the stage waits for another input.
@@ -195,6 +153,9 @@ class Join:
             (queue.messages[0].header.entered for queue in self.members if queue.messages), default=None
         )
 
+    def _resume(self, former: Join) -> None:
+        self.closed, self.in_time, self._first_window = former.closed, former.in_time, former._first_window
+
     def _first(self) -> InputQueue | None:
         """The member with the earliest message after all closed windows; None if there is none."""
         first, earliest = None, END
@@ -205,59 +166,59 @@ class Join:
                 first, earliest = queue, queue.messages[0].header.time
         return first
 
-    def _certain(self, time: int) -> bool:
+    def _all_known(self, time: int) -> bool:
         """Whether every member has a message, or a watermark beyond its window from `time`, ns, on."""
-        reach = self._reach
+        first_window = self._first_window
         for queue in self.members:  # asked for every firing; all() costs twice as much
             if not queue.messages:
                 window = queue.window
-                if queue.watermark <= time + (window if window > reach else reach):
+                if queue.watermark <= time + (window if window > first_window else first_window):
                     return False
         return True
 
     def _all_required(self, time: int) -> bool:
         """Whether every required member has a message in its window from `time`, ns, on."""
         for queue in self.required:  # noqa: SIM110  # likewise
-            if not self._has(queue, time):
+            if not self._in_window(queue, time):
                 return False
         return True
 
-    def _has(self, queue: InputQueue, time: int) -> bool:
+    def _in_window(self, queue: InputQueue, time: int) -> bool:
         """Whether a member has a message in its window from `time`, ns, on."""
-        window, reach = queue.window, self._reach
-        limit = time + (window if window > reach else reach)
+        window, first_window = queue.window, self._first_window
+        limit = time + (window if window > first_window else first_window)
         return bool(queue.messages) and queue.messages[0].header.time <= limit
 
-    def _far(self, time: int) -> InputQueue | None:
+    def _not_nearest(self, time: int) -> InputQueue | None:
         """A member whose next message is nearer to the join than its first, or may be; None if there is none.
 
         The time of the join is that of the latest first message. A next message can only be nearer if it
         follows the first within twice the window. So a member whose last two messages lie further apart is
         not waited for, nor is one that depends on the result of this firing.
         """
-        if not self._frequent():
+        if not self._any_frequent():
             return None
-        heads = [(q.messages[0].header.time, q) for q in self.members if self._has(q, time)]
+        heads = [(q.messages[0].header.time, q) for q in self.members if self._in_window(q, time)]
         pivot = max([head for head, _ in heads])
         for head, queue in heads:
-            reach = max(queue.window, self._reach)
-            if queue.answers or head == pivot or head - queue.left_at > 2 * reach:
+            window = max(queue.window, self._first_window)
+            if queue.answers or head == pivot or head - queue.left_at > 2 * window:
                 continue
             if len(queue.messages) == 1:
                 if queue.watermark < 2 * pivot - head:
                     return queue
             elif abs((following := queue.messages[1].header.time) - pivot) < pivot - head:
                 others = min([other for other, member in heads if member is not queue])
-                if following - others <= reach:
+                if following - others <= window:
                     return queue
         return None
 
-    def _frequent(self) -> bool:
-        """Whether a member sends so often that its next message may be nearer to the join; few do."""
-        reach = self._reach
+    def _any_frequent(self) -> bool:
+        """Whether any member sends so often that its next message may be nearer to the join; few do."""
+        first_window = self._first_window
         for queue in self.free:
             if queue.messages:
-                window = queue.window if queue.window > reach else reach
+                window = queue.window if queue.window > first_window else first_window
                 if queue.messages[0].header.time - queue.left_at <= 2 * window:
                     return True
         return False
@@ -271,16 +232,16 @@ class Join:
     def _close(self, time: int) -> None:
         """Discard the messages of this window: a required partner did not come before the deadline."""
         for queue in self.members:
-            queue.discard_until(time + max(queue.window, self._reach), UNMATCHED)
+            queue.discard_until(time + max(queue.window, self._first_window), UNMATCHED)
         self.closed = time + self.lateness
 
-    def _taken(self, members: Sequence[InputQueue], time: int) -> list[Message]:
+    def _take_first(self, members: Sequence[InputQueue], time: int) -> list[Message]:
         """The first message of each member that has one in its window from `time`, ns, on."""
-        reach, found = self._reach, []
+        first_window, found = self._first_window, []
         for queue in members:
             if queue.messages:
                 head, window = queue.messages[0].header.time, queue.window
-                if head <= time + (window if window > reach else reach):
+                if head <= time + (window if window > first_window else first_window):
                     found.append(queue.take())
                     queue.left_at = head
         return found
