@@ -18,8 +18,9 @@ from followspot.graph.change.stages import with_stages
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_from_data
 from followspot.operator.chosen import Listed, chosen, names
-from followspot.operator.coordinator import Coordinator, order_of
+from followspot.operator.coordinator import Coordinator
 from followspot.operator.discovery import Agents, await_named, discovered_hosts, operator_session, reached
+from followspot.operator.new_order import new_order
 from followspot.operator.remote.remote_host import RemoteHost
 from followspot.operator.reporting.report import RunReport
 from followspot.operator.run_dispatcher import run_dispatcher
@@ -64,7 +65,7 @@ def detach(plan: Plan, options: RunOptions, network: Network, media: Path) -> st
         raise FollowspotError(
             f"workers without a host cannot be left alone: {', '.join(here)}; give them one with --host NAME"
         )
-    order = order_of(plan, options, restart=True, detached=True)
+    order = new_order(plan, options, restart=True, detached=True)
     with discovered_hosts(plan, network, media) as (hosts, _):
         coordinator = Coordinator(plan, hosts, order)
         if not coordinator.begin():

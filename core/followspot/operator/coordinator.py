@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-import uuid
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -17,18 +16,16 @@ from followspot.errors import FollowspotError
 from followspot.graph.frame_count import accompanying_sources
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_to_data
-from followspot.host.clocks.host import reference
 from followspot.log.merged import MergedLog
-from followspot.log.record import Level, LogPage
+from followspot.log.record import LogPage
 from followspot.log.run_log import OnLog
 from followspot.operator.change_under_way import ChangeUnderWay
-from followspot.operator.fault_watch import FaultWatch
 from followspot.operator.order_relay import OrderRelay
 from followspot.operator.reporting.report import RunReport
+from followspot.operator.run_events import RunEvents
 from followspot.operator.run_status import RunStatus
 from followspot.operator.run_view import RunView
 from followspot.operator.sensor_end import order_at_end, order_at_start
-from followspot.worker.wiring import RunOptions
 
 _STOP_TIMEOUT = 20.0
 """Seconds that hosts have to end their workers after a stop."""
@@ -36,13 +33,6 @@ _LIMITS = "raise the limits of this user, for example ulimit -n 4096, or take fe
 """Remedy if the system refuses a run its workers."""
 _DELIVERY_TIMEOUT = 5.0
 """Seconds after a stop in which the operator waits for a silent host, to deliver the stop to it."""
-
-
-def order_of(plan: Plan, options: RunOptions, *, restart: bool, detached: bool = False) -> RunOrder:
-    """A new order for a plan. restart: whether hosts restart workers that die; detached: see `RunOrder`."""
-    out = str(options.out.resolve())
-    shipped, by = plan_to_data(plan), reference(plan)
-    return RunOrder(uuid.uuid4().hex, shipped, options.frames, out, restart, detached, reference=by)
 
 
 class Coordinator:
@@ -78,19 +68,15 @@ class Coordinator:
         self._stop_deadline: float | None = None
         self._silent: dict[str, str] = {}
         """Hosts that do not answer, each with the reason as far as it is known."""
-        self._awaited: tuple[str, ...] = ()
-        """Silent hosts for which alone the run goes on, as told to the user."""
         self._cut_short = ""
         """Why a run without restarts ended early: a host was lost, even if it came back."""
-        self._news: list[str] = []
+        self._events = RunEvents(self.log)
         self.change = ChangeUnderWay()
-        self._sensors_told = False
-        """Whether the sensors have been told when to end."""
+        self._sensors_ended = False
+        """Whether the order that ends the sensors was sent."""
         self._begun = begun
         self._age_s = age_s
         self._order_relay = OrderRelay(hosts if begun else ())
-        self._budgets = FaultWatch(" misses its", " keeps its")
-        self._stalls = FaultWatch(" stalls", " moves")
 
     def stop(self) -> None:
         """End all sources; workers finish the messages in flight. Safe in a signal handler."""
@@ -136,8 +122,7 @@ class Coordinator:
             if not host.close():
                 line = f"host {host.name} was not told that the run is over; its workers end after the "
                 line += f"agent's --operator-timeout, or by followspot attach --run {self.name[:8]} --stop"
-
-                self._report_event(line, "warning")
+                self._events.add(line, "warning")
 
     def watch(self, on_progress: OnProgress | None = None) -> RunReport:
         """Block until a run that has begun ends, or until `leave`; return its report."""
@@ -221,11 +206,11 @@ class Coordinator:
 
     def _end_sensors(self, order_of: Callable[[Plan, Iterable[WorkerStatus]], EndSensors | None]) -> None:
         """Send the order that ends the sensors of a run of N frames, as soon as it is known."""
-        if self._sensors_told or self.order.frames is None or not accompanying_sources(self.plan):
+        if self._sensors_ended or self.order.frames is None or not accompanying_sources(self.plan):
             return
         order = order_of(self.plan, self._workers())
         if order is not None:
-            self._sensors_told = True
+            self._sensors_ended = True
             self.relay(order)
 
     def _announce_ended_workers(self) -> None:
@@ -242,41 +227,20 @@ class Coordinator:
             try:
                 host.attend(PROGRESS_PERIOD / len(self.hosts))
                 if self._silent.pop(host.name, None):
-                    self._report_event(f"host {host.name} is back", "info")
+                    self._events.add(f"host {host.name} is back", "info")
             except HostLost as error:
                 if host.name not in self._silent:
-                    self._report_event(str(error), "warning")
+                    self._events.add(str(error), "warning")
                 self._silent[host.name] = str(error)
                 if self._stop_deadline is None and self._ends_run(host):
                     self._cut_short = f"{error}: the run, which has no --restart, ended early"
-        self._watch_budgets()
-        for line, begins in self._stalls.look(self._view().stalled()):
-            self._report_event(line, "warning" if begins else "info")
-        self._tell_awaited()
+        stopping = self._stop_deadline is not None
+        self._events.notice(self._view(), silence=bool(self._silent) and not stopping)
         self.log.gather()
         if on_progress is not None:
-            whole = self._view()
-            unfinished = whole.unfinished() if self._stop_deadline is not None else ()
-            on_progress(replace(whole.progress(), unfinished=unfinished), whole.expected())
-
-    def _watch_budgets(self) -> None:
-        """Log each path that begins to miss its budget, or keeps it again, until a worker ends."""
-        if self.plan.budgets and not any(worker.phase == "over" for worker in self._workers()):
-            for line, is_missed in self._budgets.look(self._view().late()):
-                self._report_event(line, "warning" if is_missed else "info")
-
-    def _tell_awaited(self) -> None:
-        """Log a warning when a run that is not stopped begins to wait for silent hosts alone."""
-        awaited = self._view().awaited() if self._silent and self._stop_deadline is None else ()
-        if awaited and awaited != self._awaited:
-            names = " and ".join(f"host {name}" for name in awaited)
-            line = f"the run waits for {names} alone: start the agent or mend the link there, or stop the run"
-            self._report_event(line, "warning")
-        self._awaited = awaited
-
-    def _report_event(self, line: str, level: Level) -> None:
-        self.log.say(level, line)
-        self._news.append(line)
+            view = self._view()
+            unfinished = view.unfinished() if stopping else ()
+            on_progress(replace(view.progress(), unfinished=unfinished), view.expected())
 
     def _end_early(self) -> None:
         """Ask every host to stop, once: workers finish the messages in flight."""
@@ -310,4 +274,4 @@ class Coordinator:
 
     def _view(self) -> RunView:
         hosts = {host.name: host.status() for host in self.hosts}
-        return RunView(self.plan, hosts, self._news, self._begun)
+        return RunView(self.plan, hosts, self._events.lines, self._begun)

@@ -15,7 +15,8 @@ from followspot.control.unix_socket import serve_requests
 from followspot.graph.plan import Plan
 from followspot.host.local_host import LocalHost
 from followspot.log.run_log import OnLog
-from followspot.operator.coordinator import Coordinator, order_of
+from followspot.operator.coordinator import Coordinator
+from followspot.operator.new_order import new_order
 from followspot.operator.output_folder import reserved
 from followspot.operator.reporting.report import RunReport
 from followspot.operator.run_dispatcher import run_dispatcher
@@ -78,7 +79,7 @@ def prepared(
         if network.public or any(worker.host for worker in plan.workers):
             from followspot.operator.discovery import discovered_hosts
 
-            order = order_of(plan, options, restart=restart)
+            order = new_order(plan, options, restart=restart)
             with discovered_hosts(plan, network, media, in_process) as (hosts, others):
                 near = network.for_worker(network.connect)
                 around = Surroundings(options.out.resolve(), near, plan.written, time.time())
@@ -100,7 +101,7 @@ def local_run(
     if len(plan.workers) == 1:  # a thread that hangs cannot be killed and replaced
         in_process, restart = (plan.workers[0].name,), False
     host = LocalHost("", in_process=in_process)
-    return Coordinator(plan, [host], order_of(plan, options, restart=restart), on_log)
+    return Coordinator(plan, [host], new_order(plan, options, restart=restart), on_log)
 
 
 def _run_served(run: Coordinator, on_progress: OnProgress | None, surroundings: Surroundings) -> RunReport:

@@ -15,7 +15,7 @@ from followspot.control.plan_transfer import packed
 from followspot.control.zenoh_rpc import RpcClient
 from followspot.graph.compile import compile_graph
 from followspot.host.agent import Agent, AgentOptions
-from followspot.operator.coordinator import order_of
+from followspot.operator.new_order import new_order
 from followspot.transport.zenoh.edge import open_session
 from followspot.transport.zenoh.network import LOOPBACK, UNPROVEN, Network
 from followspot.worker.wiring import RunOptions
@@ -38,7 +38,7 @@ def test_a_run_that_cannot_be_prepared_does_not_end_the_agent(agent: Agent, tmp_
     (tmp_path / "g.yaml").write_text("graph: g\nstages:\n  a: {uses: ticks.count}\n")
     plan = compile_graph(tmp_path / "g.yaml", plugin_files=[TICKS])
     plan = replace(plan, workers=tuple(replace(worker, host="left") for worker in plan.workers))
-    order = order_of(plan, RunOptions(tmp_path), restart=False)
+    order = new_order(plan, RunOptions(tmp_path), restart=False)
     order = replace(order, plan=packed(plan, "left", tmp_path), out=None)
     blocked = tmp_path / "runs" / f"19700101-000000-{order.run}-left" / ".ledger"
     blocked.mkdir(parents=True)

@@ -18,7 +18,8 @@ from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.host.local_host import LocalHost
 from followspot.log.run_log import RunLog
-from followspot.operator.coordinator import Coordinator, order_of
+from followspot.operator.coordinator import Coordinator
+from followspot.operator.new_order import new_order
 from followspot.operator.run_dispatcher import run_dispatcher
 from followspot.operator.run_requests import ChangeStages, MoveStages, Surroundings
 from followspot.worker.ledger import COLUMNS
@@ -40,7 +41,7 @@ def plan(tmp_path: Path) -> Plan:
 
 
 def order(plan: Plan) -> RunOrder:
-    return order_of(plan, RunOptions(), restart=False)
+    return new_order(plan, RunOptions(), restart=False)
 
 
 class Ready:
