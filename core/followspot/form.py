@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -12,10 +11,9 @@ import numpy as np
 from followspot.document import Node, plain
 from followspot.errors import Guess, Mistake, did_you_mean
 from followspot.messages import Array
+from followspot.valid_names import HOST_NAME, is_title
 
 Shape = tuple[int, ...]
-HOST = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
-"""Pattern of host names: one chunk of a Zenoh key."""
 MAX_QUOTED = 80
 """Characters of a text that a mistake quotes."""
 
@@ -88,7 +86,7 @@ class Form:
     def host(self, key: str = "host") -> str:
         """The name of a host, empty if it is missing."""
         found = self.text(key)
-        if found is None or HOST.fullmatch(found):
+        if found is None or HOST_NAME.fullmatch(found):
             return found or ""
         remedy = "letters, digits, _, . and -, up to 64 characters"
         self.wrong(self.entries[key], f"{key} cannot be {kind_of(self.entries[key])}", remedy)
@@ -203,16 +201,6 @@ def kind_of(node: Node) -> str:
     if not isinstance(node.value, str):
         return f"{node.value}"
     return f'"{node.value}"' if len(node.value) <= MAX_QUOTED else f'"{node.value[:MAX_QUOTED]}..."'
-
-
-def is_name(text: str) -> bool:
-    """True if a text may name a stage, a camera or a target: letters, digits, _ and -."""
-    return bool(text) and len(text) <= 100 and all(c.isalnum() or c in "_-" for c in text)
-
-
-def is_title(text: str) -> bool:
-    """True if a text may name a graph or a room: up to 100 characters that file names may contain."""
-    return 0 < len(text) <= 100 and text.isprintable() and "/" not in text
 
 
 def _leaves(node: Node) -> Iterator[Node]:

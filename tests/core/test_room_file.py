@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from tests.core.graph.files import ROOM
 
 from followspot.errors import InputError
-from followspot.form import HOST, is_title
 from followspot.room import Camera, Member, Room, Sensor, StageUse, Target
 from followspot.room_file import from_data, load, save, to_data, update
+from followspot.valid_names import HOST_NAME, is_title
 
 finite = st.floats(allow_nan=False, allow_infinity=False, width=64)
 near = st.floats(-1e4, 1e4)
@@ -59,7 +59,7 @@ def cameras(draw: st.DrawFn, name: str) -> Camera:
         np.array(draw(st.tuples(*[near] * 3))),
         model,
         draw(st.none() | st.just(StageUse("cameras.video", params, "elsewhere"))),
-        draw(st.just("") | st.from_regex(HOST, fullmatch=True)),
+        draw(st.just("") | st.from_regex(HOST_NAME, fullmatch=True)),
         draw(st.just(0.0) | st.floats(-1.0, 1.0)),
         draw(tags),
     )
@@ -73,7 +73,7 @@ def sensors(draw: st.DrawFn, name: str) -> Sensor:
         draw(st.none() | st.just(StageUse("toy.imu", {"port": 7}, "elsewhere"))),
         draw(st.none() | st.floats(1e-6, 1e6)),
         draw(st.none() | st.just(Member("targets", "green"))),
-        draw(st.just("") | st.from_regex(HOST, fullmatch=True)),
+        draw(st.just("") | st.from_regex(HOST_NAME, fullmatch=True)),
         draw(tags),
     )
 

@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 from followspot.document import Node, child
 from followspot.errors import InputError, Mistake, Place, did_you_mean
-from followspot.form import Form, is_name, kind_of
+from followspot.form import Form, kind_of
 from followspot.graph.auto_placement.costs import MEASURE, read_costs
 from followspot.graph.auto_placement.measured import Measured, auto, check_measured, cores_here, unkept
 from followspot.graph.auto_placement.search import AIMS
@@ -20,6 +20,7 @@ from followspot.graph.names import enclosing
 from followspot.graph.plan import PlannedWorker
 from followspot.graph.scheduling import KEYS, Scheduling, read_scheduling
 from followspot.room import Member
+from followspot.valid_names import is_name
 from followspot.yaml_reader import read
 
 MAIN = "main"

@@ -43,11 +43,10 @@ from followspot.security.grants import Grants
 from followspot.transport.wakeup_event import WakeupEvent
 from followspot.transport.zenoh.network import Network
 from followspot.transport.zenoh.session import close_session, connected, locators
+from followspot.valid_names import HOST_NAME
 
 _POLL_MS = 100
 """Longest wait between two polls of the workers, ms."""
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
-"""Valid names of hosts."""
 _RUN = re.compile(r"[0-9a-f]{8,64}")
 """Valid names of runs."""
 
@@ -76,7 +75,7 @@ class Agent:
 
     def __init__(self, options: AgentOptions, tell: Callable[[str], None] = lambda line: None) -> None:
         """tell: gets lines for the log. Raises FollowspotError if the name or an endpoint is wrong."""
-        if NAME.fullmatch(options.name) is None:
+        if HOST_NAME.fullmatch(options.name) is None:
             raise FollowspotError(
                 f"{options.name!r} cannot be the name of a host; use letters, digits, - _ ."
             )

@@ -13,10 +13,10 @@ from tempfile import NamedTemporaryFile
 from typing import Any
 
 from followspot.errors import FollowspotError, writing
-from followspot.form import is_name
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedStage, Written
 from followspot.operator.run_handle import RunHandle
+from followspot.valid_names import is_name
 
 Entries = Mapping[str, Mapping[str, Any]]
 """The entry of each stage in an overlay: `uses`, if the plugin stage is another, and `with`."""

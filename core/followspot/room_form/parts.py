@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from followspot.document import Node
 from followspot.errors import Mistake
-from followspot.form import Form, is_name, kind_of
+from followspot.form import Form, kind_of
 from followspot.room import SETS, StageUse, Tags
+from followspot.valid_names import is_name
 
 MAX_TAGS = 100
 """Most tags of one camera, sensor or target, and most values of one tag."""

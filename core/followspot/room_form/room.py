@@ -8,7 +8,7 @@ import numpy as np
 
 from followspot.document import Node
 from followspot.errors import InputError, Mistake
-from followspot.form import Form, is_name
+from followspot.form import Form
 from followspot.messages import Array
 from followspot.room import Camera, Room
 from followspot.room_form.camera import camera_of
@@ -17,6 +17,7 @@ from followspot.room_form.sensor import sensor_of
 from followspot.room_form.sync import sync_of
 from followspot.room_form.target import target_of
 from followspot.room_form.tune import tune_of
+from followspot.valid_names import is_name
 
 MAX_CAMERAS = 1000
 MAX_SENSORS = 1000

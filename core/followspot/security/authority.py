@@ -25,13 +25,13 @@ from followspot.security.certificates import (
     new_key,
 )
 from followspot.transport.host_registry import (
-    NAME,
     REGISTRY,
     HostRole,
     RegisteredHost,
     read_host_registry,
     registry_text,
 )
+from followspot.valid_names import HOST_NAME
 
 AUTHORITY = "authority"
 HOST_DAYS = 825
@@ -96,7 +96,7 @@ class Authority:
         addresses: IP addresses or DNS names of the host; days: validity of the certificate; renew: replace
         the certificate of a known host. Raises FollowspotError if the name is invalid or taken.
         """
-        if NAME.fullmatch(name) is None or name in (AUTHORITY, REGISTRY):
+        if HOST_NAME.fullmatch(name) is None or name in (AUTHORITY, REGISTRY):
             raise FollowspotError(f"{name!r} cannot be the name of a host; use letters, digits, - _ .")
         if name in self._members and not renew:
             raise FollowspotError(f"{name} has a certificate already; --renew replaces it")

@@ -16,13 +16,12 @@ from typing import Any, Literal, get_args
 
 from followspot.errors import FollowspotError
 from followspot.files import DOCUMENT, read_bytes
-from followspot.form import HOST
+from followspot.valid_names import HOST_NAME
 
 HostRole = Literal["camera", "worker", "operator", "router"]
 """camera, worker: runs an agent (a worker's stages may see every port); operator: may also start, stop and
 change runs; router: passes on what others send."""
 ROLES: tuple[HostRole, ...] = get_args(HostRole)
-NAME = HOST
 REGISTRY = "hosts.json"
 FORMAT = 1
 _FILES = ("ca.pem", "cert.pem", "key.pem", REGISTRY)
@@ -109,7 +108,7 @@ def registry_text(own: str, members: Mapping[str, RegisteredHost]) -> str:
 
 def _member(name: str, entry: Any) -> RegisteredHost:
     role, expires = entry["role"], datetime.fromisoformat(entry["expires"])
-    if NAME.fullmatch(name) is None or role not in ROLES:
+    if HOST_NAME.fullmatch(name) is None or role not in ROLES:
         raise ValueError(f"{str(name)[:80]!r} with the role {str(role)[:80]!r} cannot be a host")
     if expires.tzinfo is None:
         raise ValueError(f"the time {entry['expires']!r} has no time zone")

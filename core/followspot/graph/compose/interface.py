@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 from followspot.document import Node
 from followspot.errors import Mistake, did_you_mean
-from followspot.form import is_name, kind_of
+from followspot.form import kind_of
 from followspot.graph.compose.feeds import items, sender
 from followspot.graph.compose.graph_file import GraphFile
+from followspot.valid_names import is_name
 
 _FORMS = {
     "params": "STAGE.PARAMETER, or a list of them",
