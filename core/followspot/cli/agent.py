@@ -83,7 +83,8 @@ def _run(args: argparse.Namespace) -> int:
       followspot agent --name pc-left --listen tls/192.168.0.7:7450 --certificates certs --media recordings
       followspot agent --name pc-left --discover --certificates certs   operators find it by --discover
     """
-    from followspot.host.agent import Agent, AgentOptions
+    from followspot.host.agent import Agent
+    from followspot.host.agent_options import AgentOptions
     from followspot.security.grants import Grants
     from followspot.security.rejected_peers import RejectedPeers
     from followspot.transport.zenoh.network import AGENT, everywhere

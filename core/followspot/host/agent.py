@@ -6,7 +6,6 @@ import re
 import select
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,24 +23,21 @@ from followspot.control.lifecycle import (
 )
 from followspot.control.move import MoveOrder
 from followspot.control.observation import ClockReading, GetHostStatus, GetLog, GetStates, ReadClock
-from followspot.control.plan_transfer import unpacked, unpacked_stages
 from followspot.control.relay import Relayed
 from followspot.control.swap import ChangeOrder
 from followspot.control.worker_orders import RELAYED
 from followspot.control.zenoh_rpc import RpcClient, RpcServer, agents
 from followspot.errors import FollowspotError
-from followspot.graph.change.stages import with_stages
-from followspot.graph.plan_data import plan_from_data, plan_to_data
+from followspot.graph.plan_data import plan_from_data
+from followspot.host.agent_changes import AgentChanges
+from followspot.host.agent_options import AgentOptions
 from followspot.host.agent_run import AgentRun
 from followspot.host.agent_runs import AgentRuns
 from followspot.host.clocks.host import HostClock
 from followspot.host.local_host import LocalHost
-from followspot.host.operator_timeout import OPERATOR_TIMEOUT
 from followspot.log.file import LogFile
 from followspot.plugins.registry import use_plugin_files
-from followspot.security.grants import Grants
 from followspot.transport.wakeup_event import WakeupEvent
-from followspot.transport.zenoh.network import Network
 from followspot.transport.zenoh.session import close_session, connected, locators
 from followspot.valid_names import HOST_NAME
 
@@ -49,25 +45,6 @@ _POLL_MS = 100
 """Longest wait between two polls of the workers, ms."""
 _RUN = re.compile(r"[0-9a-f]{8,64}")
 """Valid names of runs."""
-
-
-@dataclass(frozen=True)
-class AgentOptions:
-    """Options of an agent, set by the owner of the host.
-
-    name: of the host, as rooms and placements use it; grants: files, receivers and devices that stages may
-    use; runs: folder below which each run gets an output folder; plugin_files: one-file plugins installed
-    here; clock_offset: known delay of this host's clock, ns; operator_timeout: seconds without a request of
-    its operator after which a run that is not detached ends here.
-    """
-
-    name: str
-    network: Network = Network()
-    grants: Grants = Grants()
-    runs: Path = Path("runs")
-    plugin_files: tuple[str, ...] = ()
-    clock_offset: int = 0
-    operator_timeout: float = OPERATOR_TIMEOUT
 
 
 class Agent:
@@ -88,6 +65,7 @@ class Agent:
         self.options = options
         self.tell = tell
         self.agent_runs = AgentRuns(options.runs, options.name, tell)
+        self._changes = AgentChanges(options, self.agent_runs, tell)
         self._wakeup = WakeupEvent()
         self._stopping = False
         self.session = connected(options.network)
@@ -155,8 +133,8 @@ class Agent:
                 PrepareRun: lambda request: self.prepare(request.order),
                 StartRun: lambda request: self.start(request.run),
                 **dict.fromkeys((StopRun, EndWorkers, GetHostStatus, GetStates, GetLog), self._ask),
-                ChangeOrder: self.change,
-                MoveOrder: self.move,
+                ChangeOrder: self._changes.change,
+                MoveOrder: self._changes.move,
                 **dict.fromkeys(RELAYED, self.relay),
                 ReadClock: lambda request: self._read_clock(request.run),
                 CloseRun: lambda request: runs.close(request.run),
@@ -181,7 +159,7 @@ class Agent:
         if not _RUN.fullmatch(order.run):
             raise FollowspotError(f"{order.run[:80]!r} cannot be the name of a run")
         self.agent_runs.check_capacity(order.run)
-        plan = unpacked(order.plan, name, self.options.grants, self.options.plugin_files)
+        plan = self.options.unpacked(order.plan)
         graph = plan_from_data(plan).graph
         out = self._folder(order.run)
         hub = (*self.locators, *self.options.network.connect)
@@ -217,47 +195,6 @@ class Agent:
         if not agent_run.started:
             agent_run.started = True
             agent_run.run.ask(StartRun())
-
-    def change(self, order: ChangeOrder) -> None:
-        """One step of a hot swap of stages on this host. Raises FollowspotError."""
-        agent_run = self.agent_runs.agent_run(order.run)
-        own = {stage.name for stage in agent_run.run.plan.stages if stage.worker in agent_run.run.workers}
-        if foreign := {stage.name for stage in order.stages} - own:
-            raise FollowspotError(f"{', '.join(sorted(foreign))} of run {order.run[:8]} does not run here")
-        if missing := set(order.workers) - set(agent_run.run.workers):
-            text = f"worker {', '.join(sorted(missing))} of run {order.run[:8]} does not run here"
-            raise FollowspotError(text)
-        if order.plan is not None:
-            self._rewire(order, order.plan, agent_run)
-            return
-        stages = unpacked_stages(order.stages, self.options.grants)
-        agent_run.run.ask(order.model_copy(update={"stages": stages}))
-        if order.step == "take_over" and not order.workers:
-            plan = with_stages(plan_from_data(agent_run.order.plan), order.stages, order.subgraphs)
-            agent_run.order = replace(agent_run.order, plan=plan_to_data(plan))
-            names = ", ".join(stage.name for stage in order.stages) or "what its sub-graphs offer"
-            self.tell(f"run {order.run[:8]} of {agent_run.graph}: changed {names}")
-
-    def _rewire(self, order: ChangeOrder, data: dict[str, Any], agent_run: AgentRun) -> None:
-        """One step of a change in which stages of a worker here come or go. Raises FollowspotError."""
-        plan = unpacked(data, self.options.name, self.options.grants, self.options.plugin_files)
-        agent_run.run.ask(order.model_copy(update={"plan": plan}))
-        if order.step == "take_over":
-            agent_run.order = replace(agent_run.order, plan=data)
-            self.tell(f"run {order.run[:8]} of {agent_run.graph}: another file in the place of a sub-graph")
-
-    def move(self, order: MoveOrder) -> None:
-        """One step of a move of stages to or from this host. Raises FollowspotError."""
-        agent_run = self.agent_runs.agent_run(order.run)
-        if order.plan is not None:
-            name, grants = self.options.name, self.options.grants
-            plan = unpacked(order.plan, name, grants, self.options.plugin_files)
-            if order.trial:
-                return
-            agent_run.order = replace(agent_run.order, plan=order.plan)
-            order = order.model_copy(update={"plan": plan})
-            self.tell(f"run {order.run[:8]} of {agent_run.graph}: stages moved")
-        agent_run.run.ask(order)
 
     def relay(self, order: Relayed) -> None:
         """Send an order to the workers on this host. Raises FollowspotError if it does not fit the plan."""

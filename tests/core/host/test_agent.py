@@ -14,7 +14,8 @@ from followspot.control.lifecycle import ListRuns, PrepareRun
 from followspot.control.plan_transfer import packed
 from followspot.control.zenoh_rpc import RpcClient
 from followspot.graph.compile import compile_graph
-from followspot.host.agent import Agent, AgentOptions
+from followspot.host.agent import Agent
+from followspot.host.agent_options import AgentOptions
 from followspot.operator.new_order import new_order
 from followspot.transport.zenoh.edge import open_session
 from followspot.transport.zenoh.network import LOOPBACK, UNPROVEN, Network
