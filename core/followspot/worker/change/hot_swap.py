@@ -11,7 +11,7 @@ from typing import Any
 from followspot.control.swap import ChangeOrder, ChangeStatus
 from followspot.errors import FollowspotError
 from followspot.worker.change.joint_change import JointChange
-from followspot.worker.change.replacement import Replacement, discarded, dry_run, prepared, take_over
+from followspot.worker.change.replacement import Replacement, discard_all, dry_run, prepared, take_over
 from followspot.worker.change.rewiring import Rewiring
 from followspot.worker.rest import REST_TIMEOUT, Rest
 from followspot.worker.scheduler import Scheduler
@@ -77,7 +77,7 @@ class HotSwap:
         self.answer(ChangeStatus(order.id, "done", turn=order.turn))
 
     def _build(self, order: ChangeOrder) -> None:
-        """Build what is new, then have it tried on between two firings; answers if that fails."""
+        """Build what is new, then have the dry run done between two firings; answers if that fails."""
         built: Sequence[Replacement] = ()
         rewiring: Rewiring | None = None
         try:
@@ -94,9 +94,9 @@ class HotSwap:
             _discard(built, rewiring)
             return
         self._built, self._rewiring = built, rewiring
-        self.scheduler.between_firings(partial(self._try_on, order))
+        self.scheduler.between_firings(partial(self._dry_run, order))
 
-    def _try_on(self, order: ChangeOrder) -> None:
+    def _dry_run(self, order: ChangeOrder) -> None:
         """Find out whether the replacements can carry on, before any worker lets one take over."""
         if order.id != self._id:
             return
@@ -104,7 +104,7 @@ class HotSwap:
             if not order.fresh:
                 dry_run(self._built)
                 if self._rewiring is not None:
-                    self._rewiring.try_on()
+                    self._rewiring.dry_run()
         except FollowspotError as error:
             self._built, self._rewiring = (), None
             self.answer(ChangeStatus(order.id, "failed", str(error), order.turn))
@@ -156,6 +156,6 @@ class HotSwap:
 
 
 def _discard(built: Sequence[Replacement], rewiring: Rewiring | None) -> None:
-    discarded(built)
+    discard_all(built)
     if rewiring is not None:
         rewiring.discard()

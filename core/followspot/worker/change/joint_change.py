@@ -99,7 +99,7 @@ class JointChange:
             return
         try:
             if not order.fresh:
-                rewiring.try_on()
+                rewiring.dry_run()
         except FollowspotError as error:
             self._fail(order, str(error))
         else:

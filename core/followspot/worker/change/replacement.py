@@ -1,4 +1,4 @@
-"""Replacements of stages: built beside those that work, tried on, and put in between two firings."""
+"""Replacements of stages: built beside those that work, tested, and put in between two firings."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from functools import partial
 from followspot.errors import FollowspotError
 from followspot.graph.plan import PlannedStage
 from followspot.plugins.registry import load_stage
+from followspot.ports import ports
 from followspot.stage import Stage
 from followspot.worker.runners.stage_runner import StageRunner
 from followspot.worker.scheduler import Scheduler
@@ -31,6 +32,25 @@ class Replacement:
         self.runner.retire(old)
 
 
+def fits(runner: StageRunner, stage: PlannedStage) -> bool:
+    """Whether the stage, or a replacement in the same runner, can do what the plan says."""
+    before, after = ports(type(runner.stage)), ports(load_stage(stage.uses))
+    alike = (before.source, before.gives, type(runner.stage).live) == (
+        after.source,
+        after.gives,
+        load_stage(stage.uses).live,
+    )
+    given = {(port.name, port.type) for port in before.outputs}
+    same = given == {(port.name, port.type) for port in after.outputs}
+    return alike and same and runner.stage.context.member == stage.member
+
+
+def is_same(runner: StageRunner, stage: PlannedStage) -> bool:
+    """Whether the stage that works is the planned one already."""
+    now = runner.stage
+    return type(now) is load_stage(stage.uses) and now.params == type(now).Params(**stage.params)
+
+
 def prepared(scheduler: Scheduler, stages: Sequence[PlannedStage]) -> list[Replacement]:
     """Build and set up replacements for stages of a worker, in any thread, while the old ones work on.
 
@@ -47,7 +67,7 @@ def prepared(scheduler: Scheduler, stages: Sequence[PlannedStage]) -> list[Repla
             replacements.append(Replacement(runner, stage, build, planned.uses))
             stage.setup()
         except Exception as error:
-            discarded(replacements)
+            discard_all(replacements)
             reason = str(error) if isinstance(error, FollowspotError) else f"{type(error).__name__}: {error}"
             raise FollowspotError(
                 f"stage {planned.name} ({planned.uses}) cannot be built: {reason}"
@@ -64,7 +84,7 @@ def dry_run(replacements: Sequence[Replacement]) -> None:
         for replacement in replacements:
             _restore_checkpoint(replacement)
     except FollowspotError:
-        discarded(replacements)
+        discard_all(replacements)
         raise
 
 
@@ -82,7 +102,7 @@ def take_over(scheduler: Scheduler, replacements: Sequence[Replacement], *, fres
     scheduler.schedule.regroup()
 
 
-def discarded(replacements: Sequence[Replacement]) -> None:
+def discard_all(replacements: Sequence[Replacement]) -> None:
     """Close replacements that will not take over."""
     for replacement in replacements:
         replacement.runner.retire(replacement.stage)

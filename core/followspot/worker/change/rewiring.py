@@ -10,26 +10,22 @@ from dataclasses import replace
 
 from followspot.errors import FollowspotError
 from followspot.graph.plan import PlannedEdge, PlannedStage
-from followspot.plugins.registry import load_stage
-from followspot.ports import ports
 from followspot.worker.build import Builder
+from followspot.worker.change.departure import close_leaving, discard_sampled
 from followspot.worker.change.remote_ends import RemoteEnds
-from followspot.worker.change.replacement import Replacement, discarded, dry_run, prepared
+from followspot.worker.change.replacement import Replacement, discard_all, dry_run, fits, is_same, prepared
 from followspot.worker.inputs.input_queue import InputQueue
-from followspot.worker.inputs.join import Join
 from followspot.worker.inputs.sampled_input import NearestInput
 from followspot.worker.ledger import COLUMNS, Ledger
 from followspot.worker.links import Links
 from followspot.worker.runners.error_policy import StageError
-from followspot.worker.runners.live_source import LiveSourceRunner
 from followspot.worker.runners.stage_runner import StageRunner
 from followspot.worker.scheduler import Scheduler
-from followspot.worker.taps.port_taps import taps_at
 from followspot.worker.wiring import RunOptions, Wiring
 
 
 class Rewiring:
-    """What becomes of a worker: the stage runners that come, those that stay, and those that go.
+    """What becomes of a worker: the stage runners that join it, stay, or leave.
 
     wiring, links: of the new plan; ledger: with rows for its edges; rewired: gets the new stages once they
     have taken over.
@@ -58,9 +54,9 @@ class Rewiring:
         self._stays = {
             stage.name: present[stage.name]
             for stage in self._builder.mine
-            if stage.name in present and _can_stay(present[stage.name], stage)
+            if stage.name in present and fits(present[stage.name], stage)
         }
-        self.gone = [runner for runner in scheduler.runners if runner.name not in self._stays]
+        self.leaving = [runner for runner in scheduler.runners if runner.name not in self._stays]
         self._queues = {
             queue.row // COLUMNS: queue
             for runner in scheduler.runners
@@ -81,7 +77,7 @@ class Rewiring:
         """See `Links.wait_matched`; in the thread that built it."""
         self._builder.links.wait_matched(wanted)
 
-    def try_on(self) -> None:
+    def dry_run(self) -> None:
         """Find out whether replacements can carry on from the stages that work. Raises FollowspotError."""
         try:
             dry_run(self.replacements)
@@ -92,7 +88,7 @@ class Rewiring:
     @property
     def window(self) -> int:
         """The widest window, ns, in which an input of a stage that comes or goes matches messages."""
-        joins = [runner.join for runner in (*self.gone, *self.new)]
+        joins = [runner.join for runner in (*self.leaving, *self.new)]
         matched = [queue for join in joins if len(join.members) > 1 for queue in join.members]
         near = [one for join in joins for one in join.sampled if isinstance(one, NearestInput)]
         return max((queue.window for queue in (*matched, *(one.queue for one in near))), default=0)
@@ -102,7 +98,8 @@ class Rewiring:
         In a replay, what it has is all that comes.
         """
         return not (
-            self.wiring.live and any(queue.messages for runner in self.gone for queue in runner.join.members)
+            self.wiring.live
+            and any(queue.messages for runner in self.leaving for queue in runner.join.members)
         )
 
     def leave(self, names: Collection[str] | None = None) -> None:
@@ -110,7 +107,7 @@ class Rewiring:
 
         names: of the stages, in this worker or not; None for all that go.
         """
-        for runner in self.gone:
+        for runner in self.leaving:
             if names is None or runner.name in names:
                 runner.leave()
                 self.scheduler.drain()
@@ -122,8 +119,9 @@ class Rewiring:
         the stage before: the old stages and edges are there then.
         """
         if not fresh:
-            self.try_on()
-        self._close_those_that_go()
+            self.dry_run()
+        for runner in self.leaving:
+            close_leaving(runner)
         for found in self.replacements:
             found.take_over()
         runners = []
@@ -148,7 +146,7 @@ class Rewiring:
     def discard(self) -> None:
         """Close what was built."""
         self._builder.links.forget()
-        discarded(self.replacements)
+        discard_all(self.replacements)
         for runner in self.new:
             runner.retire(runner.stage)
         self.replacements, self.new = [], []
@@ -180,15 +178,6 @@ class Rewiring:
             text = f"stage {stage.name} ({stage.uses}) cannot be built: {type(why).__name__}: {why}"
             raise FollowspotError(text) from error
 
-    def _close_those_that_go(self) -> None:
-        for runner in self.gone:
-            _discard_sampled(runner.join, ())
-            _end_taps(runner)
-            try:
-                runner.stop() if isinstance(runner, LiveSourceRunner) else runner.close()
-            except StageError as error:
-                runner.stage.context.warn(f"the stage left the graph and did not close: {error}")
-
     def _reconnect(self, runner: StageRunner, stage: PlannedStage) -> None:
         """Give a stage that stays the inputs and readers of the new plan."""
         wiring, inputs = self.wiring, self._builder.inputs
@@ -209,7 +198,7 @@ class Rewiring:
                 self._adapt(inputs.queues[number], wiring.plan.edge(number))
             join = inputs.join(stage)
             join.carry_on(runner.join)
-            _discard_sampled(runner.join, [queue for one in join.sampled for queue in one.queues])
+            discard_sampled(runner.join, [queue for one in join.sampled for queue in one.queues])
             runner.join = join
 
     def _adapt(self, queue: InputQueue, edge: PlannedEdge) -> None:
@@ -217,40 +206,3 @@ class Rewiring:
         queue.lateness = self.wiring.lateness[edge.from_stage]
         queue.answers = self.wiring.circular(edge)
         queue.window = self.wiring.tolerance(edge)
-
-
-def _discard_sampled(join: Join, kept: Collection[InputQueue]) -> None:
-    """Discard what waits at sampled inputs for a firing that does not come; not in the queues that stay."""
-    for sampled in join.sampled:
-        for queue in sampled.queues:
-            if queue not in kept:
-                queue.clear(sampled.column)
-
-
-def _end_taps(runner: StageRunner) -> None:
-    """Close the taps of a stage that goes."""
-    taps = list(taps_at(runner))
-    if taps:
-        runner.stage.context.warn("the stage left the graph: subscriptions and views of its ports end")
-    for tap in taps:
-        tap.detach()
-        tap.close()
-
-
-def _can_stay(runner: StageRunner, stage: PlannedStage) -> bool:
-    """Whether the stage, or a replacement in the same runner, can do what the plan says."""
-    before, after = ports(type(runner.stage)), ports(load_stage(stage.uses))
-    alike = (before.source, before.gives, type(runner.stage).live) == (
-        after.source,
-        after.gives,
-        load_stage(stage.uses).live,
-    )
-    given = {(port.name, port.type) for port in before.outputs}
-    same = given == {(port.name, port.type) for port in after.outputs}
-    return alike and same and runner.stage.context.member == stage.member
-
-
-def is_same(runner: StageRunner, stage: PlannedStage) -> bool:
-    """Whether the stage that works is the planned one already."""
-    now = runner.stage
-    return type(now) is load_stage(stage.uses) and now.params == type(now).Params(**stage.params)
