@@ -17,7 +17,8 @@ from followspot.graph.compose.promises import Promise, check_nested, promises_of
 from followspot.graph.compose.resolved import resolved_uses
 from followspot.graph.compose.senders import senders
 from followspot.graph.compose.tuning import subgraph_tunes
-from followspot.graph.compose.unit import Unit, Units, Wired
+from followspot.graph.compose.unit import Unit, Wired
+from followspot.graph.compose.units import Units
 from followspot.graph.names import below
 from followspot.graph.override import Override
 from followspot.graph.subgraph_use import SubgraphUse

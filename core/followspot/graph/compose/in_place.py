@@ -18,7 +18,8 @@ from followspot.graph.compose.optional_use import OptionalUse, left_out_below, o
 from followspot.graph.compose.promises import Promise, check_nested, promises_of
 from followspot.graph.compose.resolved import resolved, resolved_uses
 from followspot.graph.compose.tuning import subgraph_tunes
-from followspot.graph.compose.unit import Unit, Units
+from followspot.graph.compose.unit import Unit
+from followspot.graph.compose.units import Units
 from followspot.graph.override import SUBGRAPH, overridden
 from followspot.graph.selector import read_selector
 from followspot.graph.subgraph_use import SubgraphUse
