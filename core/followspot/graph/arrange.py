@@ -9,18 +9,11 @@ from followspot.graph.check import Checked
 from followspot.graph.checks.rates import nominal_rate
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.cycles import cyclic, successors, topological
+from followspot.graph.depths import INPUT_DEPTHS, live_depth
 from followspot.graph.instances import CheckedStage
 from followspot.graph.parameter_origin import kept, origins
 from followspot.graph.placement import Placed
-from followspot.graph.plan import (
-    DEPTHS,
-    EdgeKind,
-    Plan,
-    PlannedEdge,
-    PlannedStage,
-    live_depth,
-    nearest_kind,
-)
+from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedStage, nearest_kind
 from followspot.graph.seen_cameras import seen_cameras
 from followspot.room import Room
 
@@ -126,7 +119,7 @@ def planned_edge(edge: CheckedEdge, placed: Placed, choice: EdgeChoice = "auto")
 def _depth(edge: CheckedEdge) -> int:
     """The written depth, else one for the kind of input."""
     written = edge.wire.feed.depth
-    return written if "depth" in edge.wire.feed.places else DEPTHS.get(edge.kind, written)
+    return written if "depth" in edge.wire.feed.places else INPUT_DEPTHS.get(edge.kind, written)
 
 
 def _kind(source: str, target: str, placed: Placed, choice: EdgeChoice) -> EdgeKind:

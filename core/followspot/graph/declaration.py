@@ -9,11 +9,11 @@ from typing import cast
 from followspot.document import Node
 from followspot.errors import Mistake, Place
 from followspot.form import Form, kind_of
+from followspot.graph.depths import MAX_DEPTH
 from followspot.graph.names import SENDER, is_stage_name
 from followspot.graph.plan import (
     MAX_CONCURRENCY,
     MAX_DELAY,
-    MAX_DEPTH,
     EdgeCodec,
     EdgePolicy,
     ErrorPolicy,

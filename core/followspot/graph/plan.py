@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -14,6 +13,7 @@ from pydantic import Field
 from followspot.document import Node
 from followspot.errors import Mistake
 from followspot.graph.budget import Budget
+from followspot.graph.depths import LIVE_DEPTH, MAX_DEPTH, MAX_IN_TRANSIT
 from followspot.graph.scheduling import Scheduling
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.ranges import Wait
@@ -24,22 +24,13 @@ EdgeCodec = Literal["raw", "lossless", "jpeg"]
 ErrorPolicy = Literal["fail", "skip", "restart"]
 EdgePolicy = Literal["block", "drop_oldest", "latest"]
 MAX_DELAY = 1000
-MAX_DEPTH = 10_000
+"""Largest delay of feedback, firings."""
 MAX_CONCURRENCY = 64
+"""Most answers that one stage may compute at once."""
 MAX_SEED = (1 << 63) - 1
+"""Largest seed of the random numbers of a run."""
 MAX_NEW_EDGES = 1024
 """Edges that a graph may get while it runs: the ledger has rows for them from the start."""
-DEPTHS: Mapping[str, int] = {"window": 1024, "nearest": 256}
-"""Depths of edges to inputs of these kinds, if none is written: a second of a fast sensor, and as long as a
-stage may lag behind one in a live run."""
-LIVE_DEPTH = 2
-"""Messages of a live source that wait for the graph, if nothing else is known: one to take, and the next."""
-_FAST = 100.0
-"""Rate, Hz, above which every message of a live source counts and not the newest alone."""
-_LONGEST_WORK = 0.5
-"""Time, s, for which a worker may be busy before it loses messages of a fast source."""
-AHEAD = 2
-"""Messages in transit on an edge that drops; later ones wait in the sender, which can drop them."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +112,7 @@ class PlannedEdge:
     @property
     def capacity(self) -> int:
         """Most messages in transit or waiting: feedback needs its delay and one more."""
-        return self.depth + AHEAD if self.drops else max(self.depth, self.delay + 2)
+        return self.depth + MAX_IN_TRANSIT if self.drops else max(self.depth, self.delay + 2)
 
 
 @dataclass(frozen=True)
@@ -131,13 +122,6 @@ class PlannedWorker:
     name: str
     host: str = ""
     scheduling: Scheduling = Scheduling()
-
-
-def live_depth(rate: float | None) -> int:
-    """The depth of a live source with this rate, Hz: half a second of what is too fast for pictures."""
-    if rate is None or rate <= _FAST:
-        return LIVE_DEPTH
-    return min(math.ceil(rate * _LONGEST_WORK), MAX_DEPTH)
 
 
 def nearest_kind(start: PlannedWorker, end: PlannedWorker) -> EdgeKind:

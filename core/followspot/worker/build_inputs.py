@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 
-from followspot.graph.plan import AHEAD, PlannedEdge, PlannedStage
+from followspot.graph.depths import MAX_IN_TRANSIT
+from followspot.graph.plan import PlannedEdge, PlannedStage
 from followspot.port_specs import InputSpec
 from followspot.room_fit import misfit
 from followspot.sealing import seal
@@ -68,7 +69,7 @@ class InputBuilder:
         if self.wiring.live and edge.drops:
             return _ENDLESS, edge.depth
         if self.wiring.live and self.wiring.sampled(edge):
-            return edge.capacity, max(edge.capacity - AHEAD, edge.delay + 1)
+            return edge.capacity, max(edge.capacity - MAX_IN_TRANSIT, edge.delay + 1)
         return edge.capacity, None
 
     def join(self, stage: PlannedStage) -> Join:

@@ -9,7 +9,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from followspot.control.worker_orders import TakeRing
-from followspot.graph.plan import AHEAD, EdgeKind, Plan, PlannedEdge
+from followspot.graph.depths import MAX_IN_TRANSIT
+from followspot.graph.plan import EdgeKind, Plan, PlannedEdge
 from followspot.messages import Message
 from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.edge import PortReader, PortWriter
@@ -153,4 +154,4 @@ class EdgeLinks:
 
     def _depth(self, edges: Sequence[PlannedEdge]) -> int:
         """Most messages on their way to the slowest reader."""
-        return AHEAD if edges[0].drops and self.plan.live else max(edge.capacity for edge in edges)
+        return MAX_IN_TRANSIT if edges[0].drops and self.plan.live else max(edge.capacity for edge in edges)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from followspot.graph.plan import AHEAD
+from followspot.graph.depths import MAX_IN_TRANSIT
 from followspot.messages import Header, Message
 from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.ring.reader import RingReader
@@ -57,7 +57,7 @@ class Rings:
         pairs = [socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) for _ in range(3)]
         self.ends = [theirs for _, theirs in pairs]
         self.ring = RingWriter([ours for ours, _ in pairs[:2]], 8)
-        self.dropping = DroppingWriter(RingWriter([pairs[2][0]], AHEAD), 2)
+        self.dropping = DroppingWriter(RingWriter([pairs[2][0]], MAX_IN_TRANSIT), 2)
         self.output.attach(self.ring, ["a -> b", "a -> c"], [self.ledger.row(0), self.ledger.row(1)])
         self.output.attach(self.dropping, ["a -> d"], [self.ledger.row(2)])
 

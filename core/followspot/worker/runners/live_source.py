@@ -10,7 +10,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from followspot.graph.plan import LIVE_DEPTH
+from followspot.graph.depths import LIVE_DEPTH
 from followspot.messages import UNSTAMPED, Header
 from followspot.outputs import several
 from followspot.stage import Stage
