@@ -6,8 +6,9 @@ the frame of reference that the message names; it has length 1 and w >= 0; all f
 
 from __future__ import annotations
 
-from followspot.messages import Array, Cells, Message, column
+from followspot.messages import Array, Message, column
 from followspot.room import Room
+from followspot.table_column import TableColumn
 from followspot.tracking import Tracks, Truth
 
 
@@ -55,8 +56,8 @@ class PosedTruth(Truth):
     quaternion: Array = column("M", 4)
     """Turns a vector in axes of the object into axes of the room; NaN if it is unknown."""
 
-    def as_table(self, room: Room) -> list[Cells]:
+    def as_table(self, room: Room) -> list[TableColumn]:
         """The columns of `Truth`, then qw, qx, qy, qz."""
         names = (f"q{axis}" for axis in "wxyz")
-        turned = (Cells(name, values) for name, values in zip(names, self.quaternion.T, strict=True))
+        turned = (TableColumn(name, values) for name, values in zip(names, self.quaternion.T, strict=True))
         return [*super().as_table(room), *turned]

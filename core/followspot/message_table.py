@@ -15,12 +15,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from followspot.columns import Column
 from followspot.errors import FollowspotError
-from followspot.messages import Array, Cells, Column, Message
+from followspot.messages import Array, Message
 from followspot.room import Room
+from followspot.table_column import TableColumn
 from followspot.tracking import STATES
 
-Table = Sequence[Cells]
+Table = Sequence[TableColumn]
 RESERVED = frozenset({"type", "source", "seq", "frame", "time", "time_ns", "rows"})
 """Names that files and JSON use beside the table; a field with such a name becomes `message_time`."""
 
@@ -141,14 +143,14 @@ def _declared(message: Message, room: Room) -> Table:
     """The table that the declaration of the type says."""
     layout = _layout(type(message))  # type: ignore[arg-type]  # classes can be hashed
     count = len(getattr(message, message.columns[0].name)) if message.columns else 1
-    table = [Cells(_free(name), [_finite(getattr(message, name))] * count) for name in layout.single]
+    table = [TableColumn(_free(name), [_finite(getattr(message, name))] * count) for name in layout.single]
     if layout.by_target:
-        table.append(Cells("object", _named(np.arange(count), tuple(room.targets))))
+        table.append(TableColumn("object", _named(np.arange(count), tuple(room.targets))))
     for column, heads in layout.columns:
         array: Array = getattr(message, column.name)
         if not heads:
             table.append(
-                Cells(
+                TableColumn(
                     _free(column.name), _rows(message, column, count, room), column.unit, extra=column.extra
                 )
             )
@@ -157,7 +159,7 @@ def _declared(message: Message, room: Room) -> Table:
         for head, values in zip(heads, array.reshape(count, len(heads)).T, strict=True):
             shown = plain(values) if values.dtype.kind == "c" else values
             named = shown if names is None else _named(values, names)
-            table.append(Cells(head, named, column.unit, column.decimals, column.extra))
+            table.append(TableColumn(head, named, column.unit, column.decimals, column.extra))
     return table
 
 

@@ -21,7 +21,9 @@ from typing import Any, ClassVar, NamedTuple, Self, TypeVar, dataclass_transform
 import numpy as np
 from numpy.typing import NDArray
 
+from followspot.columns import Column, check_column
 from followspot.html import html_table
+from followspot.table_column import TableColumn
 
 Array = NDArray[Any]
 
@@ -33,8 +35,6 @@ they fit into a head with all else (`followspot.transport.wire.MAX_HEAD`)."""
 MAX_TIME = 1 << 62
 """Largest absolute capture time, ns (146 years from 1970). A watermark, with every tolerance and lateness
 that a graph can add, stays below the values that mean absence and the end (`followspot.transport.token`)."""
-MAX_DIMENSIONS = 8
-"""Largest number of dimensions of a column."""
 MAX_SEQ = 1 << 62
 """Largest number of a frame."""
 MIN_INTEGER, MAX_INTEGER = -(1 << 63), (1 << 63) - 1
@@ -55,37 +55,6 @@ class Header(NamedTuple):
 
 
 UNSTAMPED = Header("", -1, 0)
-
-
-class Column(NamedTuple):
-    """The contract of one array field."""
-
-    name: str
-    shape: tuple[int | str, ...]
-    dtype: np.dtype[Any]
-    unit: str
-    refers: str = ""
-    """What its numbers index: "targets", "states" or a field of texts of the message; "" if nothing."""
-    names: tuple[str, ...] = ()
-    """Names of its columns in a table; by default they follow from its own."""
-    decimals: int | None = None
-    """Digits after the point in a text file; None: as many as tell the number."""
-    extra: bool = False
-    """True if a text file leaves it out unless its columns are asked for by name."""
-
-
-class Cells(NamedTuple):
-    """One column of a table that a message is written as; see `followspot.message_table`.
-
-    values: (R,) numbers, truth values or texts, or a list of one JSON value for each row; unit, decimals,
-    extra: as of a `Column`.
-    """
-
-    name: str
-    values: Array | list[Any]
-    unit: str = "1"
-    decimals: int | None = None
-    extra: bool = False
 
 
 SCALARS: tuple[type, ...] = (str, int, float, bool)
@@ -157,7 +126,7 @@ class Message:
                 )
         texts = {name for name, kind in cls.scalars if kind == tuple[str, ...]}
         for c in cls.columns:
-            _check_column(cls.__name__, c)
+            check_column(cls.__name__, c)
             if c.refers and c.refers not in ("targets", "states", *texts):
                 what = "neither targets, states nor a field of texts"
                 raise TypeError(f"{cls.__name__}.{c.name} refers to {c.refers}: {what}")
@@ -192,7 +161,7 @@ class Message:
         kept = {c.name: getattr(self, c.name)[keep] for c in self.columns if c.shape[:1] == (rows,)}
         return dataclasses.replace(self, **kept)  # type: ignore[type-var]
 
-    def as_table(self, room: Any) -> list[Cells] | None:
+    def as_table(self, room: Any) -> list[TableColumn] | None:
         """Its table in a `followspot.room.Room`, for a type whose declaration does not say it; else None.
 
         Without rows, the columns have the same names.
@@ -208,17 +177,6 @@ class Message:
         source, seq, time, _ = self.header
         title = f"{type(self).__name__} {seq} of {source or 'no source'} at {time} ns"
         return html_table(("field", "shape", "unit", "value"), fields, title)
-
-
-def _check_column(owner: str, found: Column) -> None:
-    """Raise TypeError if arrays of this column cannot be sent; owner: name of the message type."""
-    name, shape, dtype, *_ = found
-    if dtype.kind not in "biufc" or dtype.char in "gG":
-        raise TypeError(f"{owner}.{name}: a column holds numbers or truth values, not dtype {dtype.str}")
-    if len(shape) > MAX_DIMENSIONS:
-        raise TypeError(f"{owner}.{name} has {len(shape)} dimensions, at most {MAX_DIMENSIONS}")
-    if not all(isinstance(size, str) or (isinstance(size, int) and size >= 0) for size in shape):
-        raise TypeError(f"{owner}.{name} has the shape {shape}: sizes are names, or whole numbers from 0")
 
 
 M = TypeVar("M", bound=Message)

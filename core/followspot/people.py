@@ -12,8 +12,9 @@ from __future__ import annotations
 import numpy as np
 
 from followspot.geometry import direction, seen_from_above, wrap
-from followspot.messages import Array, Cells, Message, column
+from followspot.messages import Array, Message, column
 from followspot.room import Camera, Room
+from followspot.table_column import TableColumn
 from followspot.tracking import STATES
 
 
@@ -90,7 +91,7 @@ class Poses(Message):
     confidence: Array = column("M")
     """Agreement of the picture with the pose, 0 to 1."""
 
-    def as_table(self, room: Room) -> list[Cells]:
+    def as_table(self, room: Room) -> list[TableColumn]:
         """Poses as their camera sees them: phi, r and torso_heading are relative to it (phi 0: its axis,
         torso_heading 0: the chest faces it); of fused poses they are relative to the room.
         """
@@ -101,17 +102,19 @@ class Poses(Message):
         parts = ("x", "y", "height", "heading", "pan", "tilt")
         units = ("m", "m", "m", "rad", "rad", "rad")
         return [
-            Cells("person", self.person),
-            *(Cells(name, values, "m", 4) for name, values in metres.items()),
-            Cells("phi", phi, "rad", 4),
-            Cells("r", r, "m", 4),
-            *(Cells(name, values, "rad", 4) for name, values in angles.items()),
-            Cells("confidence", self.confidence, decimals=4),
-            Cells("camera", [self.camera] * len(x)),
-            Cells("state", np.array(STATES, object)[np.minimum(self.state, len(STATES) - 1)], extra=True),
-            Cells("heading", self.heading, "rad", extra=True),
+            TableColumn("person", self.person),
+            *(TableColumn(name, values, "m", 4) for name, values in metres.items()),
+            TableColumn("phi", phi, "rad", 4),
+            TableColumn("r", r, "m", 4),
+            *(TableColumn(name, values, "rad", 4) for name, values in angles.items()),
+            TableColumn("confidence", self.confidence, decimals=4),
+            TableColumn("camera", [self.camera] * len(x)),
+            TableColumn(
+                "state", np.array(STATES, object)[np.minimum(self.state, len(STATES) - 1)], extra=True
+            ),
+            TableColumn("heading", self.heading, "rad", extra=True),
             *(
-                Cells(f"sigma_{part}", values, unit, extra=True)
+                TableColumn(f"sigma_{part}", values, unit, extra=True)
                 for part, unit, values in zip(parts, units, self.sigma.T, strict=True)
             ),
         ]

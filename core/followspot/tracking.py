@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot.messages import Array, Cells, Message, column
+from followspot.messages import Array, Message, column
 from followspot.room import Room
+from followspot.table_column import TableColumn
 
 LOST, TRACKED, MISSING, PREDICTED = 0, 1, 2, 3
 STATES = ("lost", "tracked", "missing", "predicted")
@@ -56,22 +57,22 @@ class Blobs(Message):
     targets: Array = column("N", "T", dtype="?")
     """Targets that the blob may belong to: by colour and search region, or by search region alone."""
 
-    def as_table(self, room: Room) -> list[Cells]:
+    def as_table(self, room: Room) -> list[TableColumn]:
         """A row for each blob and target that it may belong to; one without a target if it has none."""
         blob, target = np.argwhere(np.column_stack([self.targets, ~self.targets.any(axis=1)])).T
         known = [*room.targets, *map(str, range(len(room.targets), self.targets.shape[1]))]
         u, v = self.pixel[blob].T
         x, y = self.xy[blob].T
         return [
-            Cells("camera", [self.camera] * len(blob)),
-            Cells("target", np.array([*known[: self.targets.shape[1]], ""], object)[target]),
-            Cells("u", u, "px", 3),
-            Cells("v", v, "px", 3),
-            Cells("area", self.area[blob], "px", 0),
-            Cells("similarity", self.similarity[blob], decimals=4),
-            Cells("blob", blob, extra=True),
-            Cells("x", x, "px", 3, extra=True),
-            Cells("y", y, "px", 3, extra=True),
+            TableColumn("camera", [self.camera] * len(blob)),
+            TableColumn("target", np.array([*known[: self.targets.shape[1]], ""], object)[target]),
+            TableColumn("u", u, "px", 3),
+            TableColumn("v", v, "px", 3),
+            TableColumn("area", self.area[blob], "px", 0),
+            TableColumn("similarity", self.similarity[blob], decimals=4),
+            TableColumn("blob", blob, extra=True),
+            TableColumn("x", x, "px", 3, extra=True),
+            TableColumn("y", y, "px", 3, extra=True),
         ]
 
 
@@ -195,12 +196,14 @@ class Truth(Message):
     """At least 50 % visible in two cameras, a colour and an infrared one if the room has both kinds, or in a
     depth camera."""
 
-    def as_table(self, room: Room) -> list[Cells]:
+    def as_table(self, room: Room) -> list[TableColumn]:
         """The columns of a file of ground truth (`cameras.truth_csv`)."""
-        flags = (Cells(name, getattr(self, name).astype("u1")) for name in ("hidden", "trackable", "pair"))
-        place = (Cells(axis, values, "m") for axis, values in zip("xyz", self.xyz.T, strict=True))
+        flags = (
+            TableColumn(name, getattr(self, name).astype("u1")) for name in ("hidden", "trackable", "pair")
+        )
+        place = (TableColumn(axis, values, "m") for axis, values in zip("xyz", self.xyz.T, strict=True))
         names = [*self.objects, *[""] * len(self.xyz)][: len(self.xyz)]
-        return [Cells("object", names), *place, *flags]
+        return [TableColumn("object", names), *place, *flags]
 
 
 class ImageTracks(Message):

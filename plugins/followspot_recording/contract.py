@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from followspot import Message
+from followspot.columns import Column
 from followspot.errors import FollowspotError
-from followspot.messages import SCALARS, Array, Column, column
+from followspot.messages import SCALARS, Array, column
 
 _KINDS: dict[str, Any] = {kind.__name__: kind for kind in SCALARS} | {"texts": tuple[str, ...]}
 _MAX_FIELDS = 200

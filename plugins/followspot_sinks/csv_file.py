@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from followspot import Field, Joined, Message, OutputPath, StageParams
 from followspot.errors import FollowspotError
 from followspot.message_table import Table, head_of, plain, table_of
-from followspot.messages import Cells
+from followspot.table_column import TableColumn
 from followspot_sinks.chosen_columns import chosen_columns
 from followspot_sinks.line_sink import LineSink, seconds
 
@@ -66,12 +66,12 @@ class CsvFile(LineSink):
         self.begin(",".join(map(_text, head)) + "\n")
 
 
-def _form(cells: Cells) -> str:
+def _form(cells: TableColumn) -> str:
     """How a line of the file shows a value of a column, in the language of the operator %."""
     return "%s" if cells.decimals is None or isinstance(cells.values, list) else f"%.{cells.decimals}f"
 
 
-def _values(cells: Cells) -> list[Any]:
+def _values(cells: TableColumn) -> list[Any]:
     """The values of a column, as :func:`_form` shows them."""
     if cells.decimals is None or isinstance(cells.values, list):
         return [_text(value) for value in plain(cells.values)]

@@ -6,7 +6,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from followspot.messages import Array, Column, Message
+from followspot.columns import Column
+from followspot.messages import Array, Message
 from followspot.room import Room
 from followspot.tracking import Frame
 

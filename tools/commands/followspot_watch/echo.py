@@ -14,8 +14,9 @@ from followspot.cli.agent_options import network_of
 from followspot.frame_times import to_seconds
 from followspot.library.handle import RunHandle, connected_run
 from followspot.message_table import as_json, rows_of, table_of
-from followspot.messages import Cells, Message, stamped
+from followspot.messages import Message, stamped
 from followspot.plugins.registry import use_plugin_files
+from followspot.table_column import TableColumn
 from followspot.tables import table
 from followspot.tracking import Frame
 from followspot_dashboard.picture import Picture
@@ -100,7 +101,7 @@ def text(port: str, message: Message, room: Room) -> str:
     return "\n".join(lines)
 
 
-def _head(cells: Cells) -> str:
+def _head(cells: TableColumn) -> str:
     return cells.name if cells.unit == "1" else f"{cells.name} [{cells.unit}]"
 
 

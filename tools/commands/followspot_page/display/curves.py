@@ -12,8 +12,9 @@ import numpy as np
 
 from followspot.errors import FollowspotError
 from followspot.message_table import head_of, table_of
-from followspot.messages import Cells, Message
+from followspot.messages import Message
 from followspot.room import Room
+from followspot.table_column import TableColumn
 from followspot_dashboard.picture import PICTURES
 from followspot_page.allowed_requests import Curve
 from followspot_page.display.feed import Feed
@@ -113,7 +114,7 @@ def _number(values: Any, row: int | None) -> float | None:
     return number if math.isfinite(number) else None
 
 
-def _fields(kind: type[Message], table: Sequence[Cells]) -> list[dict[str, str]]:
+def _fields(kind: type[Message], table: Sequence[TableColumn]) -> list[dict[str, str]]:
     plain = {name for name, its in kind.scalars if its in (int, float, bool)}
     numbers = [
         {"name": cells.name, "unit": "" if cells.unit == "1" else cells.unit}

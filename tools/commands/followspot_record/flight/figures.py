@@ -8,10 +8,11 @@ from typing import Any, Literal
 
 import numpy as np
 
+from followspot.columns import Column
 from followspot.graph.plan import PlannedEdge
 from followspot.library.handle import LOSSES, SOURCE_LOSSES, EdgeCount
 from followspot.message_table import named_columns
-from followspot.messages import Array, Column, Message
+from followspot.messages import Array, Message
 from followspot.room import Room
 from followspot.tracking import STATES
 
