@@ -34,11 +34,11 @@ def _run(args: argparse.Namespace) -> int:
       followspot move fuse main
       followspot move camera/cam3 pc-right --run glowballs
     """
-    from followspot.cli.patience import patient_run
+    from followspot.cli.wait_notice import run_with_notices
     from followspot.plugins.registry import use_plugin_files
 
     use_plugin_files([str(Path(file).absolute()) for file in args.plugin_files])
-    with patient_run(args) as run:
+    with run_with_notices(args) as run:
         moved = run.move([args.stage], args.place)
     if args.json:
         print(json.dumps(asdict(moved)))

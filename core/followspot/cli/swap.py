@@ -30,7 +30,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _change(args: argparse.Namespace) -> int:
-    from followspot.cli.patience import patient_run
+    from followspot.cli.wait_notice import run_with_notices
     from followspot.errors import InputError
     from followspot.plugins.registry import use_plugin_files
 
@@ -38,7 +38,7 @@ def _change(args: argparse.Namespace) -> int:
     if unclear := [word for word in args.words if "=" not in word]:
         remedy = f"say STAGE=..., for example fuse=balls.mean; a run is named by --run {unclear[0]}"
         raise InputError.of(f'"{unclear[0]}" says no change', remedy)
-    with patient_run(args) as run:
+    with run_with_notices(args) as run:
         changed = run.change(args.words, fresh=args.fresh)
     if args.json:
         print(json.dumps(asdict(changed)))

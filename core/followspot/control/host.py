@@ -12,7 +12,7 @@ from typing import Any, Literal, Protocol
 
 from followspot.control.clock_status import ClockStatus
 from followspot.control.dispatch import RunRequest
-from followspot.control.origin import Origin
+from followspot.control.process_identity import ProcessIdentity
 from followspot.control.stage_status import PathStatus, StageStatus
 from followspot.control.swap import ChangeStatus
 from followspot.control.worker_report import WorkerReport
@@ -32,7 +32,7 @@ class RunOrder:
     for outputs, None if the host chooses one; restart: whether hosts restart workers that die; detached:
     whether the run goes on without an operator; incarnations: of workers that ran under an earlier agent;
     over: workers of any host that have ended for good; reference: the run's reference host, which stays the
-    same when hosts join or leave, "" if the run began without agents; origin: the operator's process.
+    same when hosts join or leave, "" if the run began without agents; operator: its process.
     """
 
     run: str
@@ -44,7 +44,7 @@ class RunOrder:
     incarnations: dict[str, Incarnation] = field(default_factory=dict)
     over: tuple[str, ...] = ()
     reference: str = ""
-    origin: Origin = Origin()
+    operator: ProcessIdentity = ProcessIdentity()
 
     def here(self, plan: dict[str, Any], out: str) -> RunOrder:
         """The order with the plan and the folder of this host."""

@@ -9,7 +9,7 @@ import pydantic
 
 from followspot.control.dispatch import Request, Role, RunRequest
 from followspot.control.host import RunOrder
-from followspot.control.origin import Origin
+from followspot.control.process_identity import ProcessIdentity
 from followspot.ranges import Age, Count, Nanoseconds
 
 Known = Literal["here", "timed out", "unknown"]
@@ -22,7 +22,7 @@ class ListedRun:
     """A run under an agent.
 
     over: it has ended on this host; detached: it goes on without an operator; silent_s: time since the last
-    request of an operator for it, s; origin: the operator's process; fired: frames done on this host; age_s:
+    request of an operator for it, s; operator: its process; fired: frames done on this host; age_s:
     since this agent has it, s; folder: of its outputs on this host.
     """
 
@@ -31,7 +31,7 @@ class ListedRun:
     over: bool
     detached: bool = False
     silent_s: Age = 0.0
-    origin: Origin = Origin()
+    operator: ProcessIdentity = ProcessIdentity()
     fired: Count = 0
     age_s: Age = 0.0
     folder: _Name = ""

@@ -83,7 +83,7 @@ def checked_graph(
     expanded = expand(loaded if change is None else change(loaded), mistakes)
     expanded = tuned(expanded, mistakes)
     checked = check(replace(expanded, offered=expanded.offered | _stages(subscribed)), mistakes)
-    check_interface(loaded.promises, expanded, mistakes)
+    check_interface(loaded.interface_targets, expanded, mistakes)
     mistakes += checked.risks if strict else ()
     placed = place(expanded, None if placement is None else str(placement), mistakes)
     if mistakes:

@@ -11,8 +11,8 @@ from followspot.document import Node
 from followspot.errors import InputError, Mistake, Place
 from followspot.form import kind_of
 from followspot.graph.compose.compose import Composed, compose
+from followspot.graph.compose.interface_targets import StageTarget
 from followspot.graph.compose.optional_use import OptionalUse
-from followspot.graph.compose.promises import Promise
 from followspot.graph.declaration import StageDeclaration, read_stage
 from followspot.graph.override import read_override
 from followspot.graph.room_part import part_of
@@ -38,7 +38,7 @@ class Loaded:
     stages: Mapping[str, StageDeclaration]
     offered: frozenset[str] = frozenset()
     """Stages that an interface names among its outputs."""
-    promises: tuple[Promise, ...] = ()
+    interface_targets: tuple[StageTarget, ...] = ()
     """What the interface of the graph file names."""
     left_out: Mapping[str, Mistake] = field(default_factory=dict)
     """The sub-graphs that the room has nothing for, with the reasons."""
@@ -84,7 +84,7 @@ def load(
         seed=composed.seed,
         stages=stages,
         offered=composed.offered,
-        promises=composed.promises,
+        interface_targets=composed.interface_targets,
         left_out=composed.left_out,
         apart=tuple(read_stage(name, node, mistakes) for name, node in composed.apart.items()),
         optional=composed.optional,

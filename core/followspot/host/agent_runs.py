@@ -103,7 +103,7 @@ class AgentRuns:
                 over=agent_run.over,
                 detached=agent_run.order.detached,
                 silent_s=agent_run.operator.seconds(now),
-                origin=agent_run.order.origin,
+                operator=agent_run.order.operator,
                 fired=max((worker.fired for worker in agent_run.run.status().workers), default=0),
                 age_s=now - agent_run.began,
                 folder=agent_run.run.out,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from followspot.control.clock_status import LIMIT_MS, ClockStatus
 from followspot.control.dispatch import NoAnswer
 from followspot.control.host import WorkerStatus
-from followspot.control.origin import user_of
+from followspot.control.process_identity import user_of
 from followspot.control.stage_status import EdgeAge, PathStatus, StageState, StageStatus
 from followspot.control.tapping import Tapping
 from followspot.log.file import read_log

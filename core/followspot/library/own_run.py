@@ -16,9 +16,9 @@ from followspot.errors import FollowspotError
 from followspot.library.keeping import StartKeeping, unkept
 from followspot.library.report import Report
 from followspot.library.script_handle import ScriptHandle
-from followspot.library.subscribed import Subscribed
 from followspot.library.subscription import Subscription
-from followspot.operator.changed import Changed
+from followspot.library.subscription_sinks import SubscriptionSinks
+from followspot.operator.change_outcome import ChangeOutcome
 from followspot.operator.coordinator import Coordinator
 from followspot.operator.reporting.report import RunReport
 from followspot.operator.reporting.truth import run_scores
@@ -47,7 +47,7 @@ class OwnRun(ScriptHandle):
 
     def __init__(
         self,
-        subscribed: Subscribed,
+        subscribed: SubscriptionSinks,
         ready: AbstractContextManager[PreparedRun],
         out: Path,
         keep: StartKeeping,
@@ -87,7 +87,7 @@ class OwnRun(ScriptHandle):
             self._raise()
             self._warn()
 
-    def swap(self, stage: str, uses: str | type[Stage], *, fresh: bool = False) -> Changed:
+    def swap(self, stage: str, uses: str | type[Stage], *, fresh: bool = False) -> ChangeOutcome:
         """Replace a stage during the run by another plugin stage, or by a class of this process."""
         return super().swap(stage, uses if isinstance(uses, str) else offer_stage(uses), fresh=fresh)
 

@@ -14,7 +14,7 @@ from followspot.library.keep import Keep
 from followspot.library.keeping import keeping
 from followspot.library.own_run import OwnRun
 from followspot.library.plan_settings import PlanSettings, plan_of, whole
-from followspot.library.subscribed import Subscribed
+from followspot.library.subscription_sinks import SubscriptionSinks
 from followspot.operator.launch import prepared
 from followspot.transport.zenoh.network import Network
 from followspot.worker.wiring import RunOptions
@@ -78,7 +78,7 @@ def run(
         plugin_files=plugin_files,
         edges=edges,
     )
-    subscribed = Subscribed(plan, ports)
+    subscribed = SubscriptionSinks(plan, ports)
     kept = keeping(subscribed.plan, keep)
     folder = Path(out or Path("runs") / f"{plan.graph}-{time.strftime('%Y%m%d-%H%M%S')}")
     folder.mkdir(parents=True, exist_ok=True)

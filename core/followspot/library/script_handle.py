@@ -12,7 +12,7 @@ from followspot.errors import FollowspotError
 from followspot.html import html_table
 from followspot.library.overlay import save_overlay
 from followspot.library.subscription import M, Subscription
-from followspot.library.tapped import TappedPorts
+from followspot.library.tap_subscriptions import TapSubscriptions
 from followspot.operator.run_handle import RunHandle
 
 
@@ -31,7 +31,7 @@ class ScriptHandle(RunHandle, Closing):
         `RunHandle`.
         """
         super().__init__(run, graph, ask, pid)
-        self._tapped = TappedPorts(self, failure)
+        self._tapped = TapSubscriptions(self, failure)
 
     def subscribe(self, port: str, kind: type[M]) -> Subscription[M]:
         """``self[port]`` for type checkers and editors: a subscription to messages of this type.

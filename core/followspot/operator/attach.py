@@ -17,9 +17,9 @@ from followspot.errors import FollowspotError, InputError
 from followspot.graph.change.stages import with_stages
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_from_data
-from followspot.operator.chosen import Listed, chosen, names
 from followspot.operator.coordinator import Coordinator
 from followspot.operator.discovery import Agents, await_named, discovered_hosts, operator_session, reached
+from followspot.operator.named_run import Listed, chosen, names
 from followspot.operator.new_order import new_order
 from followspot.operator.remote.remote_host import RemoteHost
 from followspot.operator.reporting.report import RunReport
@@ -110,14 +110,14 @@ def runs_under(network: Network, on_gap: Callable[[str], None] = lambda clause: 
 def _found(run: str, hosts: Mapping[str, ListedRun]) -> FoundRun:
     """A run from the listing of each of its hosts."""
     listed = list(hosts.values())
-    origin = listed[0].origin
+    operator = listed[0].operator
     return FoundRun(
         run,
         listed[0].graph,
         tuple(hosts),
         all(one.over for one in listed),
         detached=listed[0].detached,
-        owner="@".join(text for text in (origin.user, origin.name) if text),
+        owner="@".join(text for text in (operator.user, operator.name) if text),
         fired=max(one.fired for one in listed),
         age_s=max(one.age_s for one in listed),
         folders=tuple(f"{host}:{one.folder}" for host, one in hosts.items() if one.folder),

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from followspot.control.unix_socket import served_here
-from followspot.operator.chosen import chosen, names
+from followspot.operator.named_run import chosen, names
 from followspot.operator.run_handle import RunHandle
 from followspot.transport.zenoh.network import Network
 

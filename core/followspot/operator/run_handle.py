@@ -18,7 +18,7 @@ from followspot.graph.override import as_option
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_from_data
 from followspot.log.record import LogPage
-from followspot.operator.changed import Changed, Moved
+from followspot.operator.change_outcome import ChangeOutcome, MoveOutcome
 from followspot.operator.marking import kept, mark
 from followspot.operator.marks import Kept, Mark, Moment
 from followspot.operator.run_requests import (
@@ -87,31 +87,31 @@ class RunHandle:
         found: Surroundings = self.ask(GetSurroundings(), ANSWER_TIMEOUT)
         return found
 
-    def set(self, parameter: str, value: Any) -> Changed:
+    def set(self, parameter: str, value: Any) -> ChangeOutcome:
         """Set a parameter during the run: ``set("color.similarity", 0.85)``."""
         return self.change([as_option(parameter, value)])
 
-    def swap(self, stage: str, uses: str, *, fresh: bool = False) -> Changed:
+    def swap(self, stage: str, uses: str, *, fresh: bool = False) -> ChangeOutcome:
         """Replace a stage during the run by another plugin stage: ``swap("fuse", "balls.mean")``."""
         return self.change([f"{stage}={uses}"], fresh=fresh)
 
-    def change(self, words: Sequence[str], *, folder: Path = Path(), fresh: bool = False) -> Changed:
+    def change(self, words: Sequence[str], *, folder: Path = Path(), fresh: bool = False) -> ChangeOutcome:
         """Make several swaps (`fuse=balls.mean`) and settings (`color.similarity=0.7`), all or none.
 
         Replacements are built beside the running stages and take over between two firings. They restore the
         state of the old stages if both support it, unless `fresh`. folder: base of relative paths.
         """
         request = ChangeStages(words=tuple(words), folder=folder.absolute(), fresh=fresh)
-        found: Changed = self.ask(request, _CHANGE_TIMEOUT)
+        found: ChangeOutcome = self.ask(request, _CHANGE_TIMEOUT)
         return found
 
-    def move(self, stages: Sequence[str], place: str) -> Moved:
+    def move(self, stages: Sequence[str], place: str) -> MoveOutcome:
         """Move stages of a live run to another worker, or to a host that the run can reach.
 
         Workers whose stages or kinds of edges change restart from the state of their stages. Messages in
         flight to and from them are lost and counted.
         """
-        found: Moved = self.ask(MoveStages(stages=tuple(stages), place=place), _CHANGE_TIMEOUT)
+        found: MoveOutcome = self.ask(MoveStages(stages=tuple(stages), place=place), _CHANGE_TIMEOUT)
         return found
 
     def tap(self, taps: Sequence[Tapping]) -> None:

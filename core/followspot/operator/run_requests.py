@@ -10,7 +10,7 @@ import pydantic
 
 from followspot.control.dispatch import Request, Role
 from followspot.graph.plan import Written
-from followspot.operator.changed import Changed, Moved
+from followspot.operator.change_outcome import ChangeOutcome, MoveOutcome
 from followspot.operator.marks import Kept, Mark
 from followspot.operator.run_status import RunStatus
 from followspot.ranges import Count
@@ -63,7 +63,7 @@ class ChangeStages(_OperatorRequest):
     words: tuple[str, ...]
     folder: Path = Path()
     fresh: bool = False
-    answer: ClassVar[Any] = Changed
+    answer: ClassVar[Any] = ChangeOutcome
 
 
 class MoveStages(_OperatorRequest):
@@ -71,7 +71,7 @@ class MoveStages(_OperatorRequest):
 
     stages: tuple[str, ...]
     place: str
-    answer: ClassVar[Any] = Moved
+    answer: ClassVar[Any] = MoveOutcome
 
 
 class MarkMoment(_OperatorRequest):

@@ -27,12 +27,12 @@ from followspot.control.host import RunOrder
 from followspot.control.lifecycle import GetOrder, ListRuns, PrepareRun, StopRun
 from followspot.control.move import MoveOrder
 from followspot.control.observation import GetStates, ReadClock
-from followspot.control.origin import Origin
+from followspot.control.process_identity import ProcessIdentity
 from followspot.control.swap import ChangeOrder
 from followspot.graph.plan import PlannedStage
 
 STATES = {"a": {"big": 2**127 + 1, "nothing": math.nan, "end": -math.inf, "small": 5e-324, "no": -0.0}}
-ORDER = RunOrder("feedc0de", {"x": [math.inf]}, 7, None, True, origin=Origin("desk", pid=5))
+ORDER = RunOrder("feedc0de", {"x": [math.inf]}, 7, None, True, operator=ProcessIdentity("desk", pid=5))
 
 
 def kinds(base: type[Request] = Request) -> Iterator[type[Request]]:

@@ -13,7 +13,7 @@ from followspot.errors import InputError
 from followspot.graph.change.stages import change_of
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
-from followspot.operator.changed import changed, with_change
+from followspot.operator.change_outcome import changed, with_change
 
 GRAPH = """\
 graph: play

@@ -11,7 +11,7 @@ from tests.core.graph.test_subgraphs import EACH, SHARED, ZONED
 from followspot.errors import InputError
 from followspot.graph.change.stages import change_of
 from followspot.graph.plan import Plan
-from followspot.operator.changed import with_change
+from followspot.operator.change_outcome import with_change
 
 
 def after(plan: Plan, *words: str) -> Plan:

@@ -19,7 +19,7 @@ from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedWorker
 from followspot.graph.plan_data import plan_from_data, plan_to_data
 from followspot.graph.subgraph_use import SubgraphUse
-from followspot.operator.changed import with_change
+from followspot.operator.change_outcome import with_change
 
 NESTED = """\
 graph: nested

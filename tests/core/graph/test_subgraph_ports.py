@@ -14,7 +14,7 @@ from followspot.errors import InputError
 from followspot.graph.output_ports import chosen_ports, output_ports, port_names
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_from_data, plan_to_data
-from followspot.library.subscribed import Subscribed
+from followspot.library.subscription_sinks import SubscriptionSinks
 from followspot_watch.tap_subscriber import tapped_ports
 
 OTHER = TRACKER.replace("outputs: {tracks: track.tracks, forecast: track.forecast, blobs: detect}", "OUTPUTS")
@@ -90,7 +90,7 @@ def test_commands_and_scripts_take_the_name_of_an_output(tmp_path: Path) -> None
     plan = planned(tmp_path, _main(), tracker=OTHER.replace("OUTPUTS", "outputs: {positions: track.tracks}"))
     run: Any = SimpleNamespace(plan=lambda: plan, surroundings=lambda: SimpleNamespace(out=tmp_path))
     assert [*tapped_ports("hall.positions", run)] == ["hall/track.tracks"]
-    subscribed = Subscribed(plan, ["hall.positions"])
+    subscribed = SubscriptionSinks(plan, ["hall.positions"])
     assert [e.from_stage for e in subscribed.plan.edges if e.to_stage.startswith("subscription")] == [
         "hall/track"
     ]

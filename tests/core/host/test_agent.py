@@ -51,6 +51,6 @@ def test_a_run_that_cannot_be_prepared_does_not_end_the_agent(agent: Agent, tmp_
         blocked.rmdir()
         client.ask("left", PrepareRun(order=order), 30.0)
         (listed,) = client.ask("left", ListRuns(), 30.0)
-        assert (listed.run, listed.origin.user) == (order.run, order.origin.user)
+        assert (listed.run, listed.operator.user) == (order.run, order.operator.user)
         assert 0 <= listed.age_s < 600
         assert order.run in listed.folder

@@ -6,7 +6,7 @@ import pytest
 
 from followspot.errors import FollowspotError
 from followspot.operator.attach import FoundRun, _listing
-from followspot.operator.chosen import chosen
+from followspot.operator.named_run import chosen
 from followspot.operator.run_handle import RunHandle
 
 ENDED = FoundRun("aaaa1111", "show", ("left",), over=True)

@@ -23,7 +23,7 @@ from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_to_data
 from followspot.messages import Header, Message, stamped
-from followspot.operator.changed import Changed, ChangedStage
+from followspot.operator.change_outcome import ChangeOutcome, StageOutcome
 from followspot.operator.run_requests import (
     ChangeStages,
     GetPlan,
@@ -73,11 +73,11 @@ class Shown:
             },
         )
 
-    def change(self, request: ChangeStages) -> Changed:
+    def change(self, request: ChangeStages) -> ChangeOutcome:
         if request.words[0].endswith("fuse.maximum_iterations=-1"):
             raise FollowspotError("maximum_iterations must be at least 1")
         self.asked.append(list(request.words))
-        return Changed("it", "glowballs", (ChangedStage(request.words[0], "", "", {}),))
+        return ChangeOutcome("it", "glowballs", (StageOutcome(request.words[0], "", "", {}),))
 
     def serve(self, url: str) -> None:
         """The page is at this address."""

@@ -11,7 +11,7 @@ import pytest
 import followspot as fs
 from followspot.cli.main import main
 from followspot.control.dispatch import NoAnswer
-from followspot.control.origin import user_of
+from followspot.control.process_identity import user_of
 from followspot.library.attach import FoundRun
 from followspot.library.handle import RunHandle
 from followspot_watch import runs

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import argparse
 
-from followspot.cli.patience import patient_run
+from followspot.cli.wait_notice import run_with_notices
 from followspot.frame_times import to_seconds
 
 
 def pause(args: argparse.Namespace) -> int:
     """Pause the run that is meant."""
-    with patient_run(args) as run:
+    with run_with_notices(args) as run:
         run.pause()
         print(f"{run.label} is paused; followspot step and followspot resume let it go on")
     return 0
@@ -18,7 +18,7 @@ def pause(args: argparse.Namespace) -> int:
 
 def resume(args: argparse.Namespace) -> int:
     """Let the run that is meant go on."""
-    with patient_run(args) as run:
+    with run_with_notices(args) as run:
         run.resume()
         print(f"{run.label} goes on")
     return 0
@@ -26,7 +26,7 @@ def resume(args: argparse.Namespace) -> int:
 
 def step(args: argparse.Namespace) -> int:
     """Let the run that is meant go on for some capture times."""
-    with patient_run(args) as run:
+    with run_with_notices(args) as run:
         reached = run.step(args.number, source=args.source)
         print(f"{run.label} is paused at the capture time {to_seconds(reached):.6f} s")
     return 0

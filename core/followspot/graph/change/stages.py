@@ -9,10 +9,10 @@ from typing import Any
 
 from followspot.document import Node, node_of
 from followspot.errors import InputError, Mistake, Place, did_you_mean
+from followspot.graph.change.change_arguments import as_typed, sets_parameter, spelled
 from followspot.graph.change.replacement import misfits
 from followspot.graph.change.subgraph_change import BY_A_CHANGE, replaced, uses_of
 from followspot.graph.change.subgraph_plan import room_document
-from followspot.graph.change.words import as_typed, sets_parameter, spelled
 from followspot.graph.distinct_mistakes import told_once
 from followspot.graph.names import enclosing
 from followspot.graph.override import SUBGRAPH, Override, read_override

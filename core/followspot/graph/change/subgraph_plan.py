@@ -72,7 +72,7 @@ def composed_in(plan: Plan, use: SubgraphUse, file: Node, mistakes: list[Mistake
     expanded = expand(loaded, mistakes)
     inside = {name: one for name, one in expanded.instances.items() if use.holds(one.declared.name)}
     own = tuned(replace(expanded, instances=inside), mistakes)
-    check_interface(found.promises, own, mistakes)
+    check_interface(found.interface_targets, own, mistakes)
     return _checked(plan, expanded, own, found, old, mistakes)
 
 

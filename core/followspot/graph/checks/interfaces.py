@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from followspot.errors import Mistake, did_you_mean
-from followspot.graph.compose.promises import Noun, Promise, is_told
+from followspot.graph.compose.interface_targets import Noun, StageTarget, is_noted
 from followspot.graph.declaration import ROOM_SOURCE
 from followspot.graph.expand import Expanded
 from followspot.plugins.registry import PluginError, load_stage
@@ -13,26 +13,26 @@ from followspot.ports import ports
 from followspot.stage import Stage
 
 
-def check_interface(promises: Sequence[Promise], expanded: Expanded, mistakes: list[Mistake]) -> None:
+def check_interface(targets: Sequence[StageTarget], expanded: Expanded, mistakes: list[Mistake]) -> None:
     """Note every parameter and port that a stage lacks, unless a use of the file has shown it.
 
     Of a file that is used, the place of the use stands behind that of the interface.
     """
     sources = {instance.declared.name: instance.uses for instance in expanded.instances.values()}
-    for promise in promises:
-        target = promise.target
-        uses = sources.get(target.stage, "") if promise.uses == ROOM_SOURCE else promise.uses
+    for found in targets:
+        target = found.target
+        uses = sources.get(target.stage, "") if found.uses == ROOM_SOURCE else found.uses
         stage = _class(uses)
-        if stage is None or is_told(target, mistakes):
+        if stage is None or is_noted(target, mistakes):
             continue
-        known = _known(promise.noun, stage)
+        known = _known(found.noun, stage)
         if target.name is None:
-            if promise.noun == "output" and not known:
+            if found.noun == "output" and not known:
                 text = f'stage "{target.stage}" ({uses}) is a sink and has no outputs'
                 mistakes.append(Mistake(target.node.place, text, "remove it from the interface"))
         elif target.name not in known:
-            text = f'stage "{target.stage}" has no {promise.noun} "{target.name}"'
-            remedy = did_you_mean(target.name, known, f"{promise.noun}s")
+            text = f'stage "{target.stage}" has no {found.noun} "{target.name}"'
+            remedy = did_you_mean(target.name, known, f"{found.noun}s")
             mistakes.append(Mistake(target.node.place, text, remedy))
 
 

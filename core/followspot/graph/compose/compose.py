@@ -11,9 +11,9 @@ from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.compose.belonging import belonging, seen_only
 from followspot.graph.compose.feeds import items, origin
 from followspot.graph.compose.graph_file import GraphFiles
+from followspot.graph.compose.interface_targets import StageTarget, check_nested, stage_targets
 from followspot.graph.compose.narrowing import narrowed
 from followspot.graph.compose.optional_use import OptionalUse, left_out_below, optional_uses
-from followspot.graph.compose.promises import Promise, check_nested, promises_of
 from followspot.graph.compose.resolved import resolved_uses
 from followspot.graph.compose.senders import senders
 from followspot.graph.compose.tuning import subgraph_tunes
@@ -42,7 +42,7 @@ class Composed:
     files: tuple[Path, ...]
     complete: bool
     offered: frozenset[str] = frozenset()
-    promises: tuple[Promise, ...] = ()
+    interface_targets: tuple[StageTarget, ...] = ()
     """What the interface of the graph file itself names."""
     left_out: Mapping[str, Mistake] = field(default_factory=dict)
     """The sub-graphs that the room has nothing for, with the reasons; feeds still name them."""
@@ -92,7 +92,7 @@ def compose(
         files=tuple(files.files),
         complete=not wrong,
         offered=_offered(unit) if not wrong else frozenset(),
-        promises=promises_of(unit),
+        interface_targets=stage_targets(unit),
         left_out=left_out_below(unit),
         apart=apart,
         optional=tuple(optional_uses(unit)) if not wrong else (),

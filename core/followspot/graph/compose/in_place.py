@@ -13,9 +13,9 @@ from followspot.graph.compose.compose import outputs_below, stages_of, units_bel
 from followspot.graph.compose.fan_out import Use
 from followspot.graph.compose.graph_file import GraphFile, GraphFiles
 from followspot.graph.compose.interface import Interface, read_interface
+from followspot.graph.compose.interface_targets import StageTarget, check_nested, stage_targets
 from followspot.graph.compose.narrowing import Limit
 from followspot.graph.compose.optional_use import OptionalUse, left_out_below, optional_uses
-from followspot.graph.compose.promises import Promise, check_nested, promises_of
 from followspot.graph.compose.resolved import resolved, resolved_uses
 from followspot.graph.compose.tuning import subgraph_tunes
 from followspot.graph.compose.unit import Unit
@@ -39,7 +39,7 @@ class InPlace:
     left_out: Mapping[str, Mistake]
     optional: tuple[OptionalUse, ...]
     subgraphs: tuple[SubgraphUse, ...]
-    promises: tuple[Promise, ...]
+    interface_targets: tuple[StageTarget, ...]
 
 
 def in_place(
@@ -85,7 +85,7 @@ def in_place(
         left_out=left_out_below(unit),
         optional=tuple(optional_uses(unit)),
         subgraphs=uses,
-        promises=promises_of(unit),
+        interface_targets=stage_targets(unit),
     )
 
 

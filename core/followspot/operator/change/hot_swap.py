@@ -15,15 +15,15 @@ from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.operator.change.change_steps import ChangeSteps, HostPart
 from followspot.operator.change.rewire import rewire
+from followspot.operator.change_outcome import ChangeOutcome, changed, with_change
 from followspot.operator.change_under_way import GIVEN_UP, OnWait, untold
-from followspot.operator.changed import Changed, changed, with_change
 from followspot.operator.run_requests import ChangeStages
 
 if TYPE_CHECKING:
     from followspot.operator.coordinator import Coordinator
 
 
-def change_stages(run: Coordinator, request: ChangeStages) -> Changed:
+def change_stages(run: Coordinator, request: ChangeStages) -> ChangeOutcome:
     """Replace stages and set parameters during the run. Safe from any thread.
 
     Raises InputError for mistakes in the words, FollowspotError if a replacement cannot be built or cannot

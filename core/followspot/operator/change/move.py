@@ -16,8 +16,8 @@ from followspot.graph.change.move import anew, moved
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_to_data
 from followspot.host.heartbeat import SILENCE
+from followspot.operator.change_outcome import MoveOutcome
 from followspot.operator.change_under_way import GIVEN_UP, OnWait, named, untold
-from followspot.operator.changed import Moved
 from followspot.operator.run_requests import MoveStages
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ _POLL_INTERVAL = 0.02
 """Seconds between two polls of the hosts."""
 
 
-def move_stages(run: Coordinator, request: MoveStages) -> Moved:
+def move_stages(run: Coordinator, request: MoveStages) -> MoveOutcome:
     """Move stages of a live run to another worker or host. Safe from any thread.
 
     Workers whose stages or kinds of edges change restart from the state of their stages. Messages in flight
@@ -38,7 +38,7 @@ def move_stages(run: Coordinator, request: MoveStages) -> Moved:
     """
     with run.one_change():
         new = moved(run.plan, request.stages, request.place, run.others.names() if run.others else ())
-        report = Moved.of(run.name, run.plan, new)
+        report = MoveOutcome.of(run.name, run.plan, new)
         if report.stages:
             run.join({worker.host for worker in new.workers} - {host.name for host in run.hosts})
             move_hosts(run.plan, new, run.hosts, run.change.wait_for)

@@ -9,7 +9,7 @@ from contextlib import suppress
 from followspot.control.host import HostRefused
 from followspot.control.lifecycle import CloseRun, ListRuns, StopRun
 from followspot.control.observation import GetHostStatus
-from followspot.control.origin import Origin
+from followspot.control.process_identity import ProcessIdentity
 from followspot.control.zenoh_rpc import RpcClient
 from followspot.host.operator_timeout import SILENT
 
@@ -19,7 +19,7 @@ _POLL_INTERVAL = 0.1
 """Seconds between two polls of the workers."""
 
 
-def end_abandoned_runs(client: RpcClient, host: str, here: Origin) -> Iterator[str]:
+def end_abandoned_runs(client: RpcClient, host: str, here: ProcessIdentity) -> Iterator[str]:
     """End the runs at an agent whose operators were processes of this machine that have died.
 
     Yields a line for each run that was ended, and for each run whose operator has been silent for long.
@@ -33,7 +33,7 @@ def end_abandoned_runs(client: RpcClient, host: str, here: Origin) -> Iterator[s
         if run.over or run.detached:
             continue
         name = f"run {run.run[:8]} of {run.graph}"
-        if run.origin.dead(here):
+        if run.operator.dead(here):
             with suppress(HostRefused):  # another operator has ended it already
                 _end_run(client, host, run.run)
             yield f"{name} was left there by a process of this machine that has died; it was ended"

@@ -16,7 +16,7 @@ from followspot.control.dispatch import Request
 from followspot.control.host import HostLost, HostRefused, HostStatus, RunOrder
 from followspot.control.lifecycle import FindRun
 from followspot.control.observation import GetHostStatus, GetLog
-from followspot.control.origin import own_origin
+from followspot.control.process_identity import own_identity
 from followspot.control.zenoh_rpc import InvalidAnswer, RpcClient
 from followspot.errors import FollowspotError
 from followspot.host.heartbeat import SILENCE, Heartbeat
@@ -78,8 +78,8 @@ class RemoteHost:
         Raises FollowspotError if the agent refuses, HostLost if it does not answer.
         """
         own = self._client.own
-        order = replace(order, origin=own_origin("" if own == UNPROVEN else own.name))
-        for line in end_abandoned_runs(self._client, self.name, order.origin):
+        order = replace(order, operator=own_identity("" if own == UNPROVEN else own.name))
+        for line in end_abandoned_runs(self._client, self.name, order.operator):
             self._old_news += (line,)
             self.log.say("warning", line)
         self._orders.prepare(order)

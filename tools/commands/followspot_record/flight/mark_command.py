@@ -6,14 +6,14 @@ import argparse
 import json
 from dataclasses import asdict
 
-from followspot.cli.patience import patient_run
+from followspot.cli.wait_notice import run_with_notices
 from followspot.library.keep import seconds_of
 
 
 def mark_command(args: argparse.Namespace) -> int:
     """Mark, wait for the file and name it. Returns the exit code."""
     after = 0.0 if args.after.strip() in ("0", "0s") else seconds_of(args.after, "--after")
-    with patient_run(args) as run:
+    with run_with_notices(args) as run:
         moment = run.mark(after=after, note=args.note, wait=True)
     if args.json:
         print(json.dumps(asdict(moment)))

@@ -8,7 +8,7 @@ from typing import Any
 from followspot.graph.plan import Plan, PlannedStage
 
 
-def not_taken_over(old: Plan, new: Plan) -> dict[str, dict[str, Any]]:
+def lost_values(old: Plan, new: Plan) -> dict[str, dict[str, Any]]:
     """The values by instance of the old plan and by parameter.
 
     A stage of the same name has taken a parameter over if it has one of that name; an interface has, if the

@@ -10,9 +10,9 @@ from dataclasses import replace
 
 import pytest
 
-from followspot.control.origin import Origin, _started, own_origin
+from followspot.control.process_identity import ProcessIdentity, _started, own_identity
 
-HERE = replace(own_origin("desk"), machine="m")
+HERE = replace(own_identity("desk"), machine="m")
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ def test_a_reused_process_id_does_not_count() -> None:
 @pytest.mark.parametrize(
     "there",
     [
-        Origin(),
+        ProcessIdentity(),
         replace(HERE, pid=2**22 + 1, boot=""),
         replace(HERE, pid=2**22 + 1, space="pid:[1]"),
         replace(HERE, boot="another", name=""),
@@ -57,9 +57,9 @@ def test_a_reused_process_id_does_not_count() -> None:
     ],
     ids=["unknown", "no boot", "container", "uncertified", "other name", "other machine", "no machine"],
 )
-def test_a_process_elsewhere_is_never_certainly_dead(there: Origin) -> None:
+def test_a_process_elsewhere_is_never_certainly_dead(there: ProcessIdentity) -> None:
     assert not there.dead(HERE)
-    assert not there.dead(Origin())
+    assert not there.dead(ProcessIdentity())
 
 
 def test_a_process_from_before_a_reboot_is_dead() -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from followspot.cli.patience import awaited, telling
+from followspot.cli.wait_notice import pending_of, wait_notices
 from followspot.control.dispatch import NoAnswer, Request
 from followspot.control.host import HostLost, HostStatus, RunOrder, WorkerStatus
 from followspot.control.swap import ChangeOrder
@@ -34,7 +34,7 @@ class Silent:
         self.heard: list[str] = []
 
     def ask(self, order: ChangeOrder) -> None:
-        self.heard.append(awaited(self.handle))
+        self.heard.append(pending_of(self.handle))
         raise HostLost("host pc-left does not answer")
 
     def status(self) -> HostStatus:
@@ -61,7 +61,7 @@ def test_a_run_whose_process_is_suspended_is_said_to_be(capsys: pytest.CaptureFi
     def ask(request: Request, timeout: float) -> Any:
         raise NoAnswer("the run feedc0de does not answer: its process 7 is suspended")
 
-    assert awaited(RunHandle("feedc0de", "g", ask)) == (
+    assert pending_of(RunHandle("feedc0de", "g", ask)) == (
         "an answer: the run feedc0de does not answer: its process 7 is suspended"
     )
 
@@ -76,7 +76,7 @@ def test_what_lasts_is_told_again_on_standard_error_alone(capsys: pytest.Capture
             twice.set()
         return f"host pc-{len(asked)}"
 
-    with telling(what, first=0.01, following=0.01):
+    with wait_notices(what, first=0.01, following=0.01):
         assert twice.wait(60.0)
     said = capsys.readouterr()
     assert said.out == ""
@@ -87,6 +87,6 @@ def test_what_lasts_is_told_again_on_standard_error_alone(capsys: pytest.Capture
 
 
 def test_what_is_done_soon_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
-    with telling(lambda: "nobody", first=3600.0):
+    with wait_notices(lambda: "nobody", first=3600.0):
         pass
     assert capsys.readouterr().err == ""

@@ -1,4 +1,4 @@
-"""The process that operates a run, and whether it has certainly died.
+"""The identity of the process that operates a run, from which a host finds out whether it has died.
 
 A host cannot tell a dead operator from one with an unplugged cable. An operator on the same machine can.
 """
@@ -19,7 +19,7 @@ _START_FIELD = 19
 
 
 @dataclass(frozen=True)
-class Origin:
+class ProcessIdentity:
     """The identity of a process; an unknown field is "" or -1 and proves nothing.
 
     name: of the host in its certificate, "" without one; machine: machine id; boot: boot id; space: id of the
@@ -35,7 +35,7 @@ class Origin:
     started: int = -1
     user: str = ""
 
-    def dead(self, here: Origin) -> bool:
+    def dead(self, here: ProcessIdentity) -> bool:
         """True if this process has certainly died; here: the process that asks."""
         if self.boot and self.boot == here.boot:
             return self.space == here.space != "" and _started(self.pid) != self.started
@@ -43,13 +43,13 @@ class Origin:
         return bool(rebooted and self.name and self.name == here.name)  # a copied disk has the same id
 
 
-def own_origin(name: str) -> Origin:
+def own_identity(name: str) -> ProcessIdentity:
     """The identity of this process; name: of the host in its certificate."""
     space = ""
     with suppress(OSError):
         space = str((_PROC / "self/ns/pid").readlink())
     pid = os.getpid()
-    return Origin(name, _text(_MACHINE), _text(_BOOT), space, pid, _started(pid), user_of(pid))
+    return ProcessIdentity(name, _text(_MACHINE), _text(_BOOT), space, pid, _started(pid), user_of(pid))
 
 
 def user_of(pid: int) -> str:

@@ -1,4 +1,4 @@
-"""The run that is meant: the one rule for the names of runs, here and under agents."""
+"""Finds the run that a user names: one rule for runs of this machine and for runs under agents."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def names(run: Listed, wanted: str | None) -> bool:
 
 
 def chosen(runs: Sequence[Run], wanted: str | None, where: str) -> Run:
-    """The run that `wanted` names: the one rule for the run that is meant, here and under agents.
+    """The run that `wanted` names.
 
     where: these runs are, for the error message. Raises FollowspotError if there is no such run, or several.
     """

@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from followspot.graph.change.lost_values import lost_values
 from followspot.graph.change.move import anew
 from followspot.graph.change.stages import Change
 from followspot.graph.change.subgraph_change import BY_A_CHANGE
-from followspot.graph.change.values_left import not_taken_over
 from followspot.graph.plan import Plan, PlannedStage
 
 
 @dataclass(frozen=True)
-class ChangedStage:
+class StageOutcome:
     """A changed stage. before, uses: the old and the new plugin stage, "" for one that comes or goes; params:
     parameters that differ now.
 
@@ -49,16 +49,16 @@ class ChangedStage:
 
 
 @dataclass(frozen=True)
-class Changed:
+class ChangeOutcome:
     """The outcome of a change."""
 
     run: str
     graph: str
-    stages: tuple[ChangedStage, ...]
+    stages: tuple[StageOutcome, ...]
 
 
 @dataclass(frozen=True)
-class Moved:
+class MoveOutcome:
     """The outcome of a move. stages: moved to `worker` on `host`; anew: workers that restarted for it."""
 
     run: str
@@ -75,31 +75,31 @@ class Moved:
         return f"{', '.join(self.stages)}: to {place}; restarted workers: {', '.join(self.anew)}"
 
     @staticmethod
-    def of(run: str, old: Plan, new: Plan) -> Moved:
+    def of(run: str, old: Plan, new: Plan) -> MoveOutcome:
         """The move that leads from the old plan to the new one."""
         gone = [stage for stage in new.stages if stage.worker != old.worker_of(stage.name)]
         if not gone:
-            return Moved(run, old.graph, ())
+            return MoveOutcome(run, old.graph, ())
         worker = gone[0].worker
         names = tuple(stage.name for stage in gone)
         again = tuple(sorted(anew(old, new) & {found.name for found in new.workers}))
-        return Moved(run, old.graph, names, worker, new.host_of(worker), again)
+        return MoveOutcome(run, old.graph, names, worker, new.host_of(worker), again)
 
 
-def changed(run: str, plan: Plan, change: Change) -> Changed:
+def changed(run: str, plan: Plan, change: Change) -> ChangeOutcome:
     """What a change makes of a plan."""
     old = {stage.name: stage for stage in plan.stages}
     new = change.applied(plan)
     there = {stage.name for stage in new.stages}
-    lost = not_taken_over(plan, new)
+    lost = lost_values(plan, new)
     found = [
-        ChangedStage(s.name, s.uses, "", {}, not_taken=lost.get(s.name, {}))
+        StageOutcome(s.name, s.uses, "", {}, not_taken=lost.get(s.name, {}))
         for s in plan.stages
         if s.name not in there
     ]
     for stage in new.stages:
         if stage.name not in old:
-            found.append(ChangedStage(stage.name, "", stage.uses, {}))
+            found.append(StageOutcome(stage.name, "", stage.uses, {}))
             continue
         if (stage.uses, stage.params) == (old[stage.name].uses, old[stage.name].params):
             continue
@@ -107,8 +107,8 @@ def changed(run: str, plan: Plan, change: Change) -> Changed:
         given = new.origins.get(stage.name, {})
         origins = {name: given[name].text for name in params if name in given and given[name] != BY_A_CHANGE}
         before, values = old[stage.name].uses, lost.get(stage.name, {})
-        found.append(ChangedStage(stage.name, before, stage.uses, params, origins, values))
-    return Changed(run, plan.graph, tuple(found))
+        found.append(StageOutcome(stage.name, before, stage.uses, params, origins, values))
+    return ChangeOutcome(run, plan.graph, tuple(found))
 
 
 def with_change(plan: Plan, change: Change) -> Plan:

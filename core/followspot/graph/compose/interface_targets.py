@@ -1,4 +1,4 @@
-"""What the interfaces of the graph file and of its sub-graphs name."""
+"""The parameters and ports of stages that the interfaces of graph files name."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ Noun = Literal["parameter", "input", "output"]
 
 
 @dataclass(frozen=True)
-class Promise:
-    """A target of an interface: a parameter or a port of a stage.
+class StageTarget:
+    """A parameter or a port of a stage that an interface names.
 
     target: with the full name of its stage; uses: the plugin stage that the file names there.
     """
@@ -27,23 +27,23 @@ class Promise:
     uses: str
 
 
-def promises_of(unit: Unit) -> tuple[Promise, ...]:
+def stage_targets(unit: Unit) -> tuple[StageTarget, ...]:
     """The targets that are stages themselves, of a unit and of all below it."""
     found = []
     for noun, target in _targets(unit):
         if target.stage not in unit.units:
             uses = child(unit.stages[target.stage], "uses")
             full = replace(target, stage=below(unit.name, target.stage))
-            found.append(Promise(noun, full, str(uses.value) if uses is not None else ""))
-    return (*found, *(promise for inner in _inner(unit) for promise in promises_of(inner)))
+            found.append(StageTarget(noun, full, str(uses.value) if uses is not None else ""))
+    return (*found, *(target for inner in _inner(unit) for target in stage_targets(inner)))
 
 
 def check_nested(unit: Unit, mistakes: list[Mistake]) -> None:
-    """Note targets that a sub-graph lacks, of a unit and of all below it, unless a use has shown them."""
+    """Note targets that a sub-graph lacks, of a unit and of all below it, unless they are noted already."""
     for noun, target in _targets(unit):
         inner = next(iter(unit.units.get(target.stage, ())), None)
         known = {} if inner is None else _names(inner)[noun]
-        if inner is None or target.name is None or target.name in known or is_told(target, mistakes):
+        if inner is None or target.name is None or target.name in known or is_noted(target, mistakes):
             continue
         if SECTION[noun] in inner.file.unreadable:
             continue
@@ -54,7 +54,7 @@ def check_nested(unit: Unit, mistakes: list[Mistake]) -> None:
         check_nested(found, mistakes)
 
 
-def is_told(target: InterfaceTarget, mistakes: list[Mistake]) -> bool:
+def is_noted(target: InterfaceTarget, mistakes: list[Mistake]) -> bool:
     """Whether one of the mistakes shows the place of a target."""
     at = _position(target.node.place)
     return any(

@@ -1,4 +1,4 @@
-"""What a command that changes a run waits for, told on standard error while it waits."""
+"""Lines on standard error that say what a command waits for, for commands that change a run."""
 
 from __future__ import annotations
 
@@ -14,41 +14,41 @@ from followspot.errors import FollowspotError
 from followspot.library.handle import NoAnswer, RunHandle, connected_run
 
 _FIRST = 2.0
-"""Seconds that a command takes before it tells what it waits for."""
+"""Seconds before the first line."""
 _NEXT = 5.0
-"""Seconds between two lines after that."""
+"""Seconds between later lines."""
 _ANSWER = 1.0
-"""Seconds that the run has to say what its change waits for."""
+"""Seconds that the run has to answer what its change waits for."""
 _FAULTS = 3
-"""Faults of a run that are told at most."""
+"""Most faults of a run in a line."""
 
 
 @contextmanager
-def patient_run(args: argparse.Namespace) -> Iterator[RunHandle]:
-    """The run that the options name, as `connected_run` finds it; a line now and then while the block lasts.
+def run_with_notices(args: argparse.Namespace) -> Iterator[RunHandle]:
+    """The run that the options name, as `connected_run` finds it, with notices while the block waits.
 
     Raises FollowspotError if there is no such run, or several.
     """
     found: list[RunHandle] = []
 
     def what() -> str:
-        return awaited(found[0]) if found else "the runs in reach to answer"
+        return pending_of(found[0]) if found else "the runs in reach to answer"
 
-    with telling(what), connected_run(args.run, network_of(args)) as run:
+    with wait_notices(what), connected_run(args.run, network_of(args)) as run:
         found.append(run)
         yield run
 
 
 @contextmanager
-def telling(what: Callable[[], str], first: float = _FIRST, following: float = _NEXT) -> Iterator[None]:
-    """Tell on standard error what the block waits for.
+def wait_notices(what: Callable[[], str], first: float = _FIRST, following: float = _NEXT) -> Iterator[None]:
+    """Print on standard error what the block waits for.
 
-    first: s until the first line; following: s between two lines after that.
+    what: called for each line; first: s until the first line; following: s between later lines.
     """
     over = Event()
     began = time.monotonic()
 
-    def tell() -> None:
+    def notify() -> None:
         pause = first
         while not over.wait(pause):
             line = what()
@@ -57,7 +57,7 @@ def telling(what: Callable[[], str], first: float = _FIRST, following: float = _
                 print(f"followspot: waiting for {line} ({since:.0f} s so far)", file=sys.stderr, flush=True)
             pause = following
 
-    thread = Thread(target=tell, name="patience", daemon=True)
+    thread = Thread(target=notify, name="wait notices", daemon=True)
     thread.start()
     try:
         yield
@@ -66,7 +66,7 @@ def telling(what: Callable[[], str], first: float = _FIRST, following: float = _
         thread.join(_ANSWER)
 
 
-def awaited(run: RunHandle) -> str:
+def pending_of(run: RunHandle) -> str:
     """What a request to the run waits for, with the faults of the run."""
     try:
         status = run.status(_ANSWER)

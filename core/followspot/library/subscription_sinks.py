@@ -20,8 +20,11 @@ _WORKER = "python"
 """The worker of the sinks, a thread of this process, if the graph has several workers."""
 
 
-class Subscribed:
-    """plan: with the sinks; in_process: the workers that are threads of this process."""
+class SubscriptionSinks:
+    """The subscriptions that a script names before the run, and the sinks in the plan that feed them.
+
+    plan: with the sinks; in_process: the workers that are threads of this process.
+    """
 
     def __init__(self, plan: Plan, words: Sequence[str]) -> None:
         """words: names of ports; see `chosen_ports`.
@@ -43,7 +46,7 @@ class Subscribed:
 
     @contextmanager
     def yielding(self) -> Iterator[None]:
-        """Let no subscription hold up the run meanwhile."""
+        """Let no subscription hold up the run while the block lasts."""
         with ExitStack() as stack:
             for subscription in self._subscriptions.values():
                 stack.enter_context(subscription.yielding())
@@ -60,7 +63,7 @@ class Subscribed:
             subscription.close()
 
     def end(self) -> None:
-        """The run is over."""
+        """End every subscription: the run is over."""
         for key in self._keys:
             withdraw_subscriptions(key)
         for subscription in self._subscriptions.values():

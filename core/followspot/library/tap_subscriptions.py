@@ -27,7 +27,7 @@ Failure = Callable[[], Exception | None]
 """Why the run failed; None if it did not."""
 
 
-class TappedPorts:
+class TapSubscriptions:
     """The subscriptions of one handle, by name."""
 
     def __init__(self, run: RunHandle, failure: Failure = lambda: None) -> None:
