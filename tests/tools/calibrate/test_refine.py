@@ -18,12 +18,12 @@ from followspot.messages import Array
 from followspot.room_file import load, save
 from followspot_calibrate.adjust import Free, Prior
 from followspot_calibrate.adjust.projection import moved, rotation_of
-from followspot_calibrate.places import Places
 from followspot_calibrate.refine.arguments import GRAPH
-from followspot_calibrate.refine.choosing import telling, together, widths
 from followspot_calibrate.refine.planes import as_seen
+from followspot_calibrate.refine.selection import concatenated, select_sightings, widths
 from followspot_calibrate.refine.solving import OPEN, prior_of, refine
 from followspot_calibrate.similarity import similarity
+from followspot_calibrate.target_sightings import TargetSightings
 from followspot_calibrate.triangulation import triangulate
 from followspot_calibrate.wand.rounds import SCALE, chosen
 
@@ -70,7 +70,7 @@ def bent_mm(cameras: Sequence[Camera], true: Sequence[Camera], points: Array) ->
 def test_cameras_that_are_slightly_off_are_corrected(seed):
     points, pixel = carried()
     given = off(TRUE, seed)
-    found = refine(given, telling(given, pixel, np.full(len(points), RADIUS), FLOOR), FLOOR)
+    found = refine(given, select_sightings(given, pixel, np.full(len(points), RADIUS), FLOOR), FLOOR)
     assert bent_mm(found.after.cameras, TRUE, points) < 0.7 * bent_mm(given, TRUE, points)
     assert found.after.sigma < 0.6 * found.before.sigma
 
@@ -80,11 +80,11 @@ def test_clips_of_targets_tell_what_a_recording_leaves_open():
     points, pixel = carried(1200)
     corner = (points < 0.8).all(axis=1)
     given, radius = off(TRUE), np.full(len(points), RADIUS)
-    alone = telling(given, pixel[corner][:300], radius[corner][:300], FLOOR)
-    clips = Places(pixel[~corner][:100], np.full(100, 0.2))
+    alone = select_sightings(given, pixel[corner][:300], radius[corner][:300], FLOOR)
+    clips = TargetSightings(pixel[~corner][:100], np.full(100, 0.2))
     bent = [
         bent_mm(refine(given, some, FLOOR).after.cameras, TRUE, points)
-        for some in (alone, together(alone, clips))
+        for some in (alone, concatenated(alone, clips))
     ]
     assert bent[1] < 0.8 * bent[0]
 
@@ -95,7 +95,9 @@ def test_fisheye_cameras_are_corrected_as_well_as_their_lenses_allow():
     true = [replace(camera, **lens) if i in (2, 4) else camera for i, camera in enumerate(TRUE)]
     points, _ = carried(150)
     exact = np.stack([project(camera, points) for camera in true], axis=1)
-    places = Places(exact + 0.2 * np.random.default_rng(1).normal(size=exact.shape), np.full(150, 0.2))
+    places = TargetSightings(
+        exact + 0.2 * np.random.default_rng(1).normal(size=exact.shape), np.full(150, 0.2)
+    )
     given = [replace(camera, **lens) if i in (2, 4) else camera for i, camera in enumerate(off(TRUE))]
     found = refine(given, places, FLOOR)
     assert found.after.sigma < 0.6 * found.before.sigma
@@ -107,14 +109,14 @@ def test_fisheye_cameras_are_corrected_as_well_as_their_lenses_allow():
 
 def test_true_cameras_stay_where_they_are():
     points, pixel = carried()
-    found = refine(TRUE, telling(TRUE, pixel, np.full(len(points), RADIUS), FLOOR), FLOOR)
+    found = refine(TRUE, select_sightings(TRUE, pixel, np.full(len(points), RADIUS), FLOOR), FLOOR)
     assert error_mm(found.after.cameras, TRUE, points) < 1.0
 
 
 def test_the_frame_of_reference_is_that_of_the_given_centres():
     points, pixel = carried()
     given = off(TRUE)
-    found = refine(given, telling(given, pixel, np.full(len(points), RADIUS), FLOOR), FLOOR)
+    found = refine(given, select_sightings(given, pixel, np.full(len(points), RADIUS), FLOOR), FLOOR)
     shift = np.mean(
         [new.center - old.center for new, old in zip(found.after.cameras, given, strict=True)], axis=0
     )
@@ -127,7 +129,8 @@ def test_gross_errors_do_not_move_the_cameras():
     wrong[::7, 2] += [3.0, -4.0]
     radius, given = np.full(len(points), RADIUS), off(TRUE)
     clean, spoilt = (
-        refine(given, telling(given, seen, radius, FLOOR), FLOOR).after.cameras for seen in (pixel, wrong)
+        refine(given, select_sightings(given, seen, radius, FLOOR), FLOOR).after.cameras
+        for seen in (pixel, wrong)
     )
     assert error_mm(spoilt, TRUE, points) < error_mm(clean, TRUE, points) + 0.5
 
@@ -138,7 +141,7 @@ def test_the_light_around_a_target_on_the_floor_does_not_count():
     points[::2, 2] = RADIUS
     pixel[::2] = np.stack([project(camera, points[::2]) for camera in TRUE], axis=1)
     pixel[::2, :, 1] += 1.0
-    found = refine(TRUE, telling(TRUE, pixel, np.full(len(points), RADIUS), FLOOR), FLOOR)
+    found = refine(TRUE, select_sightings(TRUE, pixel, np.full(len(points), RADIUS), FLOOR), FLOOR)
     assert error_mm(found.after.cameras, TRUE, points) < 1.0
 
 
@@ -157,7 +160,7 @@ def test_a_camera_that_saw_too_little_is_named():
     points, pixel = carried(100)
     pixel[5:, 3] = np.nan
     with pytest.raises(FollowspotError, match="cam3: 5 sightings"):
-        refine(TRUE, telling(TRUE, pixel, np.full(len(points), RADIUS), FLOOR), FLOOR)
+        refine(TRUE, select_sightings(TRUE, pixel, np.full(len(points), RADIUS), FLOOR), FLOOR)
 
 
 def test_a_target_is_as_wide_as_the_cameras_see_it_on_average():

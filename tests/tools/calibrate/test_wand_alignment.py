@@ -12,7 +12,7 @@ from followspot.errors import FollowspotError, InputError
 from followspot.geometry import project
 from followspot_calibrate.similarity import Similarity
 from followspot_calibrate.wand.alignment import Marker, onto_centers, onto_itself, onto_marker
-from followspot_calibrate.wand.places import read_centers, read_marker
+from followspot_calibrate.wand.known_places import read_centers, read_marker
 
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 ROOM = made_room(cameras=5, rows=1)

@@ -17,8 +17,8 @@ from followspot.errors import FollowspotError
 from followspot.geometry import project
 from followspot.messages import Array
 from followspot.room_file import load, save
-from followspot_calibrate.places import Places, find_places
 from followspot_calibrate.similarity import similarity
+from followspot_calibrate.target_sightings import TargetSightings, find_target_sightings
 from followspot_calibrate.wand.alignment import onto_centers
 from followspot_calibrate.wand.solving import Solved, solve
 from followspot_calibrate.wand.targets import noise, with_targets
@@ -59,7 +59,7 @@ def farthest_off(cameras, made: MadeRoom) -> float:
 
 
 def test_a_hundred_exact_places_of_targets_improve_on_the_wand(made: MadeRoom, solved: Solved) -> None:
-    refined = with_targets(solved, Places(shown(made, 100, 0.1)[1], np.full(100, 0.1)))
+    refined = with_targets(solved, TargetSightings(shown(made, 100, 0.1)[1], np.full(100, 0.1)))
     assert refined.points == 100
     assert refined.sightings == 600
     assert refined.mean_px < 0.15
@@ -69,7 +69,7 @@ def test_a_hundred_exact_places_of_targets_improve_on_the_wand(made: MadeRoom, s
 
 def test_known_centres_hold_the_cameras_as_well_as_they_are_met(made: MadeRoom, solved: Solved) -> None:
     """Centres that are known exactly help the rest of the calibration; bad ones do no harm."""
-    places = Places(shown(made, 20, 0.5)[1], np.full(20, 0.5))
+    places = TargetSightings(shown(made, 20, 0.5)[1], np.full(20, 0.5))
     free = with_targets(solved, places).solved
     random, away = np.random.default_rng(4), {}
     for error in (0.0, 0.03):
@@ -86,7 +86,7 @@ def test_known_centres_hold_the_cameras_as_well_as_they_are_met(made: MadeRoom, 
 @pytest.mark.thorough
 def test_targets_improve_lenses_that_nobody_knew(made: MadeRoom) -> None:
     solved = solve(made.sightings, None)
-    refined = with_targets(solved, Places(shown(made, 100, 0.1)[1], np.full(100, 0.1))).solved
+    refined = with_targets(solved, TargetSightings(shown(made, 100, 0.1)[1], np.full(100, 0.1))).solved
     away = [
         max(
             abs(found.matrix[0, 0] / true.matrix[0, 0] - 1)
@@ -101,7 +101,7 @@ def test_a_third_of_the_sightings_elsewhere_does_no_harm(made: MadeRoom, solved:
     pixel = shown(made, 100, 0.1)[1]
     pixel[::3, 2] += 60
     pixel[1::3, 4] = np.nan
-    refined = with_targets(solved, Places(pixel, np.full(100, 0.1)))
+    refined = with_targets(solved, TargetSightings(pixel, np.full(100, 0.1)))
     assert refined.sightings == np.isfinite(pixel[..., 0]).sum() - 34
     assert farthest_off(refined.solved.settled.cameras, made) < farthest_off(solved.settled.cameras, made) / 3
 
@@ -111,7 +111,7 @@ def test_clips_that_are_not_synchronised_are_told(made: MadeRoom, solved: Solved
     for number in range(6):
         pixel[:, number] = np.roll(pixel[:, number], 7 * number, axis=0)
     with pytest.raises(FollowspotError, match=r"of 600 sightings .* clips must be synchronised"):
-        with_targets(solved, Places(pixel, np.full(100, 0.1)))
+        with_targets(solved, TargetSightings(pixel, np.full(100, 0.1)))
 
 
 @pytest.mark.parametrize("cameras", [3, 8])
@@ -138,7 +138,7 @@ def clips(made: MadeRoom, tmp_path: Path) -> Path:
 
 
 def test_targets_are_found_in_their_clips_below_a_pixel(made: MadeRoom, clips: Path) -> None:
-    places = find_places(clips, made.cameras)
+    places = find_target_sightings(clips, made.cameras)
     truth = shown(made, 2 * FRAMES, 0.0)[1].reshape(2, FRAMES, 6, 2)[::-1].reshape(-1, 6, 2)
     away = np.linalg.norm(places.pixel - truth, axis=2)
     assert np.isnan(away[:FRAMES, 5]).all()
@@ -149,7 +149,7 @@ def test_targets_are_found_in_their_clips_below_a_pixel(made: MadeRoom, clips: P
 
 def test_targets_of_a_single_camera_are_no_points(made: MadeRoom, clips: Path) -> None:
     with pytest.raises(FollowspotError, match="no target is seen by two cameras"):
-        find_places(clips, made.cameras[:1])
+        find_target_sightings(clips, made.cameras[:1])
 
 
 @pytest.mark.thorough

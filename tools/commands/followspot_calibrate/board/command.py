@@ -10,11 +10,11 @@ from pathlib import Path
 from followspot import Room
 from followspot.errors import InputError, writing
 from followspot.room_file import load, update
-from followspot_calibrate.board.looking import find
 from followspot_calibrate.board.page import page_of
+from followspot_calibrate.board.result import as_json, summary, warnings_of
 from followspot_calibrate.board.solving import BoardCalibration, solve
 from followspot_calibrate.board.timestamps import read_timestamps
-from followspot_calibrate.board.verdict import as_json, summary, warnings_of
+from followspot_calibrate.board.views import find_views
 from followspot_calibrate.boards.board import parse_board
 from followspot_calibrate.boards.pictures import recordings
 from followspot_calibrate.output import print_result
@@ -40,7 +40,7 @@ def calibrate_board(args: argparse.Namespace) -> int:
         raise InputError.of(f"--pictures {args.pictures} is less than 1", "give 50 to 1000")
     cameras = [camera for name, camera in room.cameras.items() if name in paths]
     moments = _moments(args, [camera.name for camera in cameras])
-    views = find(cameras, paths, board, moments, args.pictures)
+    views = find_views(cameras, paths, board, moments, args.pictures)
     found = solve(cameras, views, board, args.floor, show_progress)
     clear_progress()
     still = [name for name in room.cameras if name not in paths]

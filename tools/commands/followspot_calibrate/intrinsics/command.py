@@ -15,9 +15,9 @@ from followspot_calibrate.boards.board import Board, parse_board
 from followspot_calibrate.boards.detection import Detector
 from followspot_calibrate.intrinsics.calibration import LensCalibration, calibrate_lens
 from followspot_calibrate.intrinsics.fitting import NoFit
-from followspot_calibrate.intrinsics.looking import blank, live_cameras, look
 from followspot_calibrate.intrinsics.page import page_of
-from followspot_calibrate.intrinsics.verdict import as_json, summary
+from followspot_calibrate.intrinsics.result import as_json, summary
+from followspot_calibrate.intrinsics.views import collect_views, live_cameras, uncalibrated_camera
 from followspot_calibrate.report import write_report
 
 
@@ -59,7 +59,7 @@ def _calibrated(
     """The lenses by camera, and why there is none of the others."""
     done: dict[str, LensCalibration] = {}
     failed: list[str] = []
-    for name, collected in look(args, live, Detector(board)).items():
+    for name, collected in collect_views(args, live, Detector(board)).items():
         if name in live and not collected.looked_at:
             failed.append(f"{name}: its camera gives no pictures: is it connected, and free?")
             continue
@@ -84,7 +84,7 @@ def write(
     notes: dict[str, list[str]] = {name: list(lens.warnings) for name, lens in done.items()}
     cameras = dict(room.cameras)
     for name, lens in done.items():
-        known = room.cameras.get(name) or live.get(name) or blank(name, lens.size)
+        known = room.cameras.get(name) or live.get(name) or uncalibrated_camera(name, lens.size)
         cameras[name] = replace(
             known, size=lens.size, matrix=lens.fit.matrix, distortion=lens.fit.distortion, model=lens.model
         )

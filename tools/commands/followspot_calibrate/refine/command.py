@@ -12,11 +12,10 @@ from followspot.errors import InputError, writing
 from followspot.room_file import load, update
 from followspot_calibrate.check.tracks import read_run, target_sightings
 from followspot_calibrate.output import print_result
-from followspot_calibrate.places import Places, find_places
 from followspot_calibrate.progress import clear_progress, show_progress
-from followspot_calibrate.refine.choosing import telling, together
-from followspot_calibrate.refine.comparing import Comparison, compared
+from followspot_calibrate.refine.cross_validation import Comparison, cross_validate
 from followspot_calibrate.refine.page import page_of
+from followspot_calibrate.refine.selection import concatenated, select_sightings
 from followspot_calibrate.refine.solving import Refinement, refine
 from followspot_calibrate.refine.text import (
     as_json,
@@ -26,6 +25,7 @@ from followspot_calibrate.refine.text import (
     warnings_of,
 )
 from followspot_calibrate.report import write_report
+from followspot_calibrate.target_sightings import TargetSightings, find_target_sightings
 from followspot_calibrate.tracked import Tracked, track_recording
 
 
@@ -40,7 +40,7 @@ def refine_room(args: argparse.Namespace) -> int:
     )
     shown = None
     if args.clips is not None:
-        shown = find_places(args.clips, list(room.cameras.values()), show_progress)
+        shown = find_target_sightings(args.clips, list(room.cameras.values()), show_progress)
     found, held = refined(room, tracked, shown)
     clear_progress()
     report = args.report or args.room.with_suffix(".refine.html")
@@ -64,7 +64,9 @@ def require(room: Room, args: argparse.Namespace) -> None:
         raise InputError.of(f"{args.room} has no targets", "learn them first: followspot calibrate targets")
 
 
-def refined(room: Room, tracked: Tracked, shown: Places | None) -> tuple[Refinement, Comparison | None]:
+def refined(
+    room: Room, tracked: Tracked, shown: TargetSightings | None
+) -> tuple[Refinement, Comparison | None]:
     """Cameras refined with targets, tracked or also shown alone in clips, if these agree with the tracks.
 
     The comparison is None if there are too few tracks for one. Raises FollowspotError.
@@ -72,7 +74,7 @@ def refined(room: Room, tracked: Tracked, shown: Places | None) -> tuple[Refinem
     seen = target_sightings(tracked, room)
     radius = np.array([target.radius for target in room.targets.values()])[seen.target]
     cameras = list(room.cameras.values())
-    places = telling(cameras, seen.pixel, radius, room.planes)
-    held = compared(cameras, places, shown, room.planes, show_progress)
+    places = select_sightings(cameras, seen.pixel, radius, room.planes)
+    held = cross_validate(cameras, places, shown, room.planes, show_progress)
     used = shown if held is None or held.use_clips else None
-    return refine(cameras, together(places, used), room.planes, show_progress), held
+    return refine(cameras, concatenated(places, used), room.planes, show_progress), held

@@ -11,9 +11,9 @@ from followspot import Camera
 from followspot.errors import FollowspotError
 from followspot.messages import Array
 from followspot_calibrate.adjust import Free, Prior, Progress, adjust
-from followspot_calibrate.places import Places
 from followspot_calibrate.refine.planes import as_seen
 from followspot_calibrate.similarity import Similarity, on_a_line, similarity
+from followspot_calibrate.target_sightings import TargetSightings
 from followspot_calibrate.wand.rounds import SCALE, Settled, chosen
 
 OPEN = Free(focal=True, aspect=True, center=True, distortion=2)
@@ -42,7 +42,7 @@ class Refinement:
 
 def refine(
     cameras: Sequence[Camera],
-    places: Places,
+    places: TargetSightings,
     planes: Mapping[str, Array],
     progress: Progress | None = None,
 ) -> Refinement:

@@ -10,7 +10,7 @@ import numpy as np
 
 from followspot.tables import table
 from followspot_calibrate.adjust.prior import rotation_vector
-from followspot_calibrate.refine.comparing import Comparison
+from followspot_calibrate.refine.cross_validation import Comparison
 from followspot_calibrate.refine.solving import Refinement
 
 HEAD = ("camera", "moved mm", "turned deg", "focal %", "sightings", "px before", "px after")

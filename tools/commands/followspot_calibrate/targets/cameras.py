@@ -10,8 +10,8 @@ import numpy as np
 from followspot import Room
 from followspot.errors import FollowspotError
 from followspot_calibrate.adjust import Progress
-from followspot_calibrate.places import Places, find_places
 from followspot_calibrate.refine.solving import Refinement, refine
+from followspot_calibrate.target_sightings import TargetSightings, find_target_sightings
 from followspot_calibrate.wand.rounds import RAYLEIGH, Settled, chosen
 
 FEWEST = 3
@@ -39,7 +39,7 @@ def agreement(room: Room, clips: Path, progress: Progress | None = None) -> Agre
     if len(cameras) < FEWEST or any(camera.clock_offset for camera in cameras):
         return Agreement()
     try:
-        places = find_places(clips, cameras, progress)
+        places = find_target_sightings(clips, cameras, progress)
     except FollowspotError as reason:
         return Agreement(problem=f"cameras were not held against each other: {reason}")
     given = chosen(cameras, places.pixel)
@@ -64,14 +64,14 @@ def agreement(room: Room, clips: Path, progress: Progress | None = None) -> Agre
     return Agreement(found)
 
 
-def elsewhere(settled: Settled, places: Places) -> str:
+def elsewhere(settled: Settled, places: TargetSightings) -> str:
     """Names of the cameras that see most targets at other places than the rest, with commas."""
     seen = np.isfinite(places.pixel[..., 0]).sum(axis=0)
     fitting = settled.used.sum(axis=0) >= FITTING * seen
     return ", ".join(c.name for c, fits in zip(settled.cameras, fitting, strict=True) if not fits)
 
 
-def excess(settled: Settled, places: Places) -> float:
+def excess(settled: Settled, places: TargetSightings) -> float:
     """Median reprojection error over that of sightings that are as good as they can be."""
     return float(np.nanmedian(settled.distance / places.sigma[:, None])) / RAYLEIGH
 

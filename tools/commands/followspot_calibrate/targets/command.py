@@ -17,8 +17,8 @@ from followspot_calibrate.refine.solving import Refinement
 from followspot_calibrate.report import write_report
 from followspot_calibrate.targets.cameras import Agreement, agreement
 from followspot_calibrate.targets.learning import Learnt, learn, refuse_radius, with_templates
-from followspot_calibrate.targets.outcome import Outcome
 from followspot_calibrate.targets.page import page_of
+from followspot_calibrate.targets.result import TargetsResult
 from followspot_calibrate.targets.separability import Separability, separability
 from followspot_calibrate.targets.text import as_json, summary
 
@@ -43,7 +43,7 @@ def calibrate_targets(args: argparse.Namespace, usual: float) -> int:
     targets = {**room.targets, **learnt}
     held = Agreement() if args.keep_cameras else agreement(room, args.clips, show_progress)
     clear_progress()
-    outcome = Outcome(report, told_apart(room, targets, report), held)
+    outcome = TargetsResult(report, told_apart(room, targets, report), held)
     page = args.report or room_file.with_suffix(".targets.html")
     with writing(room_file):
         write_room(room_file, targets, held.correction)

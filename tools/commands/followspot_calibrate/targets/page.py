@@ -9,14 +9,14 @@ import numpy as np
 from followspot_calibrate.refine.text import HEAD as CHANGES
 from followspot_calibrate.refine.text import cells, verdict
 from followspot_calibrate.report import Page, Section, hue_bars, plain_table
-from followspot_calibrate.targets.outcome import Outcome
+from followspot_calibrate.targets.result import TargetsResult
 from followspot_calibrate.targets.separability import CONFUSED, worst
 from followspot_calibrate.targets.text import APART, HEAD, accepted_rows, template_row
 
 HUES = "Share of the hues of what glows, red at the left; each camera has its own white balance."
 
 
-def page_of(room: str, outcome: Outcome) -> Page:
+def page_of(room: str, outcome: TargetsResult) -> Page:
     """The templates of each camera, their separability, and corrections of the cameras."""
     report = outcome.learnt
     problems = [f"{t}, {o.camera.name}: {o.problem}" for t, some in report.items() for o in some if o.problem]
@@ -27,7 +27,7 @@ def page_of(room: str, outcome: Outcome) -> Page:
     return Page(f"Targets of {room}", "look" if warnings else "good", summary, warnings, sections)
 
 
-def _sections(outcome: Outcome) -> Iterator[Section]:
+def _sections(outcome: TargetsResult) -> Iterator[Section]:
     report = outcome.learnt
     if (correction := outcome.agreement.correction) is not None:
         yield plain_table("Cameras corrected", CHANGES, cells(correction), note=verdict(correction))

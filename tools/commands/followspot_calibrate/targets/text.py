@@ -12,7 +12,7 @@ from followspot.tables import table
 from followspot_calibrate.refine.text import as_json as correction_as_json
 from followspot_calibrate.refine.text import as_text
 from followspot_calibrate.targets.learning import Learnt
-from followspot_calibrate.targets.outcome import Outcome
+from followspot_calibrate.targets.result import TargetsResult
 from followspot_calibrate.targets.separability import Separability, worst
 
 HEAD = ("target", "camera", "frames", "area", "template")
@@ -20,7 +20,7 @@ CORRECTED = "the cameras contradicted each other about the targets, and were cor
 APART = "blobs of the target on the left that the template above accepts, in the worst camera"
 
 
-def summary(outcome: Outcome) -> str:
+def summary(outcome: TargetsResult) -> str:
     """A line per target and camera, then the separability, and corrections of cameras."""
     rows = [template_row(name, one) for name, all_ in outcome.learnt.items() for one in all_]
     parts = [table(HEAD, rows)]
@@ -32,7 +32,7 @@ def summary(outcome: Outcome) -> str:
     return "\n\n".join(parts)
 
 
-def as_json(outcome: Outcome) -> str:
+def as_json(outcome: TargetsResult) -> str:
     """The same for scripts."""
     correction = outcome.agreement.correction
     return json.dumps(

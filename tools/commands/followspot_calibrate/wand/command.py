@@ -14,17 +14,17 @@ from followspot.errors import InputError, Mistake, writing
 from followspot.room_file import load, save, update
 from followspot_calibrate.adjust import Progress
 from followspot_calibrate.output import print_result
-from followspot_calibrate.places import find_places
 from followspot_calibrate.points_file import read_points
 from followspot_calibrate.progress import clear_progress, show_progress
 from followspot_calibrate.report import write_report
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.similarity import on_a_line
+from followspot_calibrate.target_sightings import find_target_sightings
 from followspot_calibrate.wand.alignment import Alignment, onto_centers, onto_itself, onto_marker
 from followspot_calibrate.wand.bulb import find_bulb
 from followspot_calibrate.wand.diagnostics import warnings_of
+from followspot_calibrate.wand.known_places import read_centers, read_marker
 from followspot_calibrate.wand.page import page_of
-from followspot_calibrate.wand.places import read_centers, read_marker
 from followspot_calibrate.wand.result import Calibrated, as_json, summary
 from followspot_calibrate.wand.solving import Solved, solve
 from followspot_calibrate.wand.targets import with_targets
@@ -55,7 +55,7 @@ def calibrated(args: argparse.Namespace, room: Room | None) -> Calibrated:
     sightings = _sightings(args, known or (), show_progress)
     solved, targets = solve(sightings, known, args.intrinsics, args.length, show_progress), None
     if args.targets is not None:
-        places = find_places(args.targets, known or (), show_progress)
+        places = find_target_sightings(args.targets, known or (), show_progress)
         targets = with_targets(solved, places, progress=show_progress)
         targets = with_targets(targets.solved, places, aligned(args, targets.solved, room), show_progress)
         solved = targets.solved

@@ -12,11 +12,11 @@ from followspot.errors import FollowspotError
 from followspot.messages import Array
 from followspot_calibrate.adjust import Rods
 from followspot_calibrate.sightings import Sightings
-from followspot_calibrate.wand.hazards.apart import other_size, why_apart
-from followspot_calibrate.wand.hazards.explaining import agreeing_cameras, exchanged, reasons
 from followspot_calibrate.wand.hazards.linear import on_a_line
 from followspot_calibrate.wand.hazards.planar import REMEDY
 from followspot_calibrate.wand.hazards.swapped import exchanged_lenses
+from followspot_calibrate.wand.hazards.unlinked import other_size, why_unlinked
+from followspot_calibrate.wand.hazards.unplaced import agreeing_cameras, exchanged, reasons
 from followspot_calibrate.wand.incremental_sfm import Beginning
 from followspot_calibrate.wand.pairs import FEWEST, Pair
 from followspot_calibrate.wand.resection import FEWEST as TIED
@@ -67,7 +67,7 @@ def require_connected(
     for camera in (i for i, g in enumerate(group) if g == apart):
         own = (pair for pair in across if camera in (pair.first, pair.second))
         best = max(own, key=lambda pair: (pair.shared, len(pair.rows)))
-        lines.append(why_apart(sightings, best.first, best.second) or _shares(names, best))
+        lines.append(why_unlinked(sightings, best.first, best.second) or _shares(names, best))
     raise FollowspotError("\n".join(lines))
 
 

@@ -6,10 +6,10 @@ from collections.abc import Collection
 
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.wand.diagnosis import DEEP, shallow
-from followspot_calibrate.wand.hazards.apart import other_size
 from followspot_calibrate.wand.hazards.bulbs import length_warnings
 from followspot_calibrate.wand.hazards.moved import Moved, moved_cameras
 from followspot_calibrate.wand.hazards.planar import FLAT, REMEDY, flatness
+from followspot_calibrate.wand.hazards.unlinked import other_size
 from followspot_calibrate.wand.pairs import FEWEST
 from followspot_calibrate.wand.rounds import Settled
 from followspot_calibrate.wand.solving import Solved

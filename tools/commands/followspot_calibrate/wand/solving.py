@@ -23,9 +23,9 @@ from followspot_calibrate.wand.diagnosis import (
     require_used,
     shallow,
 )
-from followspot_calibrate.wand.guessing import guess
 from followspot_calibrate.wand.hazards.planar import in_a_plane
 from followspot_calibrate.wand.incremental_sfm import Beginning, grow
+from followspot_calibrate.wand.initial_intrinsics import guess_intrinsics
 from followspot_calibrate.wand.pairs import Pair, match, trusted, working_rows
 from followspot_calibrate.wand.rods import rods_of, scale_of
 from followspot_calibrate.wand.rounds import Settled, chosen, settle
@@ -176,7 +176,7 @@ def _begin(
 ) -> Beginning:
     """The cameras with their own intrinsics, placed by the first attempt that places all, or the best."""
     if cameras is None:
-        return guess(sightings, progress)
+        return guess_intrinsics(sightings, progress)
     attempts = [Free(), ROUGH] if intrinsics == "auto" else [Free()]
     fits = trusted(pairs, sightings.seen.shape)
     rows = working_rows(pairs, fits)

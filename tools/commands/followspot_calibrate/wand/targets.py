@@ -12,8 +12,8 @@ import numpy as np
 
 from followspot.errors import FollowspotError
 from followspot_calibrate.adjust import Free, Middle, Progress, adjust
-from followspot_calibrate.places import Places
 from followspot_calibrate.similarity import Similarity
+from followspot_calibrate.target_sightings import TargetSightings
 from followspot_calibrate.triangulation import error, triangulate
 from followspot_calibrate.wand.alignment import Alignment
 from followspot_calibrate.wand.rounds import SCALE, SIGMAS, Settled, chosen
@@ -39,7 +39,10 @@ class Refined:
 
 
 def with_targets(
-    solved: Solved, places: Places, alignment: Alignment | None = None, progress: Progress | None = None
+    solved: Solved,
+    places: TargetSightings,
+    alignment: Alignment | None = None,
+    progress: Progress | None = None,
 ) -> Refined:
     """The cameras adjusted to wand and targets together; lenses, too, if they are unknown.
 
@@ -93,7 +96,7 @@ def noise(settled: Settled) -> float:
     return float(settled.sigma * np.sqrt(2 * sightings / (2 * sightings - 3 * points)))
 
 
-def _shown(settled: Settled, places: Places) -> Settled:
+def _shown(settled: Settled, places: TargetSightings) -> Settled:
     """The targets as the cameras see them, and the sightings within `SIGMAS` of them."""
     found = triangulate(settled.cameras, places.pixel)
     limit = SIGMAS * np.hypot(places.sigma, settled.sigma)
@@ -102,7 +105,7 @@ def _shown(settled: Settled, places: Places) -> Settled:
     return Settled(settled.cameras, found.points, used, found.residual, settled.sigma)
 
 
-def _require_agreement(shown: Settled, places: Places) -> None:
+def _require_agreement(shown: Settled, places: TargetSightings) -> None:
     """Raises FollowspotError for clips that show something else in each camera."""
     seen = int(np.isfinite(places.pixel[..., 0]).sum())
     if shown.used.sum() < AGREEING * seen:

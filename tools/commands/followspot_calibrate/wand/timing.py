@@ -12,10 +12,10 @@ from followspot.errors import FollowspotError
 from followspot.messages import Array
 from followspot_calibrate.adjust import Free, Progress
 from followspot_calibrate.sightings import Sightings
-from followspot_calibrate.wand.hazards.explaining import agreeing_cameras, lenses_like
 from followspot_calibrate.wand.hazards.offset import Late, drift, lateness, nearest_shift, stretches
 from followspot_calibrate.wand.hazards.steps import steps_late
 from followspot_calibrate.wand.hazards.tracks import frame_step, resampled
+from followspot_calibrate.wand.hazards.unplaced import agreeing_cameras, lenses_like
 from followspot_calibrate.wand.pairs import Pair, match
 from followspot_calibrate.wand.rounds import SIGMAS, NothingFits, Settled, chosen
 

@@ -1,4 +1,4 @@
-"""Whether cameras become better by refining: judged by sightings that took no part in it."""
+"""Whether refining makes cameras better: cross-validated with sightings that took no part in it."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from followspot import Camera
 from followspot.errors import FollowspotError
 from followspot.messages import Array
 from followspot_calibrate.adjust import Progress
-from followspot_calibrate.places import Places
-from followspot_calibrate.refine.choosing import together
+from followspot_calibrate.refine.selection import concatenated
 from followspot_calibrate.refine.solving import refine
+from followspot_calibrate.target_sightings import TargetSightings
 from followspot_calibrate.triangulation import triangulate
 
 FOLDS = 3
 """Parts of the recording's places; each is left out once."""
 TOLERANCE = 1.1
 """Clips that make the error this many times as large contradict the recording; by chance it is within 5 %."""
-Refine = Callable[[Places], Sequence[Camera]]
+Refine = Callable[[TargetSightings], Sequence[Camera]]
 
 
 @dataclass(frozen=True)
@@ -51,10 +51,10 @@ class Comparison:
         return self.best < self.given
 
 
-def compared(
+def cross_validate(
     cameras: Sequence[Camera],
-    places: Places,
-    shown: Places | None,
+    places: TargetSightings,
+    shown: TargetSightings | None,
     planes: Mapping[str, Array],
     progress: Progress | None = None,
 ) -> Comparison | None:
@@ -63,11 +63,11 @@ def compared(
     places: of the recording; shown: of clips. None if so few places are left that cameras cannot be refined.
     """
 
-    def alone(known: Places) -> Sequence[Camera]:
+    def alone(known: TargetSightings) -> Sequence[Camera]:
         return refine(cameras, known, planes, progress).after.cameras
 
-    def with_clips(known: Places) -> Sequence[Camera]:
-        return refine(cameras, together(known, shown), planes, progress).after.cameras
+    def with_clips(known: TargetSightings) -> Sequence[Camera]:
+        return refine(cameras, concatenated(known, shown), planes, progress).after.cameras
 
     try:
         return Comparison(
@@ -79,13 +79,13 @@ def compared(
         return None
 
 
-def _left_out(places: Places, refined: Refine) -> float:
+def _left_out(places: TargetSightings, refined: Refine) -> float:
     """Median error, px, of the places that were left out."""
     part = np.arange(len(places.pixel)) % FOLDS
     errors = []
     for number in range(FOLDS):
         known = part != number
-        cameras = refined(Places(places.pixel[known], places.sigma[known]))
+        cameras = refined(TargetSightings(places.pixel[known], places.sigma[known]))
         residual = triangulate(cameras, places.pixel[~known]).residual
         errors.append(np.hypot(residual[..., 0], residual[..., 1]).ravel())
     told = np.concatenate(errors)

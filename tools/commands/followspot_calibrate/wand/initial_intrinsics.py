@@ -30,7 +30,7 @@ WELL = 0.3
 """Strain below which no other focal length is tried, if all cameras found their place."""
 
 
-def guess(sightings: Sightings, progress: Progress | None = None) -> Beginning:
+def guess_intrinsics(sightings: Sightings, progress: Progress | None = None) -> Beginning:
     """Cameras from sightings alone. Raises FollowspotError if the points lie in a plane."""
     bend, pairs = best_bend(sightings)
     if in_a_plane(straightened(sightings, bend), pairs, sightings.sizes):

@@ -15,24 +15,26 @@ from followspot import Camera, Room, Target
 from followspot.cli.main import main
 from followspot.messages import Array
 from followspot.room_file import save
-from followspot_calibrate.places import Places
 from followspot_calibrate.refine import command
-from followspot_calibrate.refine.choosing import telling
-from followspot_calibrate.refine.comparing import Comparison, compared
+from followspot_calibrate.refine.cross_validation import Comparison, cross_validate
+from followspot_calibrate.refine.selection import select_sightings
+from followspot_calibrate.target_sightings import TargetSightings
 
 ROWS = 42
 
 
-def clips(pixel: Array, shift: float = 0.0, rows: int = 30) -> Places:
+def clips(pixel: Array, shift: float = 0.0, rows: int = 30) -> TargetSightings:
     """Sightings of a target alone; camera 2 sees it `shift`, px, beside where it is."""
     seen = pixel[100 : 100 + rows].copy()
     seen[:, 2, 0] += shift
-    return Places(seen, np.full(len(seen), 0.2))
+    return TargetSightings(seen, np.full(len(seen), 0.2))
 
 
-def held(cameras: Sequence[Camera], shown: Places | None, rows: int = ROWS) -> Comparison | None:
+def held(cameras: Sequence[Camera], shown: TargetSightings | None, rows: int = ROWS) -> Comparison | None:
     pixel = carried()[1][:rows]
-    return compared(cameras, telling(cameras, pixel, np.full(rows, RADIUS), FLOOR), shown, FLOOR)
+    return cross_validate(
+        cameras, select_sightings(cameras, pixel, np.full(rows, RADIUS), FLOOR), shown, FLOOR
+    )
 
 
 def test_refined_cameras_see_better_what_they_do_not_know() -> None:
@@ -100,7 +102,7 @@ def refine(
 
 def choose(monkeypatch: pytest.MonkeyPatch, given: float, alone: float, with_clips: float | None) -> None:
     """The comparison finds these errors, px."""
-    monkeypatch.setattr(command, "compared", lambda *_: Comparison(given, alone, with_clips))
+    monkeypatch.setattr(command, "cross_validate", lambda *_: Comparison(given, alone, with_clips))
 
 
 def test_a_room_that_would_not_be_better_is_not_written(
@@ -123,7 +125,7 @@ def test_a_room_that_would_not_be_better_is_not_written(
 def test_clips_that_contradict_the_recording_are_left_out_and_named(
     tmp_path: Path, recording: Array, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(command, "find_places", lambda *_: clips(recording))
+    monkeypatch.setattr(command, "find_target_sightings", lambda *_: clips(recording))
     places = []
     for found in (0.25, 0.11):
         choose(monkeypatch, 0.4, 0.12, found)

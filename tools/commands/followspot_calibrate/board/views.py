@@ -13,7 +13,7 @@ from followspot_calibrate.boards.pictures import count, pictures
 from followspot_calibrate.progress import show_progress
 
 
-def find(
+def find_views(
     cameras: Sequence[Camera],
     paths: Mapping[str, Path],
     board: Board,

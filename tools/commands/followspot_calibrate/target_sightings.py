@@ -32,7 +32,7 @@ WIDEST = 4.0
 
 
 @dataclass(frozen=True, eq=False)
-class Places:
+class TargetSightings:
     """Targets at N moments as C cameras saw them.
 
     pixel: (N, C, 2) px with lens distortion, NaN if not seen; sigma: (N,) px, of one coordinate.
@@ -42,7 +42,9 @@ class Places:
     sigma: Array
 
 
-def find_places(clips: Path, cameras: Sequence[Camera], progress: Progress | None = None) -> Places:
+def find_target_sightings(
+    clips: Path, cameras: Sequence[Camera], progress: Progress | None = None
+) -> TargetSightings:
     """The target in CLIPS/<target>/<camera>.mkv; equal numbers of frames are equal moments.
 
     A camera whose clip is absent or shows no target has no sightings. Raises FollowspotError if no moment
@@ -59,7 +61,7 @@ def find_places(clips: Path, cameras: Sequence[Camera], progress: Progress | Non
     if not rows.any():
         raise FollowspotError(f"{clips}: no target is seen by two cameras at the same frame of their clips")
     middle = OFF_MIDDLE * np.nanmean(width[rows], axis=1)
-    return Places(pixel[rows], np.maximum(middle, np.nanmean(aside[rows], axis=1)))
+    return TargetSightings(pixel[rows], np.maximum(middle, np.nanmean(aside[rows], axis=1)))
 
 
 def _places(folder: Path, cameras: Sequence[Camera]) -> tuple[Array, Array, Array]:

@@ -12,7 +12,7 @@ FEWEST = 30
 """Points that tell how far they reach."""
 
 
-def why_apart(sightings: Sightings, one: int, other: int) -> str:
+def why_unlinked(sightings: Sightings, one: int, other: int) -> str:
     """The cause and its remedy, as far as the data show it; "" if they do not."""
     size = other_size(sightings, one) or other_size(sightings, other)
     return _other_frames(sightings, one, other) or size

@@ -30,7 +30,7 @@ def live_cameras(args: argparse.Namespace, known: Mapping[str, Camera]) -> dict[
         if not device:
             raise InputError.of(f"--device {text} is no CAMERA=DEVICE", "for example cam0=0")
         source = StageUse("cameras.device", {"device": int(device) if device.isdecimal() else device})
-        found[name] = blank(name, (int(size[1]), int(size[2])), source)
+        found[name] = uncalibrated_camera(name, (int(size[1]), int(size[2])), source)
     if not args.live:
         return found
     chosen = args.camera or list(known)
@@ -42,12 +42,14 @@ def live_cameras(args: argparse.Namespace, known: Mapping[str, Camera]) -> dict[
     return {**{name: known[name] for name in chosen}, **found}
 
 
-def blank(name: str, size: tuple[int, int], source: StageUse | None = None) -> Camera:
+def uncalibrated_camera(name: str, size: tuple[int, int], source: StageUse | None = None) -> Camera:
     """A colour camera at the origin with an unknown lens."""
     return Camera(name, "color", size, np.eye(3), np.zeros(5), np.eye(3), np.zeros(3), source=source)
 
 
-def look(args: argparse.Namespace, live: Mapping[str, Camera], detector: Detector) -> dict[str, Collected]:
+def collect_views(
+    args: argparse.Namespace, live: Mapping[str, Camera], detector: Detector
+) -> dict[str, Collected]:
     """The views of each camera that is chosen. Raises InputError, also if one of them has no pictures."""
     recorded = recordings(args.videos, args.clip, args.camera) if args.videos or args.clip else {}
     given = [*live, *recorded]

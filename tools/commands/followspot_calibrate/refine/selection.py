@@ -8,7 +8,7 @@ import numpy as np
 
 from followspot import Camera
 from followspot.messages import Array
-from followspot_calibrate.places import Places
+from followspot_calibrate.target_sightings import TargetSightings
 from followspot_calibrate.triangulation import triangulate
 
 LIT = 2.0
@@ -21,8 +21,10 @@ OFF_MIDDLE = 0.04
 parts of the target and lamps are not in its middle, and that stays alike for a while."""
 
 
-def telling(cameras: Sequence[Camera], pixel: Array, radius: Array, planes: Mapping[str, Array]) -> Places:
-    """The rows that count, with NaN for sightings that do not.
+def select_sightings(
+    cameras: Sequence[Camera], pixel: Array, radius: Array, planes: Mapping[str, Array]
+) -> TargetSightings:
+    """The rows to refine cameras with; a sighting that misleads is NaN there.
 
     pixel: (M, C, 2) px; radius: (M,) m, of the target of each row. Colour cameras see a target that lies on
     a plane together with the light that it throws on it, so these sightings do not count.
@@ -40,14 +42,16 @@ def telling(cameras: Sequence[Camera], pixel: Array, radius: Array, planes: Mapp
     first = np.unique(cells, axis=0, return_index=True)[1]
     chosen = rows[np.sort(first)]
     sigma = OFF_MIDDLE * widths(cameras, points[chosen], radius[chosen])
-    return Places(pixel[chosen], sigma)
+    return TargetSightings(pixel[chosen], sigma)
 
 
-def together(some: Places, others: Places | None) -> Places:
-    """All rows of both."""
+def concatenated(some: TargetSightings, others: TargetSightings | None) -> TargetSightings:
+    """The rows of both."""
     if others is None:
         return some
-    return Places(np.concatenate([some.pixel, others.pixel]), np.concatenate([some.sigma, others.sigma]))
+    return TargetSightings(
+        np.concatenate([some.pixel, others.pixel]), np.concatenate([some.sigma, others.sigma])
+    )
 
 
 def widths(cameras: Sequence[Camera], points: Array, radius: Array) -> Array:
