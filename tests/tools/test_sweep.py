@@ -18,9 +18,9 @@ from followspot.graph.compile import compile_graph
 from followspot.room import StageUse
 from followspot_sweep.axes import MAX_POINTS, Axis, points, read_axes
 from followspot_sweep.figures import figures_of
-from followspot_sweep.idle import idle
+from followspot_sweep.fingerprint import fingerprint_of
+from followspot_sweep.no_effect import axes_without_effect
 from followspot_sweep.plot import PLOT, draw
-from followspot_sweep.state import state_of
 from followspot_sweep.table import best, rows, text, write
 from followspot_sweep.trial import SUMMARY, Result, Task, folder_name, kept, run
 
@@ -178,7 +178,7 @@ def test_a_parameter_whose_values_give_the_same_files_changes_nothing(
         if (text := written[values["a.x"]]) is not None:
             (task.folder / "tracks.csv").write_text(text + values["b.y"])
         results.append(Result(task, {}, error))
-    assert idle(results, axes) == found
+    assert axes_without_effect(results, axes) == found
 
 
 def test_a_sweep_runs_every_point_once_and_goes_on_where_it_was(
@@ -218,7 +218,7 @@ def test_results_of_another_plugin_file_or_video_are_not_kept(tmp_path: Path) ->
         plan = compile_graph(tmp_path / "graph.yaml", plugin_files=[str(tmp_path / "lower.py")])
         source = StageUse("video.file", {"path": "clips/cam0.mkv"}, str(tmp_path))
         camera = replace(plan.room.cameras["cam0"], source=source)
-        return state_of([replace(plan, room=replace(plan.room, cameras={"cam0": camera}))])
+        return fingerprint_of([replace(plan, room=replace(plan.room, cameras={"cam0": camera}))])
 
     states = [state(), state()]
     for changed in ("lower.py", "clips/cam0.mkv"):
@@ -231,7 +231,7 @@ def test_results_of_another_plugin_file_or_video_are_not_kept(tmp_path: Path) ->
 
 SWEEP = """
 import os, subprocess, sys, time
-words = [sys.executable, "-m", "followspot_sweep.bound", str(os.getpid())]
+words = [sys.executable, "-m", "followspot_sweep.child_process", str(os.getpid())]
 run = subprocess.Popen([*words, "agent", "--name", "bound", "--listen", "tcp/127.0.0.1:0"])
 print(run.pid, flush=True)
 time.sleep(60)
@@ -248,7 +248,7 @@ def test_a_sweep_that_is_killed_leaves_no_run_behind() -> None:
         sweep.kill()
         assert sweep.stderr.read() == ""  # the run held it open, too
     assert not run.exists() or run.read_text().rpartition(") ")[2].startswith("Z")
-    orphan = [sys.executable, "-m", "followspot_sweep.bound", "1", "--version"]
+    orphan = [sys.executable, "-m", "followspot_sweep.child_process", "1", "--version"]
     assert subprocess.run(orphan, check=False).returncode == 1
 
 

@@ -14,8 +14,8 @@ from followspot.graph.parameters import output_paths
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.plan_data import plan_from_data
 from followspot.plugins.registry import load_stage, use_plugin_files
-from followspot_record.played import here
 from followspot_record.record import PLAN
+from followspot_record.replay_plan import on_this_host
 from followspot_recording.recording import Recording
 
 
@@ -30,7 +30,7 @@ def recorded_plan(recording: Recording, plugin_files: Sequence[str]) -> Plan:
     mistakes = [mistake for stage in plan.stages for mistake in stage_mistakes(stage)]
     if mistakes:
         raise InputError(mistakes)
-    return here(plan)
+    return on_this_host(plan)
 
 
 def plan_of_recording(recording: Recording) -> Plan:

@@ -62,13 +62,13 @@ def followspot_keepers() -> Sequence[Keeper]:
 
 
 def _check_keep(plan: Any, keep: Any) -> None:
-    from followspot_record.flight.asked import check
+    from followspot_record.flight.keep_request import check
 
     check(plan, keep)
 
 
 def _keep(plan: Any, keep: Any, run: str) -> AbstractContextManager[Any]:
-    from followspot_record.flight.asked import kept_run
+    from followspot_record.flight.keep_request import kept_run
 
     return kept_run(keep, run)
 

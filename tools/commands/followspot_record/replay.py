@@ -22,7 +22,7 @@ from followspot.plugins.loaded_hooks import load_plan_options
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 from followspot_record.embedded import offered_ports, recorded_plan
-from followspot_record.played import NAMES, Clip, played, replays
+from followspot_record.replay_plan import NAMES, Clip, replay_plan, replay_stages
 from followspot_recording.recording import Recording
 
 _SHORTEST, _LONGEST = 1e-9, 4e9
@@ -44,7 +44,7 @@ def replay_command(args: argparse.Namespace) -> int:
         if args.seed is not None:
             plan = replace(plan, seed=args.seed)
         clip = Clip(recording.path, args.start, args.stop, args.speed, args.loop)
-        plan = played(plan, replays(recording, plan, _ports(plan, recording, more)), clip)
+        plan = replay_plan(plan, replay_stages(recording, plan, _ports(plan, recording, more)), clip)
     _check_live(plan)
     check_sampled_cycles(plan, "--graph GRAPH, or play the port, too, with --ports")
     for options in load_plan_options():

@@ -23,9 +23,9 @@ from followspot_record.comparison import Compared, compare
 from followspot_record.embedded import recorded_plan
 from followspot_record.firings import MOMENT
 from followspot_record.flight.repeated import repeated
-from followspot_record.played import Clip, alone, played, replays
 from followspot_record.record import Target, with_recording
 from followspot_record.replay import check_sampled_cycles, source_ports
+from followspot_record.replay_plan import Clip, in_one_worker, replay_plan, replay_stages
 from followspot_recording.recording import Recording
 
 _LIVE = "it was recorded live: a message that came too late then comes in time now"
@@ -59,14 +59,14 @@ def _run_again(old: Recording, plan: Plan, folder: Path, *, quiet: bool) -> tupl
     missing = [port for port in sources if port not in old.ports]
     if missing:
         raise InputError.of(f"the source {', '.join(missing)} was not recorded", "record it with all ports")
-    plan = played(plan, replays(old, plan, sources), Clip(old.path))
+    plan = replay_plan(plan, replay_stages(old, plan, sources), Clip(old.path))
     check_sampled_cycles(plan, "the graph and record it again: what timing decided cannot be verified")
     names = [port for port in output_ports(plan) if port in old.ports and port not in sources]
     if not names:
         return [], ""
     again = folder / "again.mcap"
     target = Target(again, {"picture_format": "none"}, {}, {})
-    _run(alone(with_recording(plan, names, target)), folder, quiet=quiet)
+    _run(in_one_worker(with_recording(plan, names, target)), folder, quiet=quiet)
     with Recording(again) as new:
         return _compare(old, new, names, sources)
 

@@ -13,10 +13,10 @@ from followspot.cli.graph_options import output_folder
 from followspot.cli.trial_options import check_rooms, planned
 from followspot.errors import InputError
 from followspot_sweep.axes import Axis, Point, points, read_axes
-from followspot_sweep.idle import idle
+from followspot_sweep.fingerprint import fingerprint_of
+from followspot_sweep.no_effect import axes_without_effect
 from followspot_sweep.plot import draw
 from followspot_sweep.run_all import run_all
-from followspot_sweep.state import state_of
 from followspot_sweep.table import best, rows, text, write
 from followspot_sweep.trial import Task, folder_name
 
@@ -44,7 +44,7 @@ def sweep(args: argparse.Namespace) -> int:
     found = rows(results)
     written = write(found, out)
     drawn = draw(found, axes, args.best, out)
-    without_effect = idle(results, axes)
+    without_effect = axes_without_effect(results, axes)
     if args.json:
         whole = {"rows": found, "best": best(found, args.best), "idle": without_effect, "out": str(out)}
         print(json.dumps(whole))
@@ -68,7 +68,7 @@ def _scenes(args: argparse.Namespace, axes: Sequence[Axis]) -> list[Scene]:
         plans = [plan for plan in found if plan is not None]
         if plans:
             name = Path(room).stem if room else plans[0].room.name
-            scenes.append(Scene(name, room, state_of(plans)))
+            scenes.append(Scene(name, room, fingerprint_of(plans)))
     if mistakes:
         raise InputError(list(dict.fromkeys(mistakes)))
     return scenes

@@ -67,7 +67,7 @@ def run(task: Task, started: Callable[[subprocess.Popen[str]], None]) -> Result:
     """Run the task and keep its summary. started: receives the process, so that the caller can end it."""
     task.folder.mkdir(parents=True, exist_ok=True)
     command = [
-        *module_command("followspot_sweep.bound", str(os.getpid())),
+        *module_command("followspot_sweep.child_process", str(os.getpid())),
         *task.command,
         "--out",
         str(task.folder),

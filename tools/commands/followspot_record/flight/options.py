@@ -52,7 +52,7 @@ def configure_mark(parser: argparse.ArgumentParser) -> None:
 def checked(plan: Plan, args: argparse.Namespace) -> Plan:
     """The unchanged plan. Raises InputError if it cannot be kept as the options say."""
     if args.keep or args.keep_ports or args.keep_memory or args.mark_when:
-        from followspot_record.flight.asked import check_options
+        from followspot_record.flight.keep_request import check_options
 
         check_options(plan, args)
     return plan
@@ -64,10 +64,10 @@ def kept(args: argparse.Namespace) -> Iterator[None]:
     if getattr(args, "keep", None) is None:
         yield
         return
-    from followspot_record.flight.asked import order_of
-    from followspot_record.flight.keeping import keeping
+    from followspot_record.flight.keep_request import order_of
+    from followspot_record.flight.running_recorder import running_recorder
 
-    with keeping(order_of(args)) as recorder:
+    with running_recorder(order_of(args)) as recorder:
         yield
     for line in recorder.lines:
         print(line, file=sys.stderr)

@@ -25,8 +25,8 @@ from followspot.taps.framing import Record
 from followspot.taps.receivers import Gaps
 from followspot.wire import header_of
 from followspot_record.firings import firing_types
-from followspot_record.flight.asked import kept_types
 from followspot_record.flight.faults import FaultWatch
+from followspot_record.flight.keep_request import kept_types
 from followspot_record.flight.moment_file import MomentFile
 from followspot_record.flight.order import FlightEnd, FlightOrder
 from followspot_record.flight.recorder import FlightRecorder

@@ -19,7 +19,7 @@ _LONGEST = 500
 """Longest text that may be the name of a file."""
 
 
-def state_of(plans: Sequence[Plan]) -> str:
+def fingerprint_of(plans: Sequence[Plan]) -> str:
     """A hash of graph and room as the first plan has them, of the followspot version, and of when files were
     changed that any of the plans names or whose stages it uses: plugins, videos, models, truth.
     """

@@ -33,7 +33,7 @@ class Clip:
     loop: bool = False
 
 
-def replays(recording: Recording, plan: Plan, names: Iterable[str]) -> dict[str, str]:
+def replay_stages(recording: Recording, plan: Plan, names: Iterable[str]) -> dict[str, str]:
     """The stage that replays each of these recorded ports of a plan, STAGE.PORT."""
     uses = {stage.name: stage.uses for stage in plan.stages}
     found = {}
@@ -45,7 +45,7 @@ def replays(recording: Recording, plan: Plan, names: Iterable[str]) -> dict[str,
     return found
 
 
-def played(plan: Plan, chosen: Mapping[str, str], clip: Clip) -> Plan:
+def replay_plan(plan: Plan, chosen: Mapping[str, str], clip: Clip) -> Plan:
     """The plan with replays of these ports, without stages that nothing needs then.
 
     chosen: the stage that replays each port, STAGE.PORT. Raises FollowspotError if no stage is left.
@@ -67,7 +67,7 @@ def played(plan: Plan, chosen: Mapping[str, str], clip: Clip) -> Plan:
     )
 
 
-def here(plan: Plan) -> Plan:
+def on_this_host(plan: Plan) -> Plan:
     """The plan on this host alone: what ran on others runs in the same workers here, without budgets."""
     near = replace(plan, workers=tuple(replace(worker, host="") for worker in plan.workers))
     ends = ((edge, near.placed(edge.from_stage), near.placed(edge.to_stage)) for edge in plan.edges)
@@ -75,10 +75,10 @@ def here(plan: Plan) -> Plan:
     return replace(near, edges=edges, budgets=())
 
 
-def alone(plan: Plan) -> Plan:
+def in_one_worker(plan: Plan) -> Plan:
     """The plan in one worker on this host."""
     name = plan.workers[0].name
-    return here(
+    return on_this_host(
         replace(plan, stages=tuple(replace(s, worker=name) for s in plan.stages), workers=plan.workers[:1])
     )
 

@@ -17,7 +17,7 @@ _WRITING = 300.0
 """Seconds that the last files may take after the end of the run."""
 
 
-class Keeping:
+class RunningRecorder:
     """A flight recorder at work. lines: what it says at its end, a line for each file."""
 
     def __init__(self) -> None:
@@ -35,7 +35,7 @@ class Keeping:
 
 
 @contextmanager
-def keeping(order: FlightOrder) -> Iterator[Keeping]:
+def running_recorder(order: FlightOrder) -> Iterator[RunningRecorder]:
     """Keep the last seconds of a run while the block runs; all files are complete after it."""
     process = subprocess.Popen(
         module_command("followspot_record.flight.process"),
@@ -48,7 +48,7 @@ def keeping(order: FlightOrder) -> Iterator[Keeping]:
     with suppress(BrokenPipeError):
         process.stdin.write(order.model_dump_json() + "\n")
         process.stdin.flush()
-    found, over = Keeping(), threading.Event()
+    found, over = RunningRecorder(), threading.Event()
     threading.Thread(target=_watch, args=(process, order.run, over), daemon=True).start()
     try:
         yield found

@@ -10,7 +10,7 @@ from followspot_sweep.axes import Axis, Point
 from followspot_sweep.trial import SUMMARY, Result, Task
 
 
-def idle(results: Sequence[Result], axes: Sequence[Axis]) -> list[str]:
+def axes_without_effect(results: Sequence[Result], axes: Sequence[Axis]) -> list[str]:
     """Names of the axes whose values all gave the same files, whatever the other axes and the room were.
 
     None if a run failed: its files are not complete.

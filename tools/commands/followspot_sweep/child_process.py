@@ -1,4 +1,4 @@
-"""`followspot` as long as its parent lives: `python -m followspot_sweep.bound PARENT ARGUMENT...`.
+"""`followspot` as long as its parent lives: `python -m followspot_sweep.child_process PARENT ARGUMENT...`.
 
 A sweep that is killed leaves no runs behind, which would write to the folders of the sweep that goes on.
 """
@@ -16,7 +16,7 @@ _SET_PARENT_DEATH_SIGNAL = 1
 """PR_SET_PDEATHSIG."""
 
 
-def bound(parent: int, arguments: list[str]) -> int:
+def run_as_child(parent: int, arguments: list[str]) -> int:
     """Run the command; it ends as on SIGTERM when the thread that started this process does."""
     ctypes.CDLL(None, use_errno=True).prctl(_SET_PARENT_DEATH_SIGNAL, signal.SIGTERM)
     if os.getppid() != parent:  # it was gone before
@@ -25,4 +25,4 @@ def bound(parent: int, arguments: list[str]) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(bound(int(sys.argv[1]), sys.argv[2:]))
+    sys.exit(run_as_child(int(sys.argv[1]), sys.argv[2:]))

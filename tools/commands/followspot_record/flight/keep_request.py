@@ -16,8 +16,8 @@ from followspot.graph.plan import Plan
 from followspot.library.keep import Keep, bytes_of, seconds_of
 from followspot.messages import Message
 from followspot.plugins.registry import OFFERED
-from followspot_record.flight.keeping import keeping
 from followspot_record.flight.order import FlightOrder
+from followspot_record.flight.running_recorder import running_recorder
 from followspot_record.flight.watch import ConditionWatch
 from followspot_record.record import graph_files
 
@@ -67,7 +67,7 @@ def order_of(args: argparse.Namespace) -> FlightOrder:
 @contextmanager
 def kept_run(keep: Keep, run: str) -> Iterator[Callable[[Sequence[str]], None]]:
     """Keep a run of this name; yields what takes its errors."""
-    with keeping(_order(keep, run)) as recorder:
+    with running_recorder(_order(keep, run)) as recorder:
         yield recorder.failed
 
 
