@@ -69,7 +69,7 @@ class Channel:
         except OSError as error:
             raise ChannelClosed(str(error)) from error
 
-    def tell(self, request: Request, descriptors: Sequence[int] = ()) -> None:
+    def send_if_open(self, request: Request, descriptors: Sequence[int] = ()) -> None:
         """Send one request unless the other process has ended, which the next `receive` notices."""
         with suppress(ChannelClosed):
             self.send(request, descriptors)

@@ -96,8 +96,8 @@ def agents(session: zenoh.Session, timeout: float = 1.0) -> set[str]:
 class RpcServer:
     """The agent's side: requests wait until the agent's thread answers them.
 
-    dispatcher: has the agent's handlers; wake: wakes the agent's thread, called from Zenoh's threads; tell:
-    gets a line for each refusal.
+    dispatcher: has the agent's handlers; wake: wakes the agent's thread, called from Zenoh's threads;
+    log_line: gets a line for each refusal.
     """
 
     def __init__(
@@ -106,7 +106,7 @@ class RpcServer:
         agent: str,
         dispatcher: Dispatcher,
         wake: Callable[[], None],
-        tell: Callable[[str], None] = lambda line: None,
+        log_line: Callable[[str], None] = lambda line: None,
     ) -> None:
         self._dispatcher = dispatcher
         self._wake = wake
@@ -114,7 +114,7 @@ class RpcServer:
         self._bytes = self._dropped = 0
         self._lock = threading.Lock()
         open_to_hosts = (name for name, kind in dispatcher.kinds.items() if kind.open_to_hosts)
-        self.guard = RequestGuard(agent, dispatcher.kinds, tell, open_to_hosts=open_to_hosts)
+        self.guard = RequestGuard(agent, dispatcher.kinds, log_line, open_to_hosts=open_to_hosts)
         self._declared: list[Any] = [
             session.declare_queryable(
                 request_key(agent, "*", "*", "*"), Callback(self._arrived, indirect=False)

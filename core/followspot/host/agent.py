@@ -50,8 +50,8 @@ _RUN = re.compile(r"[0-9a-f]{8,64}")
 class Agent:
     """Serves requests until it is stopped. One thread does all work; Zenoh's threads only wake it."""
 
-    def __init__(self, options: AgentOptions, tell: Callable[[str], None] = lambda line: None) -> None:
-        """tell: gets lines for the log. Raises FollowspotError if the name or an endpoint is wrong."""
+    def __init__(self, options: AgentOptions, log_line: Callable[[str], None] = lambda line: None) -> None:
+        """log_line: gets lines for the log. Raises FollowspotError if the name or an endpoint is wrong."""
         if HOST_NAME.fullmatch(options.name) is None:
             raise FollowspotError(
                 f"{options.name!r} cannot be the name of a host; use letters, digits, - _ ."
@@ -63,9 +63,9 @@ class Agent:
             )
         use_plugin_files(options.plugin_files)
         self.options = options
-        self.tell = tell
-        self.agent_runs = AgentRuns(options.runs, options.name, tell)
-        self._changes = AgentChanges(options, self.agent_runs, tell)
+        self.log_line = log_line
+        self.agent_runs = AgentRuns(options.runs, options.name, log_line)
+        self._changes = AgentChanges(options, self.agent_runs, log_line)
         self._wakeup = WakeupEvent()
         self._stopping = False
         self.session = connected(options.network)
@@ -86,7 +86,7 @@ class Agent:
                 raise FollowspotError(f"there is an agent {self.options.name} already")
             self._resume_detached()
             server = RpcServer(
-                self.session, self.options.name, self._dispatcher(), self._wakeup.set, self.tell
+                self.session, self.options.name, self._dispatcher(), self._wakeup.set, self.log_line
             )
             try:
                 self._loop(server)
@@ -102,12 +102,12 @@ class Agent:
     def _resume_detached(self) -> None:
         """Resume the detached runs of an earlier agent of this name that died."""
         for order in self.agent_runs.kept.left():
-            self.tell(f"run {order.run[:8]}: resumed")
+            self.log_line(f"run {order.run[:8]}: resumed")
             try:
                 self.prepare(order)
                 self.start(order.run)
             except (FollowspotError, ValueError, OSError) as error:
-                self.tell(f"run {order.run[:8]}: cannot be resumed: {error}")
+                self.log_line(f"run {order.run[:8]}: cannot be resumed: {error}")
 
     def _loop(self, server: RpcServer) -> None:
         """Answer requests and supervise workers until `stop` and the end of all runs."""
@@ -176,7 +176,7 @@ class Agent:
         except BaseException:
             self.agent_runs.close(order.run)
             raise
-        self.tell(f"run {order.run[:8]} of {graph}: {len(run.workers)} workers, outputs in {out}")
+        self.log_line(f"run {order.run[:8]} of {graph}: {len(run.workers)} workers, outputs in {out}")
 
     def _folder(self, run: str) -> Path:
         """The output folder of a run: the folder that an earlier agent made for it, or a new one.

@@ -20,13 +20,13 @@ from followspot.host.agent_runs import AgentRuns
 class AgentChanges:
     """Changes the runs of an agent; the order of a run always has the plan that it goes on with.
 
-    tell: gets lines for the log.
+    log_line: gets lines for the log.
     """
 
-    def __init__(self, options: AgentOptions, runs: AgentRuns, tell: Callable[[str], None]) -> None:
+    def __init__(self, options: AgentOptions, runs: AgentRuns, log_line: Callable[[str], None]) -> None:
         self._options = options
         self._runs = runs
-        self._tell = tell
+        self._log_line = log_line
 
     def change(self, order: ChangeOrder) -> None:
         """One step of a hot swap of stages on this host. Raises FollowspotError."""
@@ -46,7 +46,7 @@ class AgentChanges:
             plan = with_stages(plan_from_data(agent_run.order.plan), order.stages, order.subgraphs)
             agent_run.order = replace(agent_run.order, plan=plan_to_data(plan))
             names = ", ".join(stage.name for stage in order.stages) or "what its sub-graphs offer"
-            self._tell(f"run {order.run[:8]} of {agent_run.graph}: changed {names}")
+            self._log_line(f"run {order.run[:8]} of {agent_run.graph}: changed {names}")
 
     def move(self, order: MoveOrder) -> None:
         """One step of a move of stages to or from this host. Raises FollowspotError."""
@@ -57,7 +57,7 @@ class AgentChanges:
                 return
             agent_run.order = replace(agent_run.order, plan=order.plan)
             order = order.model_copy(update={"plan": plan})
-            self._tell(f"run {order.run[:8]} of {agent_run.graph}: stages moved")
+            self._log_line(f"run {order.run[:8]} of {agent_run.graph}: stages moved")
         agent_run.run.ask(order)
 
     def _rewire(self, order: ChangeOrder, data: dict[str, Any], agent_run: AgentRun) -> None:
@@ -66,4 +66,6 @@ class AgentChanges:
         agent_run.run.ask(order.model_copy(update={"plan": plan}))
         if order.step == "take_over":
             agent_run.order = replace(agent_run.order, plan=data)
-            self._tell(f"run {order.run[:8]} of {agent_run.graph}: another file in the place of a sub-graph")
+            self._log_line(
+                f"run {order.run[:8]} of {agent_run.graph}: another file in the place of a sub-graph"
+            )

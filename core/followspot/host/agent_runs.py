@@ -21,10 +21,10 @@ _MAX_TIMED_OUT = 256
 class AgentRuns:
     """The runs of an agent, by name. kept: saves the detached ones."""
 
-    def __init__(self, runs: Path, host: str, tell: Callable[[str], None]) -> None:
-        """runs, host: see `KeptRuns`; tell: gets lines for the log."""
+    def __init__(self, runs: Path, host: str, log_line: Callable[[str], None]) -> None:
+        """runs, host: see `KeptRuns`; log_line: gets lines for the log."""
         self.kept = KeptRuns(runs, host)
-        self._tell = tell
+        self._log_line = log_line
         self._runs: dict[str, AgentRun] = {}
         self._timed_out: deque[str] = deque(maxlen=_MAX_TIMED_OUT)
 
@@ -36,7 +36,7 @@ class AgentRuns:
         agent_run = self._runs.get(run)
         if agent_run is None or agent_run.operator.timed_out:
             raise FollowspotError(f"there is no run {run!r} here")
-        agent_run.operator.heard(time.monotonic())
+        agent_run.operator.note_request(time.monotonic())
         return agent_run
 
     def known(self, run: str) -> Known:
@@ -70,15 +70,15 @@ class AgentRuns:
         if agent_run is not None:
             agent_run.run.close()
             self.kept.forget(agent_run)
-            self._tell(f"run {run[:8]} of {agent_run.graph}: over")
+            self._log_line(f"run {run[:8]} of {agent_run.graph}: over")
 
     def tidy(self, now: float) -> None:
         """Check operator timeouts, close ended runs, save detached ones. now: monotonic time, s."""
         for agent_run in self:
             run = agent_run.order.run
             if (line := agent_run.operator.check(now)) and not agent_run.over:
-                agent_run.run.tell("warning" if agent_run.operator.silent else "info", line)
-                self._tell(f"run {run[:8]} of {agent_run.graph}: {line}")
+                agent_run.run.report_event("warning" if agent_run.operator.silent else "info", line)
+                self._log_line(f"run {run[:8]} of {agent_run.graph}: {line}")
             if agent_run.operator.timed_out and run not in self._timed_out:
                 self._timed_out.append(run)
                 agent_run.leave(now)

@@ -35,7 +35,7 @@ class HostSwaps:
         self._incarnations: dict[str, int] = {}
         """Incarnation of each worker that builds, or has built, what is new."""
 
-    def obey(self, order: ChangeOrder) -> None:
+    def carry_out(self, order: ChangeOrder) -> None:
         """One step of a hot swap, unless it is the one that is being done. Safe beside `attend`.
 
         Raises FollowspotError if another change is under way, the run has ended or a worker is not running.
@@ -59,7 +59,7 @@ class HostSwaps:
             self._pool.hand_over_rings(order.plan)
         for name, own_order in change.orders.items():
             if name not in away:
-                workers[name].channel.tell(own_order)
+                workers[name].channel.send_if_open(own_order)
         for name in away:
             self._leave_out(name)
 
@@ -79,7 +79,7 @@ class HostSwaps:
     def attend(self, answers: Iterable[tuple[str, ChangeStatus]]) -> None:
         """Take the answers of workers; restarted workers get the stages that have taken over."""
         for name, answer in answers:
-            if self._change.heard(name, answer):
+            if self._change.take_answer(name, answer):
                 self._adopt(self._change.orders[name])
 
     def attend_deaths(self) -> None:
@@ -127,7 +127,7 @@ class HostChange:
         known = self.order
         return known is not None and (order.id, order.turn, order.step) == (known.id, known.turn, known.step)
 
-    def heard(self, worker: str, answer: ChangeStatus) -> bool:
+    def take_answer(self, worker: str, answer: ChangeStatus) -> bool:
         """Take a worker's answer; return True if its replacements have taken over."""
         if self.order is None or (answer.id, answer.turn) != (self.order.id, self.order.turn):
             return False

@@ -101,7 +101,7 @@ class LocalHost:
         self.ledger = Ledger(edges, memoryview(mmap.mmap(memory, size)).cast("q"))
         order = replace(order, out=self.out)
         self.pool = WorkerPool(self.name, order, memory, self.network, self.hub, self.log, self._in_process)
-        self.supervisor = Supervisor(self.pool, self.clock, self.tell)
+        self.supervisor = Supervisor(self.pool, self.clock, self.report_event)
         self._swaps = HostSwaps(self.pool)
         self.ask = self._dispatcher(self._swaps).dispatch
         self._follow_clock()
@@ -116,7 +116,7 @@ class LocalHost:
                 StartRun: lambda _: supervisor.start(),
                 StopRun: lambda _: supervisor.stop(),
                 EndWorkers: lambda request: pool.ended(request.workers),
-                ChangeOrder: swaps.obey,
+                ChangeOrder: swaps.carry_out,
                 MoveOrder: self.move,
                 **dict.fromkeys(RELAYED, pool.relay),
                 GetHostStatus: lambda _: self.status(),
@@ -183,14 +183,14 @@ class LocalHost:
     def _attend_clock(self) -> None:
         """Send a new clock correction to the workers; warn the user of a large offset."""
         if (correction := self.clock.news()) is not None:
-            self.pool.tell(SetClock(correction=correction))
+            self.pool.send_to_all(SetClock(correction=correction))
         if (step := self.clock.step_news()) is not None:
             line = f"the clock of this host was set by {step / 1e6:+.1f} ms since the run began"
-            self.tell("warning", f"{line}; the times of the run go on as before")
+            self.report_event("warning", f"{line}; the times of the run go on as before")
         if warning := self._clock_warnings.news(self.clock.status()):
-            self.tell("warning", warning)
+            self.report_event("warning", warning)
 
-    def tell(self, level: Level, line: str, worker: str = "") -> None:
+    def report_event(self, level: Level, line: str, worker: str = "") -> None:
         """Log a line; it becomes news unless it is an error."""
         self.log.say(level, line, worker=worker)
         if level != "error":  # the reports of workers contain the errors

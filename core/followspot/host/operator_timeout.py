@@ -24,7 +24,7 @@ class OperatorTimeout:
         self.timed_out = False
         """True once the timeout has passed; the run is then ended."""
 
-    def heard(self, now: float) -> None:
+    def note_request(self, now: float) -> None:
         """Note a request of an operator."""
         self._heard = now
 

@@ -26,13 +26,15 @@ _CHECKPOINT_PERIOD = 1.0
 class Supervisor:
     """Decides when the workers of a pool are started, killed and restarted.
 
-    clock: has the clock correction for new workers; tell: gets news and errors, each with its worker.
+    clock: has the clock correction for new workers; report_event: gets news and errors, each with its worker.
     """
 
-    def __init__(self, pool: WorkerPool, clock: HostClock, tell: Callable[[Level, str, str], None]) -> None:
+    def __init__(
+        self, pool: WorkerPool, clock: HostClock, report_event: Callable[[Level, str, str], None]
+    ) -> None:
         self._pool = pool
         self._clock = clock
-        self._tell = tell
+        self._report_event = report_event
         self._running = self._stopping = False
         self._leaving: set[str] = set()
         """Workers that have left for a move, or are about to, until the pool is rearranged."""
@@ -69,7 +71,7 @@ class Supervisor:
         self._stopping = True
         self._dead_at_stop = frozenset(self._dead)
         self._kill_at = time.monotonic() + _STOP_TIMEOUT
-        self._pool.tell(StopRun())
+        self._pool.send_to_all(StopRun())
         for name in self._restarts.waiting:
             self._end_without_report(self._pool.workers[name], error=_gone(name))
         for name in self._leaving:
@@ -98,7 +100,7 @@ class Supervisor:
         self._leaving.update(leaving)
         for name in leaving:
             self._restarts.call_off(name)
-            self._pool.workers[name].channel.tell(LeaveRun())
+            self._pool.workers[name].channel.send_if_open(LeaveRun())
         if order.plan is None:
             return
         present = (worker.incarnation for worker in self._pool.workers.values())
@@ -116,7 +118,7 @@ class Supervisor:
         if worker.phase == "ready" and self._running:
             self._pool.join(worker)
             self._dead.discard(worker.name)
-            self._tell("info", f"worker {worker.name} is back", worker.name)
+            self._report_event("info", f"worker {worker.name} is back", worker.name)
         if worker.phase in ("over", "absent") or worker.busy:
             return
         report = worker.report
@@ -126,7 +128,7 @@ class Supervisor:
             if worker.name in self._dead_at_stop and not report.error:
                 worker.report = report = replace(report, error=_gone(worker.name), absent=True)
             if report.error:
-                self._tell("error", report.error, worker.name)
+                self._report_event("error", report.error, worker.name)
             return
         if report is None and worker.process.poll() is None:
             worker.process.kill()
@@ -141,7 +143,7 @@ class Supervisor:
         if worker.name not in self._leaving:
             self._dead.add(worker.name)
             wait = self._restarts.after_death(worker.name, now)
-            self._tell("warning", self._notes.of(worker.name, why, wait), worker.name)
+            self._report_event("warning", self._notes.of(worker.name, why, wait), worker.name)
         worker.phase = "absent"  # last, so that the news has the reason as soon as the phase shows
 
     def _end_without_report(self, worker: WorkerProcess, error: str) -> None:
@@ -149,7 +151,7 @@ class Supervisor:
         self._restarts.call_off(worker.name)
         worker.phase = "over"
         if error:
-            self._tell("error", error, worker.name)
+            self._report_event("error", error, worker.name)
         warnings = () if error else (f"worker {worker.name} was not there at the end",)
         worker.report = WorkerReport(worker.name, 0, warnings=warnings, error=error, absent=True)
 
@@ -160,13 +162,13 @@ class Supervisor:
             worker = workers[name]
             if worker.phase == "running" and worker.busy and not worker.killed:
                 line = f"worker {name} (process {worker.process.pid}) hangs; it is killed"
-                self._tell("warning", line, name)
+                self._report_event("warning", line, name)
                 worker.kill("it hung")
 
     def _request_checkpoints(self) -> None:
         for worker in self._pool.workers.values():
             if worker.phase == "running":
-                worker.channel.tell(SendStates())
+                worker.channel.send_if_open(SendStates())
 
     def _spawn_again(self, name: str, incarnation: int) -> None:
         self._pool.spawn(name, incarnation, self._clock.correction(), again=True)

@@ -98,7 +98,7 @@ class WorkerPool:
             states={stage: self.states[stage] for stage in own if stage in self.states},
             clock=correction,
         )
-        worker.channel.tell(order, (self._ledger,))
+        worker.channel.send_if_open(order, (self._ledger,))
         if self.plan.uses_zenoh(name) and not (self._hub or self._network.router):
             while not worker.locators and worker.busy:  # each worker connects to those before it
                 self._receive_from(worker)
@@ -107,9 +107,9 @@ class WorkerPool:
         """Start the stages of a worker."""
         worker.begin()
         for order in tuple(self._standing_orders):
-            worker.channel.tell(order)
+            worker.channel.send_if_open(order)
         self._begun = self._begun or time.monotonic_ns()
-        worker.channel.tell(StartRun(begun=self._begun))
+        worker.channel.send_if_open(StartRun(begun=self._begun))
 
     def join(self, worker: WorkerProcess) -> None:
         """Start the stages of a restarted worker, and connect it to the running ones."""
@@ -124,22 +124,22 @@ class WorkerPool:
         answers, self._answers = self._answers, []
         return answers
 
-    def tell(self, order: Request) -> None:
+    def send_to_all(self, order: Request) -> None:
         """Send an order to all workers."""
         for worker in tuple(self.workers.values()):
-            worker.channel.tell(order)
+            worker.channel.send_if_open(order)
 
     def ended(self, workers: Collection[str]) -> None:
         """Announce workers of any host that have ended, so that no worker waits for them."""
         self.over.update(workers)
-        self.tell(EndWorkers(workers=tuple(sorted(self.over))))
+        self.send_to_all(EndWorkers(workers=tuple(sorted(self.over))))
 
     def relay(self, order: Relayed) -> None:
         """Send an order to the running workers, and to the others when they begin. Safe from any thread."""
         self._standing_orders = order.standing(self._standing_orders)
         for worker in tuple(self.workers.values()):
             if worker.phase == "running":
-                worker.channel.tell(order)
+                worker.channel.send_if_open(order)
 
     def change(self, stages: Sequence[PlannedStage]) -> None:
         """Replace stages of the plan; workers that start from now on get the new ones."""
@@ -198,7 +198,7 @@ class WorkerPool:
         for end in ends:
             with end.socket:
                 order = TakeRing(edge=end.edge, side=end.side)
-                self.workers[end.worker].channel.tell(order, (end.socket.fileno(),))
+                self.workers[end.worker].channel.send_if_open(order, (end.socket.fileno(),))
 
     def _peers(self) -> list[str]:
         return [*self._hub, *(locator for worker in self.workers.values() for locator in worker.locators)]

@@ -30,9 +30,9 @@ _PIPE_SIZE = 1 << 20
 class RejectedPeers:
     """Counts the peers that Zenoh rejects in this process; passes all other output on."""
 
-    def __init__(self, tell: Callable[[str], None]) -> None:
-        """tell: gets a line for each rejection. Make this before the first Zenoh session."""
-        self.rejections = Rejections(tell)
+    def __init__(self, log_line: Callable[[str], None]) -> None:
+        """log_line: gets a line for each rejection. Make this before the first Zenoh session."""
+        self.rejections = Rejections(log_line)
         self._out = os.dup(_STDOUT)
         reading, writing = os.pipe()
         fcntl.fcntl(writing, fcntl.F_SETPIPE_SZ, _PIPE_SIZE)

@@ -67,7 +67,7 @@ def envelope(asked: Asked, data: dict[str, Any]) -> bytes:
 class RequestGuard:
     """Admits or rejects the requests to an agent.
 
-    agent: its name; verbs: all requests that it handles; tell: gets lines for the log; clock: wall-clock
+    agent: its name; verbs: all requests that it handles; log_line: gets lines for the log; clock: wall-clock
     time, s; open_to_hosts: verbs that every registered host may use, not only operators.
     """
 
@@ -75,11 +75,11 @@ class RequestGuard:
         self,
         agent: str,
         verbs: Iterable[str],
-        tell: Callable[[str], None] = lambda line: None,
+        log_line: Callable[[str], None] = lambda line: None,
         clock: Callable[[], float] = time.time,
         open_to_hosts: Iterable[str] = (),
     ) -> None:
-        self._rejections = Rejections(tell)
+        self._rejections = Rejections(log_line)
         self._agent = agent
         self._verbs = frozenset(verbs)
         self._open_to_hosts = frozenset(open_to_hosts)

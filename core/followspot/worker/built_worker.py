@@ -68,7 +68,7 @@ class BuiltWorker:
             SendStates: lambda _: self._reporter.send_states(self.scheduler),
             SetClock: self._set_clock,
             LeaveRun: self._leave_run,
-            ChangeOrder: self._change.obey,
+            ChangeOrder: self._change.carry_out,
         }
 
     def give_up(self, workers: Collection[str]) -> None:

@@ -31,7 +31,7 @@ class SourceHold:
     @property
     def handlers(self) -> Handlers:
         """The orders to hold sources and to let them go on."""
-        return {HoldSources: self._obey}
+        return {HoldSources: self._carry_out}
 
     def holds(self, source: SourceRunner) -> bool:
         """True if this source sends nothing now."""
@@ -98,7 +98,7 @@ class SourceHold:
         """Let all sources go on."""
         self.order = None
 
-    def _obey(self, order: HoldSources) -> None:
+    def _carry_out(self, order: HoldSources) -> None:
         if order.held and (self.order is None or self.order.id != order.id):
             yielded = (source.yielded for source in self.sources if source.name == order.source)
             self._hold_at = sum(yielded) + order.count

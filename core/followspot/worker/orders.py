@@ -37,7 +37,7 @@ class Orders:
         """Carry out the orders that came before the start, and all that come from now on."""
         self._scheduler.ends.watch(self._channel.fileno(), self._arrived)
         self._scheduler.pace.watch(self._channel.fileno(), self._arrived)
-        self._obey([*earlier, *self._channel.buffered()])
+        self._carry_out([*earlier, *self._channel.buffered()])
 
     def leave_soon(self) -> None:
         """Exit after `GRACE` seconds: the host has gone, and the outputs are completed by then or never."""
@@ -56,10 +56,10 @@ class Orders:
             return True
         if any(isinstance(order, StopRun) for order, _ in received):
             self._scheduler.stop()
-        self._scheduler.between_firings(partial(self._obey, received))
+        self._scheduler.between_firings(partial(self._carry_out, received))
         return False
 
-    def _obey(self, received: Sequence[Received]) -> None:
+    def _carry_out(self, received: Sequence[Received]) -> None:
         for order, descriptors in received:
             self._dispatcher.dispatch(order, *descriptors)
 

@@ -48,7 +48,7 @@ def swapped(plan: Plan) -> tuple[PlannedStage, ...]:
 def test_a_worker_that_dies_during_take_over_restarts_with_its_replacements(tmp_path: Path) -> None:
     plan = planned(tmp_path, "", "")
     change = HostChange(ChangeOrder(id="1", step="take_over", stages=swapped(plan)), plan)
-    assert change.heard("left", ChangeStatus("1", "done"))
+    assert change.take_answer("left", ChangeStatus("1", "done"))
     assert change.status().phase == "building"
     assert change.died("right")
     assert change.status() == ChangeStatus("1", "done")
@@ -59,7 +59,7 @@ def test_a_worker_that_dies_during_take_over_restarts_with_its_replacements(tmp_
 def test_a_worker_that_dies_before_the_take_over_fails_the_change(tmp_path: Path) -> None:
     plan = planned(tmp_path, "", "")
     change = HostChange(ChangeOrder(id="1", step="build", stages=swapped(plan)), plan)
-    change.heard("left", ChangeStatus("1", "built"))
+    change.take_answer("left", ChangeStatus("1", "built"))
     assert not change.died("right")
     assert change.status() == ChangeStatus("1", "failed", "worker right has ended")
 

@@ -52,7 +52,7 @@ class Changing:
         self.turn += 1
         plan = plan_to_data(self.new) if step == "build" else None
         order = ChangeOrder(id="1", step=step, stages=(), turn=self.turn, until=until, plan=plan)
-        self.scheduler.between_firings(partial(self.swap.obey, order))
+        self.scheduler.between_firings(partial(self.swap.carry_out, order))
 
     def answered(self, phase: str, seconds: float = 60.0) -> bool:
         """Whether the worker says so of the step that it was told last."""

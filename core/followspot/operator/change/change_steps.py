@@ -38,7 +38,7 @@ class HostPart:
     host: Host
     order: ChangeOrder
 
-    def tell(self, fields: Mapping[str, Any], deadline: float) -> None:
+    def pass_on(self, fields: Mapping[str, Any], deadline: float) -> None:
         """Pass a step on; again if the host does not answer, if there is no way back. Raises FollowspotError.
 
         deadline: s, monotonic.
@@ -83,7 +83,7 @@ class ChangeSteps:
         deadline = self._begin(_TIMEOUT)
         for part in self._parts:
             self._await(step, [part])
-            part.tell(self._fields(step, part, until=until, leaving=tuple(leaving)), deadline)
+            part.pass_on(self._fields(step, part, until=until, leaving=tuple(leaving)), deadline)
         return self._wait_for(step, phase, deadline)
 
     def build(self) -> None:
@@ -103,7 +103,7 @@ class ChangeSteps:
         for part in self._parts:
             self._await("discard", [part])
             with suppress(FollowspotError):
-                part.tell(self._fields("discard", part), deadline)
+                part.pass_on(self._fields("discard", part), deadline)
         with suppress(FollowspotError):
             self._wait_for("discard", "done", deadline)
 

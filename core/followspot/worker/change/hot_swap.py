@@ -41,7 +41,7 @@ class HotSwap:
         self._beside = threading.Lock()
         """Held by the thread that builds."""
 
-    def obey(self, order: ChangeOrder) -> None:
+    def carry_out(self, order: ChangeOrder) -> None:
         """Do one step; call between two firings, in the worker's thread."""
         if order.step == "discard":
             if order.id == self._id:
@@ -54,7 +54,7 @@ class HotSwap:
         elif order.id != self._id:
             self.answer(ChangeStatus(order.id, "failed", "another change is under way", order.turn))
         elif order.step in ("hold", "rest", "go_on") or self._joint.holds:
-            self._joint.obey(order, self._rewiring)
+            self._joint.carry_out(order, self._rewiring)
             if order.step == "take_over":
                 self._rewiring = None
         else:

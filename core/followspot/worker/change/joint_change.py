@@ -41,7 +41,7 @@ class JointChange:
         self._rewiring: Rewiring | None = None
         self._timer: threading.Timer | None = None
 
-    def obey(self, order: ChangeOrder, rewiring: Rewiring | None) -> None:
+    def carry_out(self, order: ChangeOrder, rewiring: Rewiring | None) -> None:
         """Do one step after "build"; call between two firings. rewiring: what was built."""
         self._expect_another()
         if order.step in ("hold", "rest") and self._rewiring is None and rewiring is not None:

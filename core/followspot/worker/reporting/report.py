@@ -15,8 +15,8 @@ MAX_WARNINGS = 200
 class Warnings:
     """Collects the warnings of stages, equal ones once; tell: gets stage and text of each."""
 
-    def __init__(self, tell: Callable[[str, str], None] = lambda stage, text: None) -> None:
-        self._tell = tell
+    def __init__(self, log: Callable[[str, str], None] = lambda stage, text: None) -> None:
+        self._log = log
         self._counts: dict[str, int] = {}
         self._more = 0
         self.last: dict[str, str] = {}
@@ -26,7 +26,7 @@ class Warnings:
         """A stage's warning, which may repeat what others sent; safe from any thread."""
         text = printable_lines(text)
         self.last[stage] = text
-        self._tell(stage, text)
+        self._log(stage, text)
         line = f"{stage}: {text}"
         if line in self._counts or len(self._counts) < MAX_WARNINGS:
             self._counts[line] = self._counts.get(line, 0) + 1
