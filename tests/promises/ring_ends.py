@@ -112,8 +112,8 @@ class RingEnds(RuleBasedStateMachine):
         assert self.writer is not None
         owed = {index: self.port.readers[index] for index in dead}
         waiting = {index: found.waiting for index, found in owed.items() if found is not None}
-        assert dict(self.writer.perished()) == waiting
-        assert self.writer.perished() == []
+        assert dict(self.writer.newly_dead()) == waiting
+        assert self.writer.newly_dead() == []
 
     def welcome(self, index: int, sock: socket.socket) -> None:
         self.readers[index] = found = RingReader(sock, Picture, self.reader)

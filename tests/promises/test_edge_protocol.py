@@ -13,7 +13,7 @@ from tests.promises.edge_model import ABSENT, END, Advance, Owed, Spoken
 from tests.promises.edge_words import SMALL, intact, picture
 from tests.promises.ring_ends import RingEnds, open_descriptors
 
-from followspot.transport.ring.links import Home
+from followspot.transport.ring.links import ReaderLocation
 from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import UNKNOWN, Watermark
 
@@ -282,7 +282,9 @@ class RingEdge(RingEnds):
         """It begins with all those that are there; the others return later."""
         pairs = [socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) for _ in self.readers]
         away = {index for index, found in enumerate(self.readers) if found is None}
-        homes = [] if self.number else [Home(self.homes[index], index) for index in range(len(pairs))]
+        homes = (
+            [] if self.number else [ReaderLocation(self.homes[index], index) for index in range(len(pairs))]
+        )
         self.together = [
             {i} | {h.edge for h in homes if h.worker == self.homes[i]} for i, _ in enumerate(pairs)
         ]

@@ -51,9 +51,9 @@ class DroppingWriter:
         """That of the inner writer."""
         return self.inner.rejected
 
-    def perished(self) -> list[tuple[int, int]]:
+    def newly_dead(self) -> list[tuple[int, int]]:
         """Those of the inner writer; messages that wait here are dropped, or sent to the next reader."""
-        return self.inner.perished()
+        return self.inner.newly_dead()
 
     def matched(self) -> bool:
         """That of the inner writer."""

@@ -29,7 +29,7 @@ class PortWriter(Protocol):
     def rejected(self) -> int:
         """Count of all that came malformed or not from a reader; no ledger has it."""
 
-    def perished(self) -> list[tuple[int, int]]:
+    def newly_dead(self) -> list[tuple[int, int]]:
         """Indices of readers that died since the last call, each with its messages that were on their way.
 
         After `close` also readers that were cut off and did not come back. A reader may have taken one or two

@@ -166,7 +166,7 @@ class Builder:
             receives=self.wiring.received_types(stage.name),
             warn=partial(self.options.warn, stage.name),
             loan=partial(_loan, outputs),
-            pause=self.pace.wait_aside if stage.live else self.pace.wait,
+            pause=self.pace.wait_in_thread if stage.live else self.pace.wait,
             resumed=self.options.resumed,
             lost=partial(_lost_at_source, outputs),
             run_begun=self.options.clock.run_begun,
@@ -217,7 +217,7 @@ class Builder:
 
 def _shed(queue: InputQueue, wake: Callable[[], None]) -> None:
     """Drop what a sampled input no longer keeps when a message comes."""
-    queue.shed()
+    queue.drop_oldest()
     wake()
 
 

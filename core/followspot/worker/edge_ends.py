@@ -115,7 +115,7 @@ class EdgeEnds:
         flushed = [writer.flush() for writer, _ in self.writers]
         return all(flushed)
 
-    def settled(self) -> bool:
+    def nothing_in_transit(self) -> bool:
         """False if anything is known to be on its way to or from other workers: sent and not yet taken."""
         taken = all(writer.all_taken for writer, _ in self.writers)
         return taken and all(queue.reader is None or queue.reader.caught_up for queue in self.readers)
@@ -123,7 +123,7 @@ class EdgeEnds:
     def report_at_once(self, at_once: bool) -> None:
         """Report every message to its sender as soon as it is taken here, or again only now and then.
 
-        `settled` of the sending worker waits for these reports.
+        `nothing_in_transit` of the sending worker waits for these reports.
         """
         for queue in self.readers:
             if queue.reader is not None:

@@ -14,7 +14,7 @@ from followspot.graph.plan import EdgeKind, Plan, PlannedEdge
 from followspot.messages import Message
 from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.edge import PortReader, PortWriter
-from followspot.transport.ring.links import Home
+from followspot.transport.ring.links import ReaderLocation
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
 from followspot.worker.scheduler import Scheduler
@@ -63,7 +63,7 @@ class EdgeLinks:
         drops = planned[0].drops and self.plan.live
         if kind == "ring":
             ring: RingWriter | DroppingWriter = RingWriter(
-                [self.sending[edge] for edge in edges], self._depth(planned), self._homes(edges)
+                [self.sending[edge] for edge in edges], self._depth(planned), self._locations(edges)
             )
             ring = DroppingWriter(ring, planned[0].depth) if drops else ring
             self._ring_writers.update({edge: (ring, index) for index, edge in enumerate(edges)})
@@ -116,20 +116,20 @@ class EdgeLinks:
             scheduler.ends.adopt_link(ring, sock.fileno())
 
     def _ring_reader(self, edge: int, sock: socket.socket, kind: type[Message]) -> RingReader:
-        reader = RingReader(sock, kind, partial(self._fellow, edge))
+        reader = RingReader(sock, kind, partial(self._reader_beside, edge))
         self._ring_readers[edge] = reader, kind
         return reader
 
-    def _homes(self, edges: Sequence[int]) -> list[Home]:
-        """Where the readers of edges are, so that readers in one worker share datagrams; [] if none share.
+    def _locations(self, edges: Sequence[int]) -> list[ReaderLocation]:
+        """Where the readers of edges are, so that those in one worker share datagrams; [] if none share.
 
         A worker that was started again gets its edges one by one, so their readers do not share.
         """
         if self.zenoh.incarnation:
             return []
-        return [Home(self.plan.worker_of(self.plan.edge(edge).to_stage), edge) for edge in edges]
+        return [ReaderLocation(self.plan.worker_of(self.plan.edge(edge).to_stage), edge) for edge in edges]
 
-    def _fellow(self, edge: int, other: int) -> RingReader | None:
+    def _reader_beside(self, edge: int, other: int) -> RingReader | None:
         """The reader here of another edge from the same port; None if there is none."""
         if other not in self._ring_readers:
             return None

@@ -27,7 +27,7 @@ class Pace:
         """Wait so long; returns False at once when the run is to end. For the worker's thread alone."""
         return self._wait(seconds, self._watched)
 
-    def wait_aside(self, seconds: float) -> bool:
+    def wait_in_thread(self, seconds: float) -> bool:
         """Wait like :meth:`wait`, in another thread: no callback is called."""
         return self._wait(seconds, {})
 

@@ -132,7 +132,7 @@ class PortEdges:
         watermark.
         """
         for writer, rows in zip(self.writers, self.rows, strict=True):
-            for index, count in writer.perished():
+            for index, count in writer.newly_dead():
                 self.words[rows[index] + LOST] += count
         lost = [writer.lost for writer in self.writers]
         if lost == self._lost:

@@ -247,4 +247,4 @@ class Scheduler:
         self.ends.give_up(_ALL)
         for runner in self.runners:
             if isinstance(runner, DeferredRunner):
-                runner.hurry()
+                runner.limit_wait()

@@ -175,7 +175,7 @@ def test_a_dismissed_reader_holds_no_credit_and_keeps_the_slots_of_what_it_has(s
     first.close()
     shared.writer.drain()
     assert not shared.writer.lost
-    assert not shared.writer.perished()
+    assert not shared.writer.newly_dead()
 
 
 def test_a_reader_has_caught_up_once_it_has_taken_all_that_was_sent(ring: Ring) -> None:

@@ -11,7 +11,7 @@ from tests.core.transport.rings import DEPTH, frame, messages
 
 from followspot.messages import Message, identical
 from followspot.tracking import Frame
-from followspot.transport.ring.links import Home
+from followspot.transport.ring.links import ReaderLocation
 from followspot.transport.ring.notification import CARRIES, NOTIFICATION
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
@@ -26,14 +26,14 @@ class Shared:
     def __init__(self) -> None:
         pairs = [socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) for _ in range(3)]
         self.sockets = [ours for ours, _ in pairs]
-        homes = [Home("near", 0), Home("near", 1), Home("far", 2)]
+        homes = [ReaderLocation("near", 0), ReaderLocation("near", 1), ReaderLocation("far", 2)]
         self.writer = RingWriter(self.sockets, DEPTH, homes)
         self.readers: list[RingReader] = []
-        self.readers += [RingReader(theirs, Frame, self.fellow) for _, theirs in pairs]
+        self.readers += [RingReader(theirs, Frame, self.reader_beside) for _, theirs in pairs]
         self.notified = 0
         self.readers[1].notify = self.note
 
-    def fellow(self, edge: int) -> RingReader | None:
+    def reader_beside(self, edge: int) -> RingReader | None:
         return self.readers[edge] if edge in (0, 1) else None
 
     def note(self) -> None:
@@ -106,7 +106,7 @@ def test_their_process_dies_as_one(shared: Shared) -> None:
     shared.readers[1].close()
     shared.writer.drain()
     assert shared.writer.lost == {0, 1}
-    assert sorted(shared.writer.perished()) == [(0, 1), (1, 1)]
+    assert sorted(shared.writer.newly_dead()) == [(0, 1), (1, 1)]
 
 
 @pytest.mark.parametrize("waits", [False, True])
@@ -129,7 +129,7 @@ def test_whoever_takes_their_place_has_datagrams_of_its_own(shared: Shared) -> N
     for index in (1, 0):
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         shared.writer.replace(index, ours)
-        shared.readers[index] = RingReader(theirs, Frame, shared.fellow)
+        shared.readers[index] = RingReader(theirs, Frame, shared.reader_beside)
         shared.writer.send(frame(index, SMALL))
     assert not shared.writer.lost
     assert [told(reader.poll()) for reader in shared.readers] == [[0], [1, 0], [1, 0]]

@@ -140,11 +140,11 @@ def test_what_was_on_its_way_to_a_reader_is_lost_when_another_one_comes_and_not_
     pair.reader.close()
     until(lambda: drained(pair.writer).lost == frozenset({0}))
     pair.writer.send(frame(3))  # nobody is there to lose it
-    assert pair.writer.perished() == []
+    assert pair.writer.newly_dead() == []
     pair.reader = ZenohReader(pair.session, KEY, NAME, Frame, DEPTH, incarnation=1)
     until(lambda: drained(pair.writer).lost == frozenset())
-    assert pair.writer.perished() == [(0, 2)]
-    assert pair.writer.perished() == []
+    assert pair.writer.newly_dead() == [(0, 2)]
+    assert pair.writer.newly_dead() == []
 
 
 def test_what_was_on_its_way_to_a_reader_that_was_only_cut_off_is_not_lost(pair: Pair) -> None:
@@ -154,7 +154,7 @@ def test_what_was_on_its_way_to_a_reader_that_was_only_cut_off_is_not_lost(pair:
     assert drained(pair.writer).lost == frozenset({0})
     pair.writer._flow.take_presence(Presence(zenoh.SampleKind.PUT))  # type: ignore[arg-type]
     assert drained(pair.writer).lost == frozenset()
-    assert pair.writer.perished() == []
+    assert pair.writer.newly_dead() == []
 
 
 def test_what_was_on_its_way_to_a_reader_that_was_cut_off_to_the_end_is_lost(pair: Pair) -> None:
@@ -162,7 +162,7 @@ def test_what_was_on_its_way_to_a_reader_that_was_cut_off_to_the_end_is_lost(pai
     pair.writer._flow.take_presence(Presence(zenoh.SampleKind.DELETE))  # type: ignore[arg-type]
     assert drained(pair.writer).lost == frozenset({0})
     pair.writer.close()
-    assert pair.writer.perished() == [(0, 1)]
+    assert pair.writer.newly_dead() == [(0, 1)]
 
 
 def test_a_reader_that_is_said_to_be_there_and_has_no_token_is_found_missing(pair: Pair) -> None:

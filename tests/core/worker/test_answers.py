@@ -182,7 +182,7 @@ def test_a_stop_gives_up_answers_that_do_not_come(monkeypatch: pytest.MonkeyPatc
     bench = Asking()
     bench.put(10, 20)
     bench.stage.answers[1].set_result(Note(2))  # type: ignore[attr-defined]
-    bench.runner.hurry()  # type: ignore[attr-defined]
+    bench.runner.limit_wait()  # type: ignore[attr-defined]
     assert bench.runner.overdue_at is not None, "it wakes the worker"
     bench.end()
     assert bench.runner.done

@@ -326,7 +326,7 @@ def test_a_full_feedback_edge_keeps_the_message_of_the_firing_before() -> None:
     for time in (10, 11, 12):
         bench.put(1, tick(time, time))
     bench.queues[0].advance(20)
-    join.relieve(join.watermark())
+    join.relieve_backpressure(join.watermark())
     assert len(bench.queues[1].messages) == 3 < bench.queues[1].depth
     bench.put(0, tick(20))
     assert fire(join)[1].value == 10  # type: ignore[index,attr-defined]
@@ -341,8 +341,8 @@ def test_a_full_edge_lets_its_sender_go_on_where_another_input_is_awaited() -> N
     bench.queues[0].advance(4)
     for time in (2, 3, 5, 6):
         bench.put(1, tick(time, time))
-    join.relieve(join.watermark())
+    join.relieve_backpressure(join.watermark())
     assert len(bench.queues[1].messages) == bench.queues[1].depth == 4, "5 and 6 fill it"
     bench.put(0, tick(5))
     assert values(fire(join)[1]) == [2, 3, 5]  # type: ignore[index]
-    assert bench.queues[1].depth == 2, "what was excused is gone"
+    assert bench.queues[1].depth == 2, "what was exempt is gone"

@@ -64,7 +64,7 @@ def test_an_input_keeps_its_newest_messages_and_counts_the_others_as_dropped() -
     for time in range(10):
         queue.put(note(time))
     assert join.dropping == (queue,)
-    queue.shed()
+    queue.drop_oldest()
     assert [message.header.time for message in queue.messages] == [8, 9]
     assert ledger.count(0).dropped == 8
 

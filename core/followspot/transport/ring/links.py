@@ -17,8 +17,8 @@ from followspot.transport.ring.notification import ARENA, CARRIED, CARRIES, HELL
 from followspot.transport.ring.slots import Slots
 
 
-class Home(NamedTuple):
-    """Where a reader is: its worker, and the number of its edge there."""
+class ReaderLocation(NamedTuple):
+    """The worker of a reader, and the number of its edge."""
 
     worker: str
     edge: int
@@ -33,19 +33,22 @@ class ReaderLinks:
         self._quota = quota
         self._slots = slots
         self._expelled = 0
-        self._perished: list[tuple[int, int]] = []
+        self._newly_dead: list[tuple[int, int]] = []
         self.dismissed: list[Control] = []
         """Words of readers that left the graph: their stages may still hold messages in slots."""
         self.all = [self._linked(sock, 0, None) for sock in sockets]
         self._note_living()
 
-    def share(self, homes: Sequence[Home]) -> None:
-        """Let readers of one worker share datagrams; call before anything is sent. homes: of all readers."""
+    def share(self, locations: Sequence[ReaderLocation]) -> None:
+        """Let readers of one worker share datagrams; call before anything is sent.
+
+        locations: of all readers.
+        """
         carriers: dict[str, tuple[Link, int]] = {}
-        for home, link in zip(homes, self.all, strict=True):
-            carrier, edge = carriers.setdefault(home.worker, (link, home.edge))
+        for location, link in zip(locations, self.all, strict=True):
+            carrier, edge = carriers.setdefault(location.worker, (link, location.edge))
             if carrier is not link:
-                carrier.send(NOTIFICATION.pack(CARRIES, 0, 0, 0, home.edge))
+                carrier.send(NOTIFICATION.pack(CARRIES, 0, 0, 0, location.edge))
                 link.send(NOTIFICATION.pack(CARRIED, 0, 0, 0, edge))
                 carrier.carry(link)
         self._note_living()
@@ -60,10 +63,10 @@ class ReaderLinks:
         """How many readers were cut off."""
         return self._expelled + sum(link.expelled for link in self.all)
 
-    def perished(self) -> list[tuple[int, int]]:
+    def newly_dead(self) -> list[tuple[int, int]]:
         """Readers that were found dead since the last call, and the messages that they had not consumed."""
-        perished, self._perished = self._perished, []
-        return perished
+        newly_dead, self._newly_dead = self._newly_dead, []
+        return newly_dead
 
     def replace(self, index: int, sock: socket.socket, sequence: int, pool: Slots | None) -> Link:
         """Serve another reader in place of one that is gone, by datagrams of its own."""
@@ -129,7 +132,7 @@ class ReaderLinks:
             if dead.alive:
                 dead.alive = False
                 missed = max(0, sequence - dead.control.words[CONSUMED])
-                self._perished.append((self.all.index(dead), missed))
+                self._newly_dead.append((self.all.index(dead), missed))
 
     def _note_living(self) -> None:
         """Take note of which readers are alive, and of their words."""

@@ -35,11 +35,11 @@ class RingReader:
         self,
         sock: socket.socket,
         kind: type[Message],
-        fellow: Callable[[int], RingReader | None] = lambda edge: None,
+        reader_beside: Callable[[int], RingReader | None] = lambda edge: None,
     ) -> None:
         """sock: the other end of the writer's socket; kind: type of the messages.
 
-        fellow: finds the reader here of another edge from the same port.
+        reader_beside: finds the reader here of another edge from the same port.
         """
         sock.setblocking(False)
         self._socket = sock
@@ -50,7 +50,7 @@ class RingReader:
         self._consumed = 0
         self._ended = False
         self._closed = False
-        self._fellow = fellow
+        self._reader_beside = reader_beside
         self._carrier: RingReader | None = None
         self._carried: list[RingReader] = []
         self._arrived: list[Token] = []
@@ -168,7 +168,7 @@ class RingReader:
 
     def _share(self, kind: int, edge: int) -> bool:
         """Share datagrams with the reader of another edge from now on; False if no writer asks for that."""
-        other = self._fellow(edge)
+        other = self._reader_beside(edge)
         if other is None or other is self:
             return False
         if kind == CARRIES:

@@ -11,7 +11,7 @@ import numpy as np
 from followspot.messages import MAX_BYTES, Array, Message
 from followspot.transport.ring.control import CONSUMED
 from followspot.transport.ring.heads import HeadPacker
-from followspot.transport.ring.links import Home, ReaderLinks
+from followspot.transport.ring.links import ReaderLinks, ReaderLocation
 from followspot.transport.ring.notification import (
     INLINE,
     INLINE_BYTES,
@@ -34,11 +34,13 @@ class RingWriter:
     stream going. Slots that were never used take no memory.
     """
 
-    def __init__(self, sockets: Sequence[socket.socket], depth: int, homes: Sequence[Home] = ()) -> None:
+    def __init__(
+        self, sockets: Sequence[socket.socket], depth: int, locations: Sequence[ReaderLocation] = ()
+    ) -> None:
         """sockets: one end of a `socketpair(AF_UNIX, SOCK_SEQPACKET)` per reader; depth: messages in flight.
 
-        homes: of all readers, so that those of one worker share datagrams; () if none does. Raises OSError if
-        the system has no shared memory left.
+        locations: of all readers, so that those of one worker share datagrams; () if none does.
+        Raises OSError if the system has no shared memory left.
         """
         self._depth = depth
         self._quota = depth + 1
@@ -49,17 +51,17 @@ class RingWriter:
         self._pool: Slots | None = None
         self._heads: HeadPacker | None = None
         self._links = ReaderLinks(sockets, depth, self._quota, self._slots)
-        if homes:
-            self._links.share(homes)
+        if locations:
+            self._links.share(locations)
 
     @property
     def lost(self) -> frozenset[int]:
         """Indices of the readers that `drain` found gone before the end."""
         return self._links.lost
 
-    def perished(self) -> list[tuple[int, int]]:
-        """Readers that `drain` or `replace` found dead since the last call; see `PortWriter.perished`."""
-        return self._links.perished()
+    def newly_dead(self) -> list[tuple[int, int]]:
+        """Readers that `drain` or `replace` found dead since the last call; see `PortWriter.newly_dead`."""
+        return self._links.newly_dead()
 
     @property
     def rejected(self) -> int:

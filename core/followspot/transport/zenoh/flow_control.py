@@ -114,7 +114,7 @@ class FlowControl:
         reader.messages_before_it_left = None
 
     def deaths(self) -> list[tuple[int, int]]:
-        """See `PortWriter.perished`."""
+        """See `PortWriter.newly_dead`."""
         deaths, self._deaths = self._deaths, []
         return deaths
 

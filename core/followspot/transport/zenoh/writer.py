@@ -88,8 +88,8 @@ class ZenohWriter:
         """Indices of the readers that `drain` found gone before the end."""
         return self._flow.lost
 
-    def perished(self) -> list[tuple[int, int]]:
-        """Readers that other incarnations have replaced since the last call; see `PortWriter.perished`.
+    def newly_dead(self) -> list[tuple[int, int]]:
+        """Readers that other incarnations have replaced since the last call; see `PortWriter.newly_dead`.
 
         A reader that left may just be cut off; when it is back, it is told how many messages it missed.
         """

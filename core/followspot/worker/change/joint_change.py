@@ -91,7 +91,7 @@ class JointChange:
 
     def _calm(self) -> bool:
         ends = self._scheduler.ends
-        return ends.all_sent() and ends.settled() and not ends.credit_came()
+        return ends.all_sent() and ends.nothing_in_transit() and not ends.credit_came()
 
     def _rested(self, order: ChangeOrder, rewiring: Rewiring, reached: bool) -> None:
         if not (reached or rewiring.wiring.live):

@@ -96,7 +96,7 @@ class InputQueue:
         self.unfit: FitCheck | None = None
         """Says why a message from another worker does not fit the room."""
         self.stale = 0
-        """How many of the oldest messages give the writer no credit when they leave: they were excused, or
+        """How many of the oldest messages give the writer no credit when they leave: they were exempt, or
         came from a former writer."""
 
     def put(self, message: Message) -> None:
@@ -167,20 +167,20 @@ class InputQueue:
         while len(messages) > 1 and messages[1].header.time <= time:
             self.discard(DROPPED)
 
-    def excuse(self, time: int) -> None:
-        """Let the messages captured up to `time`, ns, take no room: the sender may go on beyond them."""
+    def exempt(self, time: int) -> None:
+        """Exempt the messages captured up to `time`, ns, from the depth: the sender may go on beyond them."""
         before = self.stale
         while self.stale < len(self.messages) and self.messages[self.stale].header.time <= time:
             self.stale += 1
-        excused = self.stale - before
+        exempted = self.stale - before
         if self.reader is None:
-            self.depth += excused
-            if excused:
+            self.depth += exempted
+            if exempted:
                 self.reopened()
-        elif excused:
-            self.reader.consumed(excused)
+        elif exempted:
+            self.reader.consumed(exempted)
 
-    def shed(self) -> None:
+    def drop_oldest(self) -> None:
         """Drop the oldest messages beyond those that the edge keeps."""
         assert self.keep is not None
         while len(self.messages) > self.keep:

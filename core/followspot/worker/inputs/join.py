@@ -23,7 +23,7 @@ class Join:
     """The inputs of one stage.
 
     lateness: ns after a firing's time within which nothing else fires (the window, plus the lateness of the
-    inputs); lag: see :meth:`relieve`, None in a live run, where full edges drop.
+    inputs); lag: see :meth:`relieve_backpressure`, None in a live run, where full edges drop.
     """
 
     def __init__(self, ports: Sequence[JoinInput], *, lateness: int, lag: int | None = None) -> None:
@@ -117,23 +117,24 @@ class Join:
         """Whether a member gives its first message to the firing at this time, ns; ask before `take`."""
         return queue is self.only or self._in_window(queue, time)
 
-    def relieve(self, earliest: int) -> None:
-        """Let the senders of full edges go on where the stage waits for another input.
+    def relieve_backpressure(self, earliest: int) -> None:
+        """Let the senders of full edges go on if the stage waits for another input; else a replay could stop.
 
-        Before that input goes on, no firing takes anything. So messages up to the next possible firing take
-        no room, nor do those within `lag`, ns, by which streams of the graph may trail each other: the
-        largest sum, along any path, of the times that joins look ahead. So no rates and no depths stop a
-        replay: of the sources that full edges hold back, the one furthest behind would have to wait for
-        another that is further behind.
+        Until that input goes on, nothing fires. So messages up to the next possible firing do not count
+        against the depth, nor do those within `lag`, ns, by which streams of the graph may trail each other:
+        the largest sum, along any path, of the times that joins look ahead. Then a replay never stops,
+        whatever its rates and depths: of the sources that full edges block, the one furthest behind would
+        have to wait for another that is further behind.
+
         earliest: :meth:`watermark`, ns.
         """
         if self.only is not None or self.lag is None:
             return
         for sampled in self.sampled:
-            sampled.relieve(earliest, self.lag)
+            sampled.relieve_backpressure(earliest, self.lag)
         for queue in self.members:
             if len(queue.messages) >= queue.depth:
-                queue.excuse(earliest + self.lag)
+                queue.exempt(earliest + self.lag)
 
     def watermark(self) -> int:
         """The watermark of the stage: nothing fires earlier than this capture time, ns.

@@ -46,22 +46,22 @@ class SampledInput(ABC):
         """Names of the edges for which a firing at `time`, ns, waits. Safe from any thread."""
         return [queue.name for queue in self.queues if queue.watermark <= time]
 
-    def relieve(self, earliest: int, lag: int) -> None:
+    def relieve_backpressure(self, earliest: int, lag: int) -> None:
         """Let the senders of full edges go on, for the stage waits for another input.
 
-        earliest: nothing fires before this time, ns; lag: see `Join.relieve`.
+        earliest: nothing fires before this time, ns; lag: see `Join.relieve_backpressure`.
         """
         for queue in self.queues:
             if len(queue.messages) >= queue.depth:
-                self._relieve(queue, earliest, lag)
+                self._relieve_backpressure(queue, earliest, lag)
 
     def discard_rest(self) -> None:
         """Discard what no firing will get."""
         for queue in self.queues:
             queue.clear(self.column)
 
-    def _relieve(self, queue: InputQueue, earliest: int, lag: int) -> None:
-        queue.excuse(earliest + lag)
+    def _relieve_backpressure(self, queue: InputQueue, earliest: int, lag: int) -> None:
+        queue.exempt(earliest + lag)
 
 
 class NewestInput(SampledInput):
@@ -96,10 +96,10 @@ class NewestInput(SampledInput):
     def awaited(self, time: int) -> list[str]:
         return [] if self.ready(time) else [self.queue.name]
 
-    def _relieve(self, queue: InputQueue, earliest: int, lag: int) -> None:
+    def _relieve_backpressure(self, queue: InputQueue, earliest: int, lag: int) -> None:
         if not self.delay:  # else the ledger would tell whether the edge was full
             queue.supersede(earliest)
-        queue.excuse(earliest + lag)
+        queue.exempt(earliest + lag)
 
     def _due(self, time: int) -> int:
         """Latest capture time, ns, to sample: of this firing, or of the one `delay` firings ago."""
@@ -154,9 +154,9 @@ class NearestInput(SampledInput):
                 break
         return found
 
-    def _relieve(self, queue: InputQueue, earliest: int, lag: int) -> None:
+    def _relieve_backpressure(self, queue: InputQueue, earliest: int, lag: int) -> None:
         queue.supersede(earliest)
-        queue.excuse(earliest + lag)
+        queue.exempt(earliest + lag)
 
 
 class WindowInput(SampledInput):

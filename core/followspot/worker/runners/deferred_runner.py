@@ -64,7 +64,7 @@ class DeferredRunner(StageRunner):
             self.overdue_at = self._give_up_at
         return fire_at
 
-    def hurry(self) -> None:
+    def limit_wait(self) -> None:
         """Give up answers that do not come soon: the run was stopped."""
         self._give_up_at = time.monotonic() + _ANSWER_TIMEOUT
         self.overdue_at = self._give_up_at
@@ -142,7 +142,7 @@ class DeferredRunner(StageRunner):
     def _idle(self) -> None:
         """Without a firing, pass the watermark on or end, unless answers are under way."""
         if self._answers:
-            self.join.relieve(self.join.watermark())
+            self.join.relieve_backpressure(self.join.watermark())
         else:
             super()._idle()
 

@@ -107,7 +107,7 @@ class LiveSourceRunner(SourceRunner):
             output.invalid()  # its thread has counted it as produced
         super()._left_out(item, error)
 
-    def _open_anew(self) -> None:
+    def _reopen(self) -> None:
         self._begin()
 
     def _grab(self, stage: Stage) -> None:

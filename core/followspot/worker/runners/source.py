@@ -148,16 +148,16 @@ class SourceRunner(StageRunner):
         if self.on_error == "skip":
             self.finish()
         else:
-            self._open_anew()
+            self._reopen()
 
     def _left_out(self, item: Any, error: Exception) -> None:
         """Apply the error policy to a wrong item: `skip` leaves it out, and the generator goes on."""
         recover(self, Header(self.name, self.yielded, max(0, self.watermark)), error)
         self.yielded += 1
         if self.on_error == "restart":
-            self._open_anew()
+            self._reopen()
 
-    def _open_anew(self) -> None:
+    def _reopen(self) -> None:
         """Begin a generator of the stage that was built again; the old one gives nothing more."""
         self._items = None
 

@@ -103,7 +103,7 @@ class StageRunner(StageLife):
             self._discard_rest()
             return None
         for queue in self.join.dropping:
-            queue.shed()
+            queue.drop_oldest()
         overdue = self.deadline is not None and self._overdue(self.deadline)
         fire_at = self.join.ready(overdue=overdue)
         if fire_at is None:
@@ -231,7 +231,7 @@ class StageRunner(StageLife):
         if watermark > self._passed:
             self._pass(watermark)
             self._announce(watermark)
-        self.join.relieve(watermark)
+        self.join.relieve_backpressure(watermark)
 
     def _following(self) -> int:
         """The watermark, ns, that the outputs can announce with what they send now; `UNKNOWN` if they cannot.
