@@ -18,7 +18,7 @@ FitCheck = Callable[[Message], str]
 """Check of a message; returns the reason why it does not fit the room, "" if it fits."""
 
 
-def misfit(kind: type[Message], room: Room, camera: str | None = None) -> FitCheck | None:
+def fit_check(kind: type[Message], room: Room, camera: str | None = None) -> FitCheck | None:
     """The check for messages of this type; None if they need none.
 
     camera: of the sending stage, if it serves one; its messages may name that camera only.

@@ -10,7 +10,7 @@ import pytest
 from followspot.messages import Message, column
 from followspot.people import Poses
 from followspot.room import Room
-from followspot.room_fit import misfit
+from followspot.room_fit import fit_check
 from followspot.sealing import seal
 from followspot.testing.samples import BLACK, sample
 from followspot.testing.tiny_room import tiny_room
@@ -31,7 +31,7 @@ KINDS = (Blobs, Candidates, DepthImage, Forecast, Frame, ImageTracks, Pairs, Pos
 
 
 def why(message: Message, room: Room = ROOM) -> str:
-    ask = misfit(type(message), room)
+    ask = fit_check(type(message), room)
     return "" if ask is None else ask(seal(message))
 
 
@@ -75,7 +75,7 @@ def test_what_cannot_be_of_the_room_is_named(message: Message, reason: str) -> N
 
 def test_a_stage_of_one_camera_speaks_for_no_other() -> None:
     ours, theirs = list(ROOM.cameras)[:2]
-    ask = misfit(Blobs, ROOM, ours)
+    ask = fit_check(Blobs, ROOM, ours)
     assert ask is not None
     assert ask(made(Blobs, camera=ours)) == ""
     assert ask(made(Blobs, camera=theirs)) == f"it is not of camera '{theirs}'"
@@ -95,4 +95,4 @@ def test_types_that_refer_to_nothing_are_not_asked() -> None:
         value: int
         load: Any = column("N", dtype="u1")
 
-    assert misfit(Number, ROOM) is None
+    assert fit_check(Number, ROOM) is None

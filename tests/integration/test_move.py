@@ -66,11 +66,11 @@ def test_a_stage_moves_with_its_state_to_another_worker_and_to_a_new_host(tmp_pa
         assert wait_until(lambda: len(values(out)) > 100, PATIENCE)
         assert wait_until(lambda: "workers and hosts: one, pc-right, two" in refusal(name), PATIENCE)
         report = run_here(name).move(["b"], "two")
-        assert (report.stages, report.worker, report.anew) == (("b",), "two", ("one", "two"))
+        assert (report.stages, report.worker, report.restarted) == (("b",), "two", ("one", "two"))
         assert wait_until(lambda: len(values(out)) > 10, PATIENCE)
         assert values(out)[0] > 100, "it counts on"
         report = run_here(name).move(["b"], "pc-right")
-        assert (report.worker, report.host, report.anew) == (
+        assert (report.worker, report.host, report.restarted) == (
             "pc-right",
             "pc-right",
             ("one", "pc-right", "two"),

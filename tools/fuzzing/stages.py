@@ -14,7 +14,7 @@ import numpy as np
 from followspot.messages import MAX_SEQ, MAX_TIME, Header, InvalidMessage, Message, stamped
 from followspot.plugins.catalogue import catalogue
 from followspot.plugins.registry import PluginError, load_stage
-from followspot.room_fit import misfit
+from followspot.room_fit import fit_check
 from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.testing.samples import BLACK, sample
@@ -68,7 +68,7 @@ class Stages:
         self.trials = {name: trial for name in sorted(catalogue()) if (trial := _trial(name)) is not None}
         first = next(iter(_ROOM.cameras))
         self._misfits = {
-            (name, port.type): misfit(port.type, _ROOM, first if trial.stage.per_camera else None)
+            (name, port.type): fit_check(port.type, _ROOM, first if trial.stage.per_camera else None)
             for name, trial in self.trials.items()
             for port in trial.ports.inputs
         }

@@ -18,7 +18,7 @@ from followspot.graph.checks.left_out import unserved_wires
 from followspot.graph.checks.reproducibility import risks
 from followspot.graph.checks.warnings import warnings
 from followspot.graph.connections import CheckedEdge, check_cycles, check_lagged_cycles, check_types, connect
-from followspot.graph.distinct_mistakes import told_once
+from followspot.graph.distinct_mistakes import distinct_mistakes
 from followspot.graph.expand import Expanded
 from followspot.graph.instances import CheckedStage, Instance
 from followspot.graph.parameters import output_paths, validated
@@ -73,7 +73,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
     room = _checked_room(expanded, mistakes)
     flow = Flow({checked.instance.name: checked for checked in stages}, edges)
     if not mistakes:
-        mistakes += told_once(joins_of_close_messages(flow, expanded.room))
+        mistakes += distinct_mistakes(joins_of_close_messages(flow, expanded.room))
     return Checked(
         name=expanded.name,
         room=room,
@@ -82,7 +82,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
         edges=tuple(edges),
         notes=(*expanded.notes, *notes),
         risks=tuple(risks(stages, edges)),
-        warnings=() if mistakes else (*told_once(doubts), *warnings(flow, expanded)),
+        warnings=() if mistakes else (*distinct_mistakes(doubts), *warnings(flow, expanded)),
         offered=subgraph_ports(expanded.outputs, stages, expanded.room),
         room_document=expanded.room_node,
         subgraphs=expanded.subgraphs,

@@ -10,7 +10,7 @@ from followspot.errors import FollowspotError, InputError, Mistake, Place
 from followspot.graph.arrange import EdgeChoice, plan
 from followspot.graph.check import Checked, check
 from followspot.graph.checks.interfaces import check_interface
-from followspot.graph.distinct_mistakes import told_once
+from followspot.graph.distinct_mistakes import distinct_mistakes
 from followspot.graph.expand import expand
 from followspot.graph.load import Loaded, load
 from followspot.graph.placement import Placed, place
@@ -114,4 +114,4 @@ def _ordered(mistakes: Sequence[Mistake]) -> list[Mistake]:
         at: Place | None = mistake.place
         return (-1, 0, 0) if at is None else (rank[at.file], at.line, at.column)
 
-    return sorted(told_once(mistakes), key=position)
+    return sorted(distinct_mistakes(mistakes), key=position)

@@ -14,7 +14,7 @@ _OF_A_VALUE = re.compile(r'stage "[^"]*" (\([^)]*\))(?= cannot be | has no param
 """The stage that a written value does not suit; an interface may give it to several."""
 
 
-def told_once(mistakes: Iterable[Mistake]) -> list[Mistake]:
+def distinct_mistakes(mistakes: Iterable[Mistake]) -> list[Mistake]:
     """The first of the mistakes that have one cause.
 
     One text about one value is one mistake, wherever sub-graphs take the value to. So are texts at one

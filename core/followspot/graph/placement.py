@@ -12,7 +12,13 @@ from followspot.document import Node, child
 from followspot.errors import InputError, Mistake, Place, did_you_mean
 from followspot.form import Form, kind_of
 from followspot.graph.auto_placement.costs import MEASURE, read_costs
-from followspot.graph.auto_placement.measured import Measured, auto, check_measured, cores_here, unkept
+from followspot.graph.auto_placement.measured import (
+    Measured,
+    auto,
+    check_measured,
+    cores_here,
+    unreachable_budgets,
+)
 from followspot.graph.auto_placement.search import AIMS
 from followspot.graph.budget import Budget, read_budgets
 from followspot.graph.expand import Expanded
@@ -82,7 +88,7 @@ def _as_written(root: Node, file: str, expanded: Expanded, mistakes: list[Mistak
     if measured is None:
         return replace(placed, budgets=budgets)
     places = {budget: form.mapping("budget")[budget.written].key for budget in budgets}
-    warnings = tuple(unkept(measured, placed.worker_of, places))
+    warnings = tuple(unreachable_budgets(measured, placed.worker_of, places))
     return replace(placed, budgets=budgets, warnings=warnings)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable
 from followspot.host.forked_worker import ForkServerProcess
 from followspot.host.worker_process import Process
 from followspot.own_process import module_command, start_apart
-from followspot.plugins.catalogue import ours
+from followspot.plugins.catalogue import is_builtin
 
 
 class WorkerStarts:
@@ -21,7 +21,9 @@ class WorkerStarts:
         """
         self._threads = frozenset(threads)
         several = len(set(workers) - self._threads) > 1
-        self._fork_server = ForkServerProcess(name for name in stages if ours(name)) if several else None
+        self._fork_server = (
+            ForkServerProcess(name for name in stages if is_builtin(name)) if several else None
+        )
 
     def start(self, name: str, end: socket.socket) -> Process:
         """Start a worker; the socket is its end of the control channel. Raises OSError."""

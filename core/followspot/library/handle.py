@@ -11,9 +11,9 @@ from followspot.control.tapping import Tapping
 from followspot.log.file import read_log
 from followspot.log.record import LEVELS, LogRecord
 from followspot.operator.connect import connected_run, run_here, runs_here
-from followspot.operator.marks import Kept, Mark, Moment
+from followspot.operator.marks import Mark, Moment, RecorderState
 from followspot.operator.run_handle import RunHandle
-from followspot.operator.run_status import OLD, RunStatus, is_old, is_unheard
+from followspot.operator.run_status import OLD, RunStatus, is_old, is_stale
 from followspot.worker.ledger import COUNTS, LOSSES, SOURCE_LOSSES, EdgeCount
 
 __all__ = [
@@ -26,12 +26,12 @@ __all__ = [
     "ClockStatus",
     "EdgeAge",
     "EdgeCount",
-    "Kept",
     "LogRecord",
     "Mark",
     "Moment",
     "NoAnswer",
     "PathStatus",
+    "RecorderState",
     "RunHandle",
     "RunStatus",
     "StageState",
@@ -40,7 +40,7 @@ __all__ = [
     "WorkerStatus",
     "connected_run",
     "is_old",
-    "is_unheard",
+    "is_stale",
     "read_log",
     "run_here",
     "runs_here",

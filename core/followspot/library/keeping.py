@@ -18,7 +18,7 @@ StartKeeping = Callable[[str], AbstractContextManager[OnErrors]]
 
 
 @contextmanager
-def unkept(run: str) -> Iterator[OnErrors]:
+def keep_nothing(run: str) -> Iterator[OnErrors]:
     """Keep nothing."""
     yield lambda errors: None
 
@@ -26,7 +26,7 @@ def unkept(run: str) -> Iterator[OnErrors]:
 def keeping(plan: Plan, keep: str | float | Keep | None) -> StartKeeping:
     """What keeps runs of this plan; see `followspot.run`. Raises FollowspotError if it cannot be kept so."""
     if keep is None:
-        return unkept
+        return keep_nothing
     keepers = load_hooks().keepers
     if not keepers:
         raise InputError.of("nothing installed keeps runs", "install followspot as a whole")

@@ -13,7 +13,7 @@ from followspot.control.dispatch import Dispatcher, Request
 from followspot.control.lifecycle import StopRun
 from followspot.control.unix_socket import serve_requests
 from followspot.errors import FollowspotError
-from followspot.library.keeping import StartKeeping, unkept
+from followspot.library.keeping import StartKeeping, keep_nothing
 from followspot.library.report import Report
 from followspot.library.script_handle import ScriptHandle
 from followspot.library.subscription import Subscription
@@ -67,7 +67,7 @@ class OwnRun(ScriptHandle):
         threading.Thread(target=self._live, args=(ready, keep), name="run", daemon=True).start()
         try:
             self._begun.wait(_BEGIN)
-            if keep is not unkept:
+            if keep is not keep_nothing:
                 self._await_recorder()
         except BaseException:  # after Ctrl-C no script has this handle, and so none could end the run
             self._abandon()

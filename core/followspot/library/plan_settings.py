@@ -39,7 +39,7 @@ def plan_of(
         **options,
         "cameras": _several(options.get("cameras", ())),
         "plugin_files": _several(options.get("plugin_files", ())),
-        "seed": whole("seed", options.get("seed"), 0, remedy, MAX_SEED),
+        "seed": whole_number("seed", options.get("seed"), 0, remedy, MAX_SEED),
     }
     edges = options.get("edges", "auto")
     if edges not in get_args(EdgeChoice):
@@ -49,7 +49,7 @@ def plan_of(
     return compile_graph(graph, overrides=overrides, subscribed=ports, **checked)
 
 
-def whole(name: str, value: Any, least: int, remedy: str, most: int | None = None) -> int | None:
+def whole_number(name: str, value: Any, least: int, remedy: str, most: int | None = None) -> int | None:
     """An option that is a whole number, of numpy too, or None. Raises InputError."""
     if value is None:
         return None

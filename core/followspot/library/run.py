@@ -13,7 +13,7 @@ from followspot.library.graph import Graph
 from followspot.library.keep import Keep
 from followspot.library.keeping import keeping
 from followspot.library.own_run import OwnRun
-from followspot.library.plan_settings import PlanSettings, plan_of, whole
+from followspot.library.plan_settings import PlanSettings, plan_of, whole_number
 from followspot.library.subscription_sinks import SubscriptionSinks
 from followspot.operator.launch import prepared
 from followspot.transport.zenoh.network import Network
@@ -66,7 +66,7 @@ def run(
     Raises InputError with every mistake.
     """
     ports = (ports,) if isinstance(ports, str) else ports
-    frames = whole("frames", frames, 1, "give a whole number from 1, or nothing for all")
+    frames = whole_number("frames", frames, 1, "give a whole number from 1, or nothing for all")
     plan = plan_of(
         graph,
         set,

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from followspot.graph.change.lost_values import lost_values
-from followspot.graph.change.move import anew
+from followspot.graph.change.move import restarted_workers
 from followspot.graph.change.stages import Change
 from followspot.graph.change.subgraph_change import BY_A_CHANGE
 from followspot.graph.plan import Plan, PlannedStage
@@ -59,20 +59,20 @@ class ChangeOutcome:
 
 @dataclass(frozen=True)
 class MoveOutcome:
-    """The outcome of a move. stages: moved to `worker` on `host`; anew: workers that restarted for it."""
+    """The outcome of a move. stages: moved to `worker` on `host`; restarted: the workers that did."""
 
     run: str
     graph: str
     stages: tuple[str, ...]
     worker: str = ""
     host: str = ""
-    anew: tuple[str, ...] = ()
+    restarted: tuple[str, ...] = ()
 
     @property
     def text(self) -> str:
         """One line."""
         place = f"worker {self.worker}" + (f" on {self.host}" if self.host else "")
-        return f"{', '.join(self.stages)}: to {place}; restarted workers: {', '.join(self.anew)}"
+        return f"{', '.join(self.stages)}: to {place}; restarted workers: {', '.join(self.restarted)}"
 
     @staticmethod
     def of(run: str, old: Plan, new: Plan) -> MoveOutcome:
@@ -82,7 +82,7 @@ class MoveOutcome:
             return MoveOutcome(run, old.graph, ())
         worker = gone[0].worker
         names = tuple(stage.name for stage in gone)
-        again = tuple(sorted(anew(old, new) & {found.name for found in new.workers}))
+        again = tuple(sorted(restarted_workers(old, new) & {found.name for found in new.workers}))
         return MoveOutcome(run, old.graph, names, worker, new.host_of(worker), again)
 
 

@@ -15,8 +15,8 @@ OnWait = Callable[[str], None]
 """Called with what a change waits for from now on, for example "host pc-left to build the new stages"."""
 
 
-def untold(_: str) -> None:
-    """The `OnWait` of a caller that does not tell what the change waits for."""
+def no_notice(_: str) -> None:
+    """The `OnWait` of a caller that does not show what the change waits for."""
 
 
 def named(hosts: Iterable[str]) -> str:

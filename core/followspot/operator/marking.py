@@ -6,8 +6,8 @@ import time
 
 from followspot.control.dispatch import Ask, NoAnswer
 from followspot.errors import FollowspotError
-from followspot.operator.marks import Kept, Moment
-from followspot.operator.run_requests import GetKept, MarkMoment
+from followspot.operator.marks import Moment, RecorderState
+from followspot.operator.run_requests import GetRecorderState, MarkMoment
 
 _POLL_INTERVAL = 0.1
 _ANSWER = 10.0
@@ -43,7 +43,7 @@ def mark(ask: Ask, after: float, note: str, *, wait: bool) -> Moment:
     raise NoAnswer("the flight recorder of this run does not answer")
 
 
-def kept(ask: Ask) -> Kept | None:
+def kept(ask: Ask) -> RecorderState | None:
     """See `RunHandle.kept`."""
-    found: Kept | None = ask(GetKept(), _ANSWER)
+    found: RecorderState | None = ask(GetRecorderState(), _ANSWER)
     return found

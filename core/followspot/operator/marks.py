@@ -1,4 +1,4 @@
-"""Marks: moments of a run that its flight recorder saves, and what the recorder tells of itself."""
+"""Marks: moments of a run that its flight recorder saves, and the state of the recorder."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from followspot.log.record import Level
 from followspot.ranges import Count, Figure
 
 _SILENT = 10.0
-"""Seconds after which a flight recorder that has told nothing is taken for gone."""
+"""Seconds without a report after which a flight recorder counts as gone."""
 _MOST_WAITING = 100
 """Marks that may wait for the flight recorder."""
 
@@ -49,7 +49,7 @@ class Moment:
 
 
 @dataclass(frozen=True)
-class Kept:
+class RecorderState:
     """What a flight recorder holds.
 
     seconds: that it is to hold; ports: number of ports; held: seconds that it holds of the port of which it
@@ -81,7 +81,7 @@ class Marks:
         self._guard = Lock()
         self._waiting: list[Mark] = []
         self._newest = 0
-        self._kept: Kept | None = None
+        self._kept: RecorderState | None = None
         self._over = False
         """Whether the flight recorder has ended before the run."""
         self._heard = 0.0
@@ -101,8 +101,8 @@ class Marks:
             self._waiting.append(Mark(self._newest, after, note))
             return self._newest
 
-    def exchange(self, kept: Kept | None, taken: int) -> tuple[Mark, ...]:
-        """Take what the flight recorder tells, None if it has ended; the marks after the number `taken`."""
+    def exchange(self, kept: RecorderState | None, taken: int) -> tuple[Mark, ...]:
+        """Take the state of the flight recorder, None if it has ended; the marks after the number `taken`."""
         if kept is None:
             self._kept, self._over = None, True
             return ()
@@ -117,8 +117,8 @@ class Marks:
         return waiting
 
     @property
-    def kept(self) -> Kept | None:
-        """What the flight recorder told last; None before it has told anything."""
+    def kept(self) -> RecorderState | None:
+        """The newest state that the flight recorder reported; None before the first."""
         return self._kept
 
 

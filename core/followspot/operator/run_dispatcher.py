@@ -18,8 +18,8 @@ from followspot.operator.marks import Marks
 from followspot.operator.run_requests import (
     ChangeStages,
     ExchangeMarks,
-    GetKept,
     GetPlan,
+    GetRecorderState,
     GetStatus,
     GetSurroundings,
     MarkMoment,
@@ -54,7 +54,7 @@ def run_dispatcher(
             MoveStages: partial(move_stages, run),
             MarkMoment: lambda request: marks.mark(request.after, request.note),
             ExchangeMarks: lambda request: marks.exchange(request.kept, request.taken),
-            GetKept: lambda _: marks.kept,
+            GetRecorderState: lambda _: marks.kept,
             **dict.fromkeys(RELAYED, run.relay),
             StopRun: lambda _: end(),
         },

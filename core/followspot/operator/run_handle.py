@@ -20,7 +20,7 @@ from followspot.graph.plan_data import plan_from_data
 from followspot.log.record import LogPage
 from followspot.operator.change_outcome import ChangeOutcome, MoveOutcome
 from followspot.operator.marking import kept, mark
-from followspot.operator.marks import Kept, Mark, Moment
+from followspot.operator.marks import Mark, Moment, RecorderState
 from followspot.operator.run_requests import (
     ChangeStages,
     ExchangeMarks,
@@ -149,11 +149,11 @@ class RunHandle:
         """
         return mark(self.ask, after, note, wait=wait)
 
-    def kept(self) -> Kept | None:
+    def kept(self) -> RecorderState | None:
         """What the flight recorder holds, and the files of marks; None if the run has none."""
         return kept(self.ask)
 
-    def exchange_marks(self, kept: Kept | None, taken: int) -> tuple[Mark, ...]:
+    def exchange_marks(self, kept: RecorderState | None, taken: int) -> tuple[Mark, ...]:
         """For flight recorders: tell the run what is held; the marks after the number `taken`.
 
         kept: None if the recorder has ended.

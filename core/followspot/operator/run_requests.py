@@ -11,7 +11,7 @@ import pydantic
 from followspot.control.dispatch import Request, Role
 from followspot.graph.plan import Written
 from followspot.operator.change_outcome import ChangeOutcome, MoveOutcome
-from followspot.operator.marks import Kept, Mark
+from followspot.operator.marks import Mark, RecorderState
 from followspot.operator.run_status import RunStatus
 from followspot.ranges import Count
 from followspot.transport.zenoh.network import Network
@@ -82,15 +82,15 @@ class MarkMoment(_OperatorRequest):
     answer: ClassVar[Any] = int
 
 
-class GetKept(_OperatorRequest):
+class GetRecorderState(_OperatorRequest):
     """What the flight recorder holds; None if the run has none."""
 
-    answer: ClassVar[Any] = Kept | None
+    answer: ClassVar[Any] = RecorderState | None
 
 
 class ExchangeMarks(_OperatorRequest):
-    """What the flight recorder tells the operator, None if it has ended; the marks after `taken`."""
+    """The state of the flight recorder for the operator, None if it has ended; the marks after `taken`."""
 
-    kept: Kept | None
+    kept: RecorderState | None
     taken: Count
     answer: ClassVar[Any] = tuple[Mark, ...]

@@ -80,7 +80,7 @@ def is_old(worker: WorkerStatus) -> bool:
     return worker.phase == "running" and worker.age_s is not None and worker.age_s > OLD
 
 
-def is_unheard(worker: WorkerStatus) -> bool:
+def is_stale(worker: WorkerStatus) -> bool:
     """True if a worker is absent or its last report is old: its figures are not current."""
     return worker.phase == "absent" or is_old(worker)
 

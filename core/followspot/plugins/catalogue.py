@@ -50,7 +50,7 @@ def read_catalogue(entries: Iterable[EntryPoint]) -> Mapping[str, StageEntry]:
     return MappingProxyType(dict(sorted(found.items())))
 
 
-def ours(name: str) -> bool:
+def is_builtin(name: str) -> bool:
     """Whether a stage belongs to the distribution followspot, not to another."""
     entry = catalogue().get(name.partition("[")[0])
     return entry is not None and entry.distribution == "followspot"
@@ -106,7 +106,7 @@ def _unmet(text: str) -> str:
         requirement = Requirement(text)
     except InvalidRequirement:
         return ""
-    ours = version("followspot")
-    if requirement.name != "followspot" or requirement.specifier.contains(ours, prereleases=True):
+    present = version("followspot")
+    if requirement.name != "followspot" or requirement.specifier.contains(present, prereleases=True):
         return ""
-    return f"needs followspot {requirement.specifier}, this is {ours}"
+    return f"needs followspot {requirement.specifier}, this is {present}"

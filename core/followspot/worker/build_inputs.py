@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from followspot.graph.depths import MAX_IN_TRANSIT
 from followspot.graph.plan import PlannedEdge, PlannedStage
 from followspot.port_specs import InputSpec
-from followspot.room_fit import misfit
+from followspot.room_fit import fit_check
 from followspot.sealing import seal
 from followspot.transport.token import ABSENT
 from followspot.worker.inputs.input_queue import UNCHANGED, InputQueue
@@ -55,7 +55,7 @@ class InputBuilder:
         if edge.kind != "reference":
             kind = self.wiring.message_type(edge)
             queue.reader = self.links.reader(number, kind)
-            queue.unfit = misfit(kind, self.plan.room, self.wiring.stages[edge.from_stage].camera)
+            queue.unfit = fit_check(kind, self.plan.room, self.wiring.stages[edge.from_stage].camera)
             if self.options.rejoin:
                 queue.after_loss = ABSENT if self.wiring.live else UNCHANGED
         return queue

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from followspot.errors import InputError
-from followspot.graph.change.move import anew, moved
+from followspot.graph.change.move import moved, restarted_workers
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 
@@ -58,7 +58,7 @@ def test_edges_change_their_kind_and_only_who_is_concerned_begins_anew(
     assert kinds(plan) == ["ring", "zenoh", "zenoh"]
     new = moved(plan, [stage], place)
     assert kinds(new) == after
-    assert anew(plan, new) == begin
+    assert restarted_workers(plan, new) == begin
     running = {worker.name for worker in new.workers}
     assert running == {s.worker for s in new.stages}, "a worker without stages is gone"
 

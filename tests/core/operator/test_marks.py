@@ -8,9 +8,9 @@ from followspot.control.dispatch import NoAnswer
 from followspot.errors import FollowspotError, InputError
 from followspot.library.keep import bytes_of, seconds_of
 from followspot.log.record import Level
-from followspot.operator.marks import Kept, Mark, Marks, Moment
+from followspot.operator.marks import Mark, Marks, Moment, RecorderState
 
-KEPT = Kept(30.0, 2, 30.0, 100, 1000, 20, 0)
+KEPT = RecorderState(30.0, 2, 30.0, 100, 1000, 20, 0)
 
 
 class Log:
@@ -57,9 +57,9 @@ def test_the_log_says_once_what_became_of_each_moment() -> None:
     log = Log()
     for state in ("open", "open", "complete", "complete"):
         moment = Moment("a.mcap", (1,), ("jump",), state, 35.0, 900, 0, 5_000_000)  # type: ignore[arg-type]
-        log.marks.exchange(Kept(30.0, 2, 30.0, 100, 1000, 20, 0, (moment,)), 0)
+        log.marks.exchange(RecorderState(30.0, 2, 30.0, 100, 1000, 20, 0, (moment,)), 0)
     failed = Moment("b.mcap", (2,), ("",), "failed", problem="b.mcap is cut short: no space")
-    log.marks.exchange(Kept(30.0, 2, 30.0, 100, 1000, 20, 0, (failed,)), 0)
+    log.marks.exchange(RecorderState(30.0, 2, 30.0, 100, 1000, 20, 0, (failed,)), 0)
     assert log.lines == [
         ("info", "a moment is marked (jump): a.mcap"),
         ("info", "the marked moment is saved (jump): a.mcap, 35.0 s, 900 messages, 5.0 MB, 0 missing"),

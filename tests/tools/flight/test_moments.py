@@ -14,7 +14,7 @@ from tests.full_disk import full_disk
 
 from followspot import Message
 from followspot.graph.compile import compile_graph
-from followspot.library.handle import Kept, Moment
+from followspot.library.handle import Moment, RecorderState
 from followspot.messages import Header, stamped
 from followspot.sealing import seal
 from followspot.tracking import Frame, Tracks
@@ -64,7 +64,7 @@ class Show:
             time.sleep(0.01)
 
     def moments(self) -> tuple[Moment, ...]:
-        found: Kept = self.recorder.kept()
+        found: RecorderState = self.recorder.kept()
         return found.moments
 
 

@@ -9,14 +9,14 @@ from typing import Any
 import pytest
 
 from followspot.errors import FollowspotError
-from followspot.library.handle import Kept, Moment
+from followspot.library.handle import Moment, RecorderState
 from followspot_page.allowed_requests import MarkWish, wish_of
 from followspot_page.display.feed import Feed
 from followspot_page.page import Page
 from followspot_page.requests.handler import Requests
 
 MOMENTS = tuple(Moment(f"/runs/{name}.mcap", (), ("",), "complete", 35.0, 9, 0, 100) for name in "ab")
-KEPT = Kept(30.0, 18, 29.5, 45_000_000, 1 << 29, 900, 2, MOMENTS)
+KEPT = RecorderState(30.0, 18, 29.5, 45_000_000, 1 << 29, 900, 2, MOMENTS)
 
 
 class Run:

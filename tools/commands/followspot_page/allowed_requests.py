@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal, get_args
 import pydantic
 
 from followspot.errors import FollowspotError
-from followspot.graph.change.replacement import misfits
+from followspot.graph.change.replacement import mismatches
 from followspot.graph.parameters import path_parameters
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.plugins.catalogue import catalogue
@@ -181,7 +181,7 @@ def _form(planned: PlannedStage, stage: type[Stage], plan: Plan) -> dict[str, An
     paths = {name for name, info in stage.Params.model_fields.items() if _is_path(info.annotation)}
     kept = {*paths, *(n for mark in (DeviceIn, NetworkOut) for n in path_parameters(stage.Params, mark))}
     parameters = [p for p in describe(planned.uses, stage)["parameters"] if p["name"] not in kept]
-    others = [name for name in _importable() if not misfits(planned, stage, load_stage(name), plan)]
+    others = [name for name in _importable() if not mismatches(planned, stage, load_stage(name), plan)]
     return {"parameters": parameters, "alternatives": sorted({planned.uses, *others})}
 
 

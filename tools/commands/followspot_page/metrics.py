@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Literal
 
 from followspot.graph.plan import PlannedEdge
-from followspot.library.handle import LOSSES, SOURCE_LOSSES, is_old, is_unheard
+from followspot.library.handle import LOSSES, SOURCE_LOSSES, is_old, is_stale
 from followspot.messages import Message
 from followspot.room import Room
 from followspot.tracking import STATES, Tracks
@@ -122,7 +122,7 @@ def _edges(run: RunMonitor) -> Iterator[Figure]:
     ages = [
         ({**ends_of[age.name], "quantile": quantile}, ms / 1000.0)
         for worker, stage in run.stages()
-        if not is_unheard(worker)
+        if not is_stale(worker)
         for age in stage.edges
         for quantile, ms in (("0.5", age.p50_ms), ("0.95", age.p95_ms))
         if ms is not None and age.name in ends_of
@@ -148,7 +148,7 @@ def _workers(run: RunMonitor) -> Iterator[Figure]:
     latency = [
         ({"from": path.origin, "to": path.sink, "quantile": quantile}, ms / 1000.0)
         for worker in run.workers()
-        if not is_unheard(worker)
+        if not is_stale(worker)
         for path in worker.paths
         for quantile, ms in (("0.5", path.p50_ms), ("0.95", path.p95_ms))
     ]

@@ -14,7 +14,7 @@ from typing import Any
 from followspot.graph.names import subgraphs
 from followspot.graph.output_ports import output_ports
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
-from followspot.library.handle import Kept, RunHandle, RunStatus
+from followspot.library.handle import RecorderState, RunHandle, RunStatus
 from followspot.messages import Message
 from followspot_dashboard.gate import Gate
 from followspot_page import metrics
@@ -171,7 +171,7 @@ class Page:
             data["faults"] = [*self.scrub.problems, *data["faults"]]
         self.feed.put("run", json.dumps(data))
 
-    def take_kept(self, kept: Kept | None) -> None:
+    def take_kept(self, kept: RecorderState | None) -> None:
         """Take what the flight recorder of the run holds; None if the run has none."""
         if kept is not None and self.ask is not None:
             last = [asdict(moment) for moment in kept.moments[-1:]]

@@ -13,7 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from followspot.cli.agent_options import network_of
-from followspot.library.handle import LOSSES, RunHandle, connected_run, is_unheard
+from followspot.library.handle import LOSSES, RunHandle, connected_run, is_stale
 from followspot.messages import Message
 from followspot.plugins.registry import use_plugin_files
 from followspot.tables import blocks, grid, is_screen, line, plain
@@ -105,7 +105,7 @@ class Measured:
         """One for each port, in the order of the graph."""
         now = time.monotonic()
         self._picture.renew(lambda: self._run.status(_PERIOD))
-        unheard = {s.stage: s.state for worker, s in self._picture.stages() if is_unheard(worker)}
+        unheard = {s.stage: s.state for worker, s in self._picture.stages() if is_stale(worker)}
         lost = dropped(self._picture)
         found = []
         for port in self.ports:

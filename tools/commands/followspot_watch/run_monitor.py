@@ -24,7 +24,7 @@ from followspot.library.handle import (
     StageStatus,
     WorkerStatus,
     is_old,
-    is_unheard,
+    is_stale,
 )
 
 _WINDOW = 2.0
@@ -117,7 +117,7 @@ class RunMonitor:
         status, stages = self.status, self.stages()
         rates = self._rates()
         ages = {age.name: age for _, stage in stages for age in stage.edges}
-        unknown = {stage.stage for worker, stage in stages if is_unheard(worker)}
+        unknown = {stage.stage for worker, stage in stages if is_stale(worker)}
         known = [name for name in self.sources if name not in unknown]
         return {
             "type": "run",
@@ -190,7 +190,7 @@ def _worker(worker: WorkerStatus) -> dict[str, Any]:
 
 
 def _stage(worker: WorkerStatus, stage: StageStatus, rates: Mapping[str, float]) -> dict[str, Any]:
-    known = not is_unheard(worker)
+    known = not is_stale(worker)
     return {
         **asdict(stage),
         "worker": worker.name,

@@ -66,7 +66,7 @@ def auto(measured: Measured, aim: Aim) -> tuple[Mapping[str, str], Mapping[str, 
     return choice.worker_of, {name: name for name in hosts.values()}, notes
 
 
-def unkept(
+def unreachable_budgets(
     measured: Measured, worker_of: Mapping[str, str], budgets: Mapping[Budget, Place]
 ) -> Iterator[Mistake]:
     """A warning for each budget that the measured work alone exceeds, with the stage that works longest."""

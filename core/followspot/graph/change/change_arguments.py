@@ -15,7 +15,7 @@ def sets_parameter(word: str) -> bool:
     return "." in word.partition("=")[0]
 
 
-def spelled(word: str) -> str:
+def as_set_option(word: str) -> str:
     """The word as `--set` takes it: STAGE=USES is short for STAGE.uses=USES."""
     stage, sign, uses = word.partition("=")
     return f"{stage}{_USES}={uses}" if sign and not sets_parameter(word) else word
@@ -23,7 +23,7 @@ def spelled(word: str) -> str:
 
 def as_typed(mistakes: Iterable[Mistake], words: Sequence[str]) -> list[Mistake]:
     """The mistakes with their places in the words that the user typed, not in the full forms of the words."""
-    typed = {spelled(word): word for word in words}
+    typed = {as_set_option(word): word for word in words}
     return [replace(mistake, place=_typed(mistake.place, typed)) for mistake in mistakes]
 
 

@@ -40,7 +40,7 @@ def moved(plan: Plan, names: Sequence[str], place: str, others: Collection[str] 
     return _arranged(plan, going, worker)
 
 
-def anew(old: Plan, new: Plan) -> set[str]:
+def restarted_workers(old: Plan, new: Plan) -> set[str]:
     """Workers, of either plan, to be started again: their stages or the kinds of their edges differ."""
     plans = (old, new)
     pairs = ({plan.worker_of(stage.name) for plan in plans} for stage in old.stages)

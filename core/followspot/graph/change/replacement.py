@@ -17,7 +17,7 @@ Misfit = tuple[str, str]
 """What does not fit, and the remedy."""
 
 
-def misfits(old: PlannedStage, present: type[Stage], stage: type[Stage], plan: Plan) -> list[Misfit]:
+def mismatches(old: PlannedStage, present: type[Stage], stage: type[Stage], plan: Plan) -> list[Misfit]:
     """Every reason why `stage` cannot replace `present` as the instance `old` of a plan; empty if it can.
 
     Edges do not change, so connected ports must keep their names, types and kinds.

@@ -9,11 +9,11 @@ from typing import Any
 
 from followspot.document import Node, node_of
 from followspot.errors import InputError, Mistake, Place, did_you_mean
-from followspot.graph.change.change_arguments import as_typed, sets_parameter, spelled
-from followspot.graph.change.replacement import misfits
+from followspot.graph.change.change_arguments import as_set_option, as_typed, sets_parameter
+from followspot.graph.change.replacement import mismatches
 from followspot.graph.change.subgraph_change import BY_A_CHANGE, replaced, uses_of
 from followspot.graph.change.subgraph_plan import room_document
-from followspot.graph.distinct_mistakes import told_once
+from followspot.graph.distinct_mistakes import distinct_mistakes
 from followspot.graph.names import enclosing
 from followspot.graph.override import SUBGRAPH, Override, read_override
 from followspot.graph.parameter_origin import origin_of
@@ -58,7 +58,7 @@ def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change
     wishes: dict[str, _Wish] = {}
     begun = plan
     for word in sorted(words, key=sets_parameter):
-        override = read_override(spelled(word), mistakes)
+        override = read_override(as_set_option(word), mistakes)
         if override is None:
             continue
         if not uses_of(plan, override.stage):
@@ -72,7 +72,7 @@ def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change
     if not mistakes:
         _check_outputs(changed, plan, wishes, mistakes)
     if mistakes:
-        raise InputError(as_typed(told_once(mistakes), words))
+        raise InputError(as_typed(distinct_mistakes(mistakes), words))
     new = tuple(stage for stage in changed if stage != wishes[stage.name].old)
     origins = {stage.name: _present(wishes[stage.name].origins, stage) for stage in new}
     rewired = None if plan.numbers == begun.numbers and plan.edges == begun.edges else plan
@@ -195,7 +195,7 @@ def _replacement(wish: _Wish, plan: Plan, folder: Path, mistakes: list[Mistake])
         mistakes.append(Mistake(wish.place, error.problem, error.remedy))
         return None
     noun = f'stage "{old.name}" ({uses})'
-    mistakes += [Mistake(wish.place, text, remedy) for text, remedy in misfits(old, present, stage, plan)]
+    mistakes += [Mistake(wish.place, text, remedy) for text, remedy in mismatches(old, present, stage, plan)]
     given = old.params if stage is present else _given(old, present, stage)
     written = {**({} if stage is present else _tunes(wish, plan, mistakes)), **wish.params}
     params = validated(stage, noun, written, wish.place, mistakes, given=given, folder=folder)

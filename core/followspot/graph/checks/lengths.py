@@ -21,7 +21,7 @@ _REMEDY = "lengths are metres; divide by 1000 what is in mm"
 _CLOSE_REMEDY = "lengths are metres; multiply by 1000 what is in km"
 
 
-def odd_lengths(room: Room, node: Node | None) -> Iterator[Mistake]:
+def implausible_lengths(room: Room, node: Node | None) -> Iterator[Mistake]:
     """A mistake for each target, pair of cameras and plane whose lengths no room has, at its place.
 
     node: of the room file, None if there is none.

@@ -10,11 +10,11 @@ from operator import or_
 from followspot.document import Node, child
 from followspot.errors import Mistake
 from followspot.graph.checks.flow import Flow
-from followspot.graph.checks.lengths import odd_lengths
+from followspot.graph.checks.lengths import implausible_lengths
 from followspot.graph.checks.rates import joins_of_unequal_rates
 from followspot.graph.checks.shared_containers import shared_containers
 from followspot.graph.connections import CheckedEdge
-from followspot.graph.distinct_mistakes import told_once
+from followspot.graph.distinct_mistakes import distinct_mistakes
 from followspot.graph.expand import Expanded
 from followspot.graph.instances import CheckedStage, Instance
 from followspot.graph.seen_cameras import seen_cameras
@@ -35,10 +35,10 @@ def warnings(flow: Flow, expanded: Expanded) -> list[Mistake]:
         *_never(flow),
         *joins_of_unequal_rates(flow, room),
         *_foreseen(flow, room),
-        *odd_lengths(room, expanded.room_node),
+        *implausible_lengths(room, expanded.room_node),
         *shared_containers(flow),
     ]
-    return [replace(mistake, warning=True) for mistake in told_once(found)]
+    return [replace(mistake, warning=True) for mistake in distinct_mistakes(found)]
 
 
 def _unread(flow: Flow, expanded: Expanded) -> Iterator[Mistake]:

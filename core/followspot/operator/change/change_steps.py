@@ -11,7 +11,7 @@ from typing import Any
 from followspot.control.host import Host, HostLost
 from followspot.control.swap import ChangeOrder, ChangePhase, Rested, Step
 from followspot.errors import FollowspotError
-from followspot.operator.change_under_way import GIVEN_UP, OnWait, named, untold
+from followspot.operator.change_under_way import GIVEN_UP, OnWait, named, no_notice
 
 _TIMEOUT = 60.0
 """Seconds in which a step must be done: some stages load models."""
@@ -70,7 +70,7 @@ class HostPart:
 class ChangeSteps:
     """Leads a change through its steps. parts: of the hosts that take part."""
 
-    def __init__(self, parts: Sequence[HostPart], on_wait: OnWait = untold) -> None:
+    def __init__(self, parts: Sequence[HostPart], on_wait: OnWait = no_notice) -> None:
         self._parts = parts
         self._on_wait = on_wait
         self._turn = 0

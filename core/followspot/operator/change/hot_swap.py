@@ -16,7 +16,7 @@ from followspot.graph.subgraph_use import SubgraphUse
 from followspot.operator.change.change_steps import ChangeSteps, HostPart
 from followspot.operator.change.rewire import rewire
 from followspot.operator.change_outcome import ChangeOutcome, changed, with_change
-from followspot.operator.change_under_way import GIVEN_UP, OnWait, untold
+from followspot.operator.change_under_way import GIVEN_UP, OnWait, no_notice
 from followspot.operator.run_requests import ChangeStages
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def change_stages(run: Coordinator, request: ChangeStages) -> ChangeOutcome:
 
 
 def change_hosts(
-    plan: Plan, hosts: Sequence[Host], wanted: Change, *, fresh: bool, on_wait: OnWait = untold
+    plan: Plan, hosts: Sequence[Host], wanted: Change, *, fresh: bool, on_wait: OnWait = no_notice
 ) -> None:
     """Replace the stages of the names in `wanted`. Safe beside the thread that attends the hosts.
 

@@ -12,12 +12,12 @@ from followspot.control.host import Host, HostLost, WorkerStatus
 from followspot.control.move import MoveOrder
 from followspot.control.observation import GetStates
 from followspot.errors import FollowspotError
-from followspot.graph.change.move import anew, moved
+from followspot.graph.change.move import moved, restarted_workers
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_to_data
 from followspot.host.heartbeat import SILENCE
 from followspot.operator.change_outcome import MoveOutcome
-from followspot.operator.change_under_way import GIVEN_UP, OnWait, named, untold
+from followspot.operator.change_under_way import GIVEN_UP, OnWait, named, no_notice
 from followspot.operator.run_requests import MoveStages
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def move_stages(run: Coordinator, request: MoveStages) -> MoveOutcome:
         return report
 
 
-def move_hosts(old: Plan, new: Plan, hosts: Sequence[Host], on_wait: OnWait = untold) -> None:
+def move_hosts(old: Plan, new: Plan, hosts: Sequence[Host], on_wait: OnWait = no_notice) -> None:
     """Bring a run from the old plan to the new one. Safe beside the thread that attends the hosts.
 
     Raises FollowspotError if a host refuses the new plan, before any worker has left; or if a worker cannot
@@ -54,7 +54,7 @@ def move_hosts(old: Plan, new: Plan, hosts: Sequence[Host], on_wait: OnWait = un
     """
     for host in _each(hosts, "to check the new plan", on_wait):
         host.ask(MoveOrder(plan=plan_to_data(new), trial=True))
-    leaving = anew(old, new)
+    leaving = restarted_workers(old, new)
     try:
         _replace(new, hosts, leaving, on_wait)
     except GIVEN_UP as error:

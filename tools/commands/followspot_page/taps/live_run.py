@@ -11,7 +11,7 @@ from typing import Any
 
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
-from followspot.library.handle import Kept, NoAnswer, RunHandle, RunStatus, Tapping, runs_here
+from followspot.library.handle import NoAnswer, RecorderState, RunHandle, RunStatus, Tapping, runs_here
 from followspot_page.taps.remote_previews import RemotePreviews
 from followspot_page.taps.shown_ports import ShownPort, plotted_ports, shown_ports, tappings
 
@@ -90,7 +90,7 @@ async def follow(
     sight: Sight,
     take: Callable[[RunStatus | None], Any],
     show: Callable[[Plan], Any],
-    keep: Callable[[Kept | None], Any],
+    keep: Callable[[RecorderState | None], Any],
 ) -> None:
     """Poll the run until it has ended; `take` receives None if the run does not answer.
 
@@ -113,7 +113,7 @@ async def follow(
             await asyncio.sleep(_PERIOD)
 
 
-async def _kept(run: RunHandle) -> Kept | None:
+async def _kept(run: RunHandle) -> RecorderState | None:
     """What the run's flight recorder holds; None if the run has none."""
     with contextlib.suppress(FollowspotError):
         return await asyncio.to_thread(run.kept)

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 
 from followspot.firing import is_firings
-from followspot.library.handle import Kept, Moment
+from followspot.library.handle import Moment, RecorderState
 from followspot_record.flight.kept_messages import KeptMessages
 from followspot_record.flight.moment_file import MomentFile
 from followspot_record.flight.moment_span import MomentSpan
@@ -93,12 +93,12 @@ class FlightRecorder:
             if self._file is not None:
                 self._leave()
 
-    def kept(self) -> Kept:
+    def kept(self) -> RecorderState:
         """What is held, and the files."""
         with self._guard:
             held = self._held
             present = [] if self._file is None else [self._file.moment]
-            return Kept(
+            return RecorderState(
                 self._period,
                 sum(not is_firings(port) for port in held.ports),
                 held.held(),

@@ -9,7 +9,7 @@ from tests.core.graph.composed import planned
 from tests.core.graph.files import ROOM
 
 from followspot.errors import InputError, Mistake, Place
-from followspot.graph.distinct_mistakes import told_once
+from followspot.graph.distinct_mistakes import distinct_mistakes
 
 MAIN = """\
 graph: main
@@ -113,7 +113,7 @@ def test_different_mistakes_at_one_place_are_all_told() -> None:
         Mistake(None, "a/c"),
     ]
     used = Mistake(place.within(Place("main.yaml", 4, 1)), '"a/d" needs x')
-    assert told_once([*found, used, *elsewhere]) == [found[0], found[2], *elsewhere]
+    assert distinct_mistakes([*found, used, *elsewhere]) == [found[0], found[2], *elsewhere]
 
 
 @pytest.mark.parametrize("feeds", ["[detect, detect]", "[detect, detect.out]"])
