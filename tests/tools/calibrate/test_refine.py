@@ -177,10 +177,10 @@ def test_a_target_is_as_wide_as_the_cameras_see_it_on_average():
 def test_each_cause_may_move_pixels_by_as_much():
     """One sigma of a direction or centre moves the middle of the picture, one of a lens its edge, alike."""
     camera = replace(TRUE[0], distortion=np.zeros(5))
-    settled = chosen([camera, *TRUE[1:]], carried(50)[1])
-    sigma = prior_of(settled).sigma[0]
+    adjusted = chosen([camera, *TRUE[1:]], carried(50)[1])
+    sigma = prior_of(adjusted).sigma[0]
     edge = max(camera.size) / 2 / camera.matrix[0, 0]
-    depth = np.nanmedian(np.linalg.norm(settled.points - camera.center, axis=1))
+    depth = np.nanmedian(np.linalg.norm(adjusted.points - camera.center, axis=1))
     places = camera.center + depth * np.array([[0, 0, 1], [edge, 0, 1], [0, edge, 1]]) @ camera.rotation
     turned = rotation_of(np.array([sigma[0], 0.0, 0.0])) @ camera.rotation
     others = [
@@ -190,7 +190,7 @@ def test_each_cause_may_move_pixels_by_as_much():
     ]
     shift = np.array([project(other, places) - project(camera, places) for other in others])
     far = np.linalg.norm(shift, axis=2)
-    allowed = SCALE * settled.sigma / np.sqrt(3)
+    allowed = SCALE * adjusted.sigma / np.sqrt(3)
     assert [*far[:2, 0], *far[2:].max(axis=1)] == pytest.approx([allowed] * 8, rel=0.03)
 
 

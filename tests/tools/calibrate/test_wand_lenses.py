@@ -40,7 +40,7 @@ def test_known_lenses_of_other_models_are_kept_and_placed(model: LensModel) -> N
     room = room_through(model, LENSES[model])
     solved = solve(room.sightings, room.cameras)
     assert differences(solved, room)[0].max() < KNOWN_MM
-    for found, true in zip(solved.settled.cameras, room.cameras, strict=True):
+    for found, true in zip(solved.adjusted.cameras, room.cameras, strict=True):
         assert (found.model, found.distortion.tolist()) == (model, true.distortion.tolist())
 
 
@@ -49,7 +49,7 @@ def test_pixels_that_are_not_square_are_found(aspect: float) -> None:
     room = room_through("pinhole", aspect=aspect)
     solved = solve(room.sightings, None)
     assert differences(solved, room)[0].max() < FREE_MM
-    for camera in solved.settled.cameras:
+    for camera in solved.adjusted.cameras:
         assert camera.matrix[1, 1] / camera.matrix[0, 0] == pytest.approx(aspect, rel=0.03), (
             "as focal lengths are found"
         )
@@ -57,5 +57,5 @@ def test_pixels_that_are_not_square_are_found(aspect: float) -> None:
 
 def test_pixels_that_are_square_stay_so() -> None:
     solved = solve(waved_room(4, 300).sightings, None)
-    for camera in solved.settled.cameras:
+    for camera in solved.adjusted.cameras:
         assert camera.matrix[1, 1] == camera.matrix[0, 0]

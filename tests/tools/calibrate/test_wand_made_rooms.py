@@ -35,7 +35,7 @@ def test_known_intrinsics_give_the_room_within_noise(cameras, missing, outliers)
     millimetres, degrees = differences(solved, room)
     assert millimetres.max() < KNOWN_MM
     assert degrees.max() < 0.2
-    assert (solved.settled.used & room.outlier).mean() < 0.005
+    assert (solved.adjusted.used & room.outlier).mean() < 0.005
 
 
 @pytest.mark.parametrize(
@@ -46,9 +46,9 @@ def test_unknown_intrinsics_are_found_too(cameras, missing, outliers):
     room = made_room(cameras, 400, missing=missing, outliers=outliers, noise=NOISE)
     solved = solve(room.sightings, None)
     assert differences(solved, room)[0].max() < FREE_MM
-    for found, true in zip(solved.settled.cameras, room.cameras, strict=True):
+    for found, true in zip(solved.adjusted.cameras, room.cameras, strict=True):
         assert found.matrix[0, 0] == pytest.approx(true.matrix[0, 0], rel=0.03)
-    assert np.nanmedian(solved.settled.distance) < 1.2 * NOISE
+    assert np.nanmedian(solved.adjusted.distance) < 1.2 * NOISE
 
 
 @given(
@@ -106,7 +106,7 @@ def test_points_that_no_two_cameras_saw_are_told(cameras):
 
 def test_two_cameras_with_known_lenses_are_enough():
     room = made_room(2, 200, noise=NOISE)
-    found = solve(room.sightings, room.cameras, "known").settled
+    found = solve(room.sightings, room.cameras, "known").adjusted
     relative = found.cameras[1].rotation @ found.cameras[0].rotation.T
     true = room.cameras[1].rotation @ room.cameras[0].rotation.T
     assert relative == pytest.approx(true, abs=0.005)
@@ -132,7 +132,7 @@ def test_a_camera_full_of_reflections_is_named():
 
 def differences(solved: Solved, room: MadeRoom):
     """Of centres, mm, and of rotations, degrees, after the best similarity."""
-    found = [similar(solved, room).camera(camera) for camera in solved.settled.cameras]
+    found = [similar(solved, room).camera(camera) for camera in solved.adjusted.cameras]
     apart = [np.linalg.norm(c.center - true.center) for c, true in zip(found, room.cameras, strict=True)]
     traces = [np.trace(c.rotation @ true.rotation.T) for c, true in zip(found, room.cameras, strict=True)]
     return 1000 * np.array(apart), np.degrees(np.arccos(np.clip((np.array(traces) - 1) / 2, -1, 1)))
@@ -140,7 +140,7 @@ def differences(solved: Solved, room: MadeRoom):
 
 def similar(solved: Solved, room: MadeRoom):
     return similarity(
-        np.array([camera.center for camera in solved.settled.cameras]),
+        np.array([camera.center for camera in solved.adjusted.cameras]),
         np.array([camera.center for camera in room.cameras]),
     )
 

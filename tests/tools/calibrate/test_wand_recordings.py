@@ -20,12 +20,12 @@ from followspot_calibrate.wand.solving import solve
 def test_the_old_toolbox_is_beaten_on_its_own_recording():
     """selfcal-mcsc-2010: its own figure is a mean of 0.62 px; here over all points, also those left out."""
     solved = solve(read_points(dataset("selfcal-mcsc-2010")), None)
-    settled, seen = solved.settled, solved.sightings.seen.sum()
-    every = np.hypot(settled.residual[..., 0], settled.residual[..., 1])
+    adjusted, seen = solved.adjusted, solved.sightings.seen.sum()
+    every = np.hypot(adjusted.residual[..., 0], adjusted.residual[..., 1])
     assert np.isfinite(every).sum() > 0.99 * seen
     assert np.nanmean(every) < 0.62
-    assert np.nanmean(settled.distance) < 0.4
-    assert settled.used.sum() > 0.9 * seen
+    assert np.nanmean(adjusted.distance) < 0.4
+    assert adjusted.used.sum() > 0.9 * seen
 
 
 @pytest.mark.thorough
@@ -40,9 +40,9 @@ def test_nine_cameras_and_a_ball_agree_with_their_authors():
     sightings = read_points(folder / "single_ball.npz", cameras, confidence=0.5)
     solved = solve(sightings.rows(slice(None, None, 20)), cameras, "auto")
     assert solved.intrinsics == "refined"
-    assert np.nanmedian(solved.settled.distance) < 3.1
-    assert solved.settled.used.sum() > 0.9 * solved.sightings.seen.sum()
-    centers = np.array([camera.center for camera in solved.settled.cameras])
+    assert np.nanmedian(solved.adjusted.distance) < 3.1
+    assert solved.adjusted.used.sum() > 0.9 * solved.sightings.seen.sum()
+    centers = np.array([camera.center for camera in solved.adjusted.cameras])
     apart = similarity(centers, authors).points(centers) - authors
     assert np.sqrt(np.square(apart).sum(axis=1).mean()) < 0.01 * spread(authors)
 
@@ -54,8 +54,8 @@ def test_a_wand_in_the_rendered_room_places_the_cameras():
     sightings = read_points(dataset("glowballs-dev") / "wand/points.csv", truth)
     solved = solve(sightings, truth, "auto")
     assert solved.intrinsics == "known"
-    assert np.nanmean(solved.settled.distance) < 0.4
-    millimetres, degrees = differences(solved.settled.cameras, truth)
+    assert np.nanmean(solved.adjusted.distance) < 0.4
+    millimetres, degrees = differences(solved.adjusted.cameras, truth)
     assert millimetres.max() < 5
     assert degrees.max() < 0.2
 
@@ -65,9 +65,9 @@ def test_a_wand_in_the_rendered_room_finds_the_intrinsics_too():
     """glowballs-dev with nothing known: focal lengths within 2 %, centres within 4 cm (depth ratio 1.6)."""
     truth = glowballs()
     solved = solve(read_points(dataset("glowballs-dev") / "wand/points.csv", truth), truth, "free")
-    assert np.nanmean(solved.settled.distance) < 0.4
-    assert differences(solved.settled.cameras, truth)[0].max() < 40
-    for found, true in zip(solved.settled.cameras, truth, strict=True):
+    assert np.nanmean(solved.adjusted.distance) < 0.4
+    assert differences(solved.adjusted.cameras, truth)[0].max() < 40
+    for found, true in zip(solved.adjusted.cameras, truth, strict=True):
         assert found.matrix[0, 0] == pytest.approx(true.matrix[0, 0], rel=0.02)
 
 

@@ -63,8 +63,8 @@ def test_a_hundred_exact_places_of_targets_improve_on_the_wand(made: MadeRoom, s
     assert refined.points == 100
     assert refined.sightings == 600
     assert refined.mean_px < 0.15
-    before = farthest_off(solved.settled.cameras, made)
-    assert farthest_off(refined.solved.settled.cameras, made) < before / 3
+    before = farthest_off(solved.adjusted.cameras, made)
+    assert farthest_off(refined.solved.adjusted.cameras, made) < before / 3
 
 
 def test_known_centres_hold_the_cameras_as_well_as_they_are_met(made: MadeRoom, solved: Solved) -> None:
@@ -74,11 +74,11 @@ def test_known_centres_hold_the_cameras_as_well_as_they_are_met(made: MadeRoom, 
     random, away = np.random.default_rng(4), {}
     for error in (0.0, 0.03):
         known = {camera.name: camera.center + error * random.normal(size=3) for camera in made.cameras}
-        alignment = onto_centers(free.settled.cameras, known, scaled=True)
-        held = with_targets(free, places, alignment).solved.settled.cameras
+        alignment = onto_centers(free.adjusted.cameras, known, scaled=True)
+        held = with_targets(free, places, alignment).solved.adjusted.cameras
         assert onto_centers(held, known, scaled=True).transform.scale == pytest.approx(1, abs=1e-4)
         away[error] = farthest_off(held, made)
-    before = farthest_off(free.settled.cameras, made)
+    before = farthest_off(free.adjusted.cameras, made)
     assert away[0.0] < before
     assert away[0.03] < 1.2 * before
 
@@ -90,7 +90,7 @@ def test_targets_improve_lenses_that_nobody_knew(made: MadeRoom) -> None:
     away = [
         max(
             abs(found.matrix[0, 0] / true.matrix[0, 0] - 1)
-            for found, true in zip(one.settled.cameras, made.cameras, strict=True)
+            for found, true in zip(one.adjusted.cameras, made.cameras, strict=True)
         )
         for one in (solved, refined)
     ]
@@ -103,7 +103,9 @@ def test_a_third_of_the_sightings_elsewhere_does_no_harm(made: MadeRoom, solved:
     pixel[1::3, 4] = np.nan
     refined = with_targets(solved, TargetSightings(pixel, np.full(100, 0.1)))
     assert refined.sightings == np.isfinite(pixel[..., 0]).sum() - 34
-    assert farthest_off(refined.solved.settled.cameras, made) < farthest_off(solved.settled.cameras, made) / 3
+    assert (
+        farthest_off(refined.solved.adjusted.cameras, made) < farthest_off(solved.adjusted.cameras, made) / 3
+    )
 
 
 def test_clips_that_are_not_synchronised_are_told(made: MadeRoom, solved: Solved) -> None:
@@ -117,8 +119,8 @@ def test_clips_that_are_not_synchronised_are_told(made: MadeRoom, solved: Solved
 @pytest.mark.parametrize("cameras", [3, 8])
 def test_the_noise_is_that_of_the_sightings_not_of_what_the_points_leave(cameras: int) -> None:
     made = made_room(cameras, 400, noise=0.5)
-    settled = solve(made.sightings, list(made.cameras), "known").settled
-    assert noise(settled) == pytest.approx(0.5, rel=0.1)
+    adjusted = solve(made.sightings, list(made.cameras), "known").adjusted
+    assert noise(adjusted) == pytest.approx(0.5, rel=0.1)
 
 
 @pytest.fixture
@@ -170,7 +172,7 @@ def test_the_command_takes_targets_along(
     arguments = ["calibrate", "wand", "--points", wand, "--room", room, "--targets", str(clips), "--json"]
     assert main(arguments) == 0
     cameras = list(load(room).cameras.values())
-    assert farthest_off(cameras, made) < farthest_off(solved.settled.cameras, made) / 2
+    assert farthest_off(cameras, made) < farthest_off(solved.adjusted.cameras, made) / 2
     assert "<h1>Wand of studio</h1>" in (tmp_path / "room.wand.html").read_text()
     assert json.loads(capsys.readouterr().out.splitlines()[-1])["targets"]["points"] == 2 * FRAMES
     alone = ["calibrate", "wand", "--points", wand, "--size", "640x480", "-o", room]

@@ -12,7 +12,7 @@ from followspot.errors import FollowspotError
 from followspot.geometry import undistort
 from followspot_calibrate.adjust import Free
 from followspot_calibrate.wand.diagnostics import warnings_of
-from followspot_calibrate.wand.incremental_sfm import grow
+from followspot_calibrate.wand.incremental_sfm import reconstruct
 from followspot_calibrate.wand.pairs import match
 from followspot_calibrate.wand.solving import solve
 
@@ -90,7 +90,7 @@ def test_cameras_in_a_chain_are_placed_though_its_ends_share_nothing():
     first = np.arange(700) // 20 % 5
     near = (np.arange(7) >= first[:, None]) & (np.arange(7) < first[:, None] + 3)
     solved = solve(seen_where(room, near).sightings, room.cameras, "known")
-    assert off_by(solved.settled.cameras, room.cameras)[0].max() < 25
+    assert off_by(solved.adjusted.cameras, room.cameras)[0].max() < 25
     assert solved.timed.late.tolist() == [0] * 7
 
 
@@ -100,9 +100,9 @@ def test_two_cameras_that_see_most_alone_are_not_the_beginning_of_a_room():
     pixel = seen_where(room, np.where(alone[:, None], [1, 1, 0, 0], [0, 1, 1, 1]) == 1).sightings.pixel
     limit = np.full(4, 6.0)
     straight = np.stack([undistort(c, pixel[:, i]) for i, c in enumerate(room.cameras)], axis=1)
-    grown = grow(room.cameras, pixel, match(straight, limit), Free())
-    assert grown is not None
-    assert sorted(grown.placed) == [1, 2, 3]
+    reconstruction = reconstruct(room.cameras, pixel, match(straight, limit), Free())
+    assert reconstruction is not None
+    assert sorted(reconstruction.placed) == [1, 2, 3]
 
 
 def seen_where(room: MadeRoom, seen) -> MadeRoom:

@@ -30,7 +30,7 @@ def test_reflections_are_all_that_is_told_of_a_room_full_of_them(cameras, missin
     room = waved_room(cameras, 600, missing=missing, outliers=outliers)
     solved = solve(room.sightings, room.cameras)
     assert not solved.timed.late.any()
-    assert off_by(solved.settled.cameras, room.cameras)[0].max() < 14
+    assert off_by(solved.adjusted.cameras, room.cameras)[0].max() < 14
     assert all("fit no other camera" in text for text in warnings_of(solved, 1.0))
 
 

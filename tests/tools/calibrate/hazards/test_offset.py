@@ -16,7 +16,7 @@ from followspot.room_file import load, save
 from followspot_calibrate.adjust import Free
 from followspot_calibrate.points_file import read_points
 from followspot_calibrate.wand.diagnostics import warnings_of
-from followspot_calibrate.wand.rounds import NothingFits, settle
+from followspot_calibrate.wand.rounds import NothingFits, adjust_robustly
 from followspot_calibrate.wand.solving import solve
 from followspot_calibrate.wand.timing import with_offsets
 
@@ -34,7 +34,7 @@ def test_a_late_camera_is_told_and_corrected(late):
     solved = solve(room.sightings, room.cameras, "known")
     assert solved.timed.late == pytest.approx([0, 0, 0, 0, late], abs=WITHIN)
     assert solved.timed.late[:4].tolist() == [0, 0, 0, 0]
-    assert off_by(solved.settled.cameras, room.cameras)[0].max() < PLACE_MM
+    assert off_by(solved.adjusted.cameras, room.cameras)[0].max() < PLACE_MM
     told = warnings_of(solved, fps=30.0)
     assert len(told) == 1
     frames = (
@@ -50,7 +50,7 @@ def test_every_camera_may_have_been_started_by_hand():
     solved = solve(room.sightings, room.cameras, "known")
     found = solved.timed.late
     assert found - found[4] == pytest.approx(late - late[4], abs=WITHIN)
-    assert off_by(solved.settled.cameras, room.cameras)[0].max() < PLACE_MM
+    assert off_by(solved.adjusted.cameras, room.cameras)[0].max() < PLACE_MM
 
 
 def test_a_camera_that_has_no_place_as_it_is_finds_one_once_its_track_is_shifted():
@@ -64,7 +64,7 @@ def test_cameras_that_agree_on_nothing_are_refused():
     room = waved_room(4, 60)
     alone = np.arange(60)[:, None] % 4 == np.arange(4)
     with pytest.raises(NothingFits, match="no two cameras agree on any point"):
-        settle(room.cameras, np.where(alone[..., None], room.sightings.pixel, np.nan), Free())
+        adjust_robustly(room.cameras, np.where(alone[..., None], room.sightings.pixel, np.nan), Free())
 
 
 @pytest.mark.parametrize(("camera", "late"), [pytest.param(1, 4.5, marks=pytest.mark.thorough), (2, -6.0)])
@@ -129,7 +129,7 @@ def test_real_cameras_out_of_step_fit_better_once_that_is_corrected():
     sightings = read_points(folder / "single_ball.npz", lenses, confidence=0.5).rows(slice(3000, 3300))
     solved = solve(sightings, lenses, "known")
     assert solved.timed.late[3] == pytest.approx(0.36, abs=0.1)
-    assert np.nanmedian(solved.settled.distance) < 2.3
+    assert np.nanmedian(solved.adjusted.distance) < 2.3
 
 
 @pytest.mark.parametrize(

@@ -33,14 +33,14 @@ def test_known_lenses_in_a_plane_are_right_or_refused(seed):
         told = str(error)
     else:
         told = warnings_of(solved)[-1]
-        assert off_by(solved.settled.cameras, room.cameras)[0].max() < 10
+        assert off_by(solved.adjusted.cameras, room.cameras)[0].max() < 10
     assert told.startswith(("the points lie in one plane", "the points lie nearly in a plane"))
 
 
 def test_five_centimetres_are_enough_for_known_lenses():
     room = waved_room(5, 300, height=(0.875, 0.925))
     solved = solve(room.sightings, room.cameras, "known")
-    assert off_by(solved.settled.cameras, room.cameras)[0].max() < 10
+    assert off_by(solved.adjusted.cameras, room.cameras)[0].max() < 10
 
 
 def test_a_thin_layer_is_told_where_lenses_were_found():

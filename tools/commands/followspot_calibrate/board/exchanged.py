@@ -30,7 +30,7 @@ def require_own_lenses(cameras: Sequence[Camera], points: Array, pixel: Array, r
         if worst in pair:
             swapped = adjust(exchanged(cameras, pair), points, pixel, Free())
             if np.nanmedian(swapped.residual) < BETTER * error:
-                raise told(cameras, pair)
+                raise exchange_error(cameras, pair)
 
 
 def exchange_that_helps(
@@ -45,7 +45,7 @@ def exchange_that_helps(
             start(exchanged(cameras, pair))
         except FollowspotError:
             continue
-        return told(cameras, pair)
+        return exchange_error(cameras, pair)
     return None
 
 
@@ -59,7 +59,7 @@ def exchanged(cameras: Sequence[Camera], pair: tuple[int, int]) -> list[Camera]:
     return found
 
 
-def told(cameras: Sequence[Camera], pair: tuple[int, int]) -> FollowspotError:
+def exchange_error(cameras: Sequence[Camera], pair: tuple[int, int]) -> FollowspotError:
     """What is wrong, and what to do."""
     one, other = (cameras[number].name for number in pair)
     return FollowspotError(

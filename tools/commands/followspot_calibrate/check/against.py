@@ -86,7 +86,7 @@ def posed(cameras: Sequence[Camera]) -> bool:
 
 def common_points(cameras: Sequence[Camera]) -> Array:
     """Points (N, 3) m in front of the cameras: a cube around the middle of their axes, if two see it."""
-    middle = looked_at(cameras)
+    middle = common_view_point(cameras)
     centers = np.array([camera.center for camera in cameras])
     side = REACH * float(np.median(np.linalg.norm(centers - middle, axis=1)))
     grid = np.linspace(-side, side, STEPS)
@@ -95,7 +95,7 @@ def common_points(cameras: Sequence[Camera]) -> Array:
     return np.asarray(cube[seen >= 2])
 
 
-def looked_at(cameras: Sequence[Camera]) -> Array:
+def common_view_point(cameras: Sequence[Camera]) -> Array:
     """The point nearest to all optical axes, (3,) m."""
     across = np.array([np.eye(3) - np.outer(c.rotation[2], c.rotation[2]) for c in cameras])
     moment = np.einsum("nij,nj->i", across, np.array([c.center for c in cameras]))

@@ -33,7 +33,7 @@ def check_calibration(args: argparse.Namespace) -> int:
 
     Raises FollowspotError.
     """
-    refuse_nonsense(args)
+    check_options(args)
     room = load(args.room)
     found = findings(args, room)
     report = args.report or args.room.with_suffix(".check.html")
@@ -42,7 +42,7 @@ def check_calibration(args: argparse.Namespace) -> int:
     return 1 if found.failures else 0
 
 
-def refuse_nonsense(args: argparse.Namespace) -> None:
+def check_options(args: argparse.Namespace) -> None:
     """Raises InputError for options that do not go together."""
     if not (args.points or args.run or args.track or args.against):
         text = "there is nothing to check the room with"

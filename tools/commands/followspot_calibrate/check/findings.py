@@ -71,8 +71,8 @@ class Findings:
         """Warnings and notes."""
         found = [] if self.comparison is None else list(self.comparison.notes)
         for agreement in (self.points, self.tracks):
-            found += [] if agreement is None else doubts(agreement)
-        return found + [told(drift) for drift in self.drifts if drift.change is not None]
+            found += [] if agreement is None else coverage_warnings(agreement)
+        return found + [moved_text(drift) for drift in self.drifts if drift.change is not None]
 
     @property
     def moved(self) -> dict[str, float]:
@@ -112,23 +112,25 @@ class Findings:
 
 def at_fault(agreement: Agreement, noun: str, moved: Mapping[str, float]) -> list[str]:
     """Sentences about the cameras beyond the limit; moved: camera -> when, s."""
-    told = []
+    warnings = []
     for n in agreement.suspects:
         name = agreement.cameras[n].name
         cause = f"it moved at {moved[name]:.1f} s" if name in moved else "it moved or is badly calibrated"
-        told.append(f"{name}: its {noun} {_distance(agreement, n)}; {cause}: calibrate wand again for {name}")
+        warnings.append(
+            f"{name}: its {noun} {_distance(agreement, n)}; {cause}: calibrate wand again for {name}"
+        )
     if agreement.at_odds:
         judged = np.flatnonzero(np.isfinite(agreement.score)).tolist()
         rest = [n for n in judged if n not in agreement.suspects]
         values = ", ".join(f"{agreement.cameras[n].name} {agreement.score[n]:.1f} px" for n in rest)
-        told.append(
+        warnings.append(
             f"the cameras do not agree with each other ({values}); calibrate wand again for all of them"
         )
     if not np.isfinite(agreement.score).any():
-        told.append(
+        warnings.append(
             "no camera shares enough points with two others to be checked; show points to more cameras"
         )
-    return told
+    return warnings
 
 
 def _distance(agreement: Agreement, number: int) -> str:
@@ -144,7 +146,7 @@ def _distance(agreement: Agreement, number: int) -> str:
     )
 
 
-def doubts(agreement: Agreement) -> list[str]:
+def coverage_warnings(agreement: Agreement) -> list[str]:
     """Warnings about cameras that saw too little, or much that is something else."""
     found = []
     for number, camera in enumerate(agreement.cameras):
@@ -160,7 +162,7 @@ def doubts(agreement: Agreement) -> list[str]:
     return found
 
 
-def told(drift: Drift) -> str:
+def moved_text(drift: Drift) -> str:
     """A camera that moved, in a sentence."""
     assert drift.change is not None
     size, camera = drift.change.size, drift.course.camera

@@ -75,7 +75,7 @@ def found_in_rounds(plan: Plan, out: Path, args: argparse.Namespace) -> Offsets:
     P = np.array([c.projection for c in room.cameras.values()])
     start = np.array([c.clock_offset for c in room.cameras.values()])
     for number in range(args.rounds):
-        tracked = tracked_aloud(replace(plan, room=with_offsets(room, start)), out, args.frames, number)
+        tracked = track_with_progress(replace(plan, room=with_offsets(room, start)), out, args.frames, number)
         found = estimated(moments(tracked, room, start), P, start)
         check(room, found, args.limit / 1e3)
         change = np.abs(found.offset - start).max()
@@ -85,7 +85,7 @@ def found_in_rounds(plan: Plan, out: Path, args: argparse.Namespace) -> Offsets:
     return found
 
 
-def tracked_aloud(plan: Plan, out: Path, frames: int | None, number: int) -> Tracked:
+def track_with_progress(plan: Plan, out: Path, frames: int | None, number: int) -> Tracked:
     """One round, with progress on a terminal."""
     if not progress_is_shown():
         return track(plan, out, frames, None)

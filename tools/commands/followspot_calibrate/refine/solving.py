@@ -14,7 +14,7 @@ from followspot_calibrate.adjust import Free, Prior, Progress, adjust
 from followspot_calibrate.refine.planes import as_seen
 from followspot_calibrate.similarity import Similarity, on_a_line, similarity
 from followspot_calibrate.target_sightings import TargetSightings
-from followspot_calibrate.wand.rounds import SCALE, Settled, chosen
+from followspot_calibrate.wand.rounds import SCALE, RobustAdjustment, chosen
 
 OPEN = Free(focal=True, aspect=True, center=True, distortion=2)
 """Free parameters."""
@@ -35,8 +35,8 @@ class Refinement:
     """
 
     pixel: Array
-    before: Settled
-    after: Settled
+    before: RobustAdjustment
+    after: RobustAdjustment
     planes: Mapping[str, Array]
 
 
@@ -52,43 +52,45 @@ def refine(
     of reference and scale are those of the given centres. Raises FollowspotError for too few sightings.
     """
     pixel = places.pixel
-    before = settled = chosen(cameras, pixel)
+    before = adjusted = chosen(cameras, pixel)
     require_sightings(before)
     prior = prior_of(before)
     for number in range(ROUNDS):
         if progress is not None:
             progress("adjust", number / ROUNDS)
-        clean = np.where(settled.used[..., None], pixel, np.nan)
-        better = adjust(settled.cameras, settled.points, clean, OPEN, prior=prior, scale=SCALE * places.sigma)
-        settled = chosen(better.cameras, pixel)
-    motion = onto(settled.cameras, cameras)
-    after = chosen([motion.camera(camera) for camera in settled.cameras], pixel)
+        clean = np.where(adjusted.used[..., None], pixel, np.nan)
+        better = adjust(
+            adjusted.cameras, adjusted.points, clean, OPEN, prior=prior, scale=SCALE * places.sigma
+        )
+        adjusted = chosen(better.cameras, pixel)
+    motion = onto(adjusted.cameras, cameras)
+    after = chosen([motion.camera(camera) for camera in adjusted.cameras], pixel)
     return Refinement(pixel, before, after, as_seen(planes, cameras, after.cameras, after.points))
 
 
-def require_sightings(settled: Settled) -> None:
+def require_sightings(adjusted: RobustAdjustment) -> None:
     """Raises FollowspotError that names every camera with too few sightings that fit."""
-    counts = settled.used.sum(axis=0).tolist()
+    counts = adjusted.used.sum(axis=0).tolist()
     few = [
         f"{camera.name}: {count} sightings of targets that fit the other cameras, {FEWEST} needed: "
         "carry targets through its view, or calibrate `wand` again"
-        for camera, count in zip(settled.cameras, counts, strict=True)
+        for camera, count in zip(adjusted.cameras, counts, strict=True)
         if count < FEWEST
     ]
     if few:
         raise FollowspotError("\n".join(few))
 
 
-def prior_of(settled: Settled) -> Prior:
+def prior_of(adjusted: RobustAdjustment) -> Prior:
     """Prior sigmas of cameras for a contradiction of so many px: each cause moves pixels alike."""
-    pixels = SCALE * settled.sigma / np.sqrt(CAUSES)
+    pixels = SCALE * adjusted.sigma / np.sqrt(CAUSES)
     rows = []
-    for camera in settled.cameras:
+    for camera in adjusted.cameras:
         focal, edge = camera.matrix[0, 0], max(camera.size) / 2 / camera.matrix[0, 0]
-        depth = float(np.nanmedian(np.linalg.norm(settled.points - camera.center, axis=1)))
+        depth = float(np.nanmedian(np.linalg.norm(adjusted.points - camera.center, axis=1)))
         lens = [*[1 / (focal * edge)] * 2, 1, 1, 1 / (focal * edge**3), 1 / (focal * edge**5)]
         rows.append([*[1 / focal] * 3, *[depth / focal] * 3, *lens])
-    return Prior(settled.cameras, pixels * np.array(rows))
+    return Prior(adjusted.cameras, pixels * np.array(rows))
 
 
 def onto(cameras: Sequence[Camera], given: Sequence[Camera]) -> Similarity:

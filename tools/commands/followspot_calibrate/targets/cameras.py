@@ -12,7 +12,7 @@ from followspot.errors import FollowspotError
 from followspot_calibrate.adjust import Progress
 from followspot_calibrate.refine.solving import Refinement, refine
 from followspot_calibrate.target_sightings import TargetSightings, find_target_sightings
-from followspot_calibrate.wand.rounds import RAYLEIGH, Settled, chosen
+from followspot_calibrate.wand.rounds import RAYLEIGH, RobustAdjustment, chosen
 
 FEWEST = 3
 """Cameras that can be held against each other."""
@@ -33,7 +33,7 @@ class Agreement:
 def agreement(room: Room, clips: Path, progress: Progress | None = None) -> Agreement:
     """Compares cameras by the places at which they see each target in the same frame of its clip.
 
-    Cameras with clock offsets take their frames at different moments, which is no contradiction.
+    Cameras with clock offsets take their frames at different moments, which is no disagreement.
     """
     cameras = list(room.cameras.values())
     if len(cameras) < FEWEST or any(camera.clock_offset for camera in cameras):
@@ -56,31 +56,31 @@ def agreement(room: Room, clips: Path, progress: Progress | None = None) -> Agre
     try:
         found = refine(cameras, places, room.planes, progress)
     except FollowspotError as reason:
-        return Agreement(problem=f"{contradiction(given)}, and clips cannot correct them: {reason}")
+        return Agreement(problem=f"{disagreement(given)}, and clips cannot correct them: {reason}")
     if excess(found.after, places) > AGREEING:
         left = f"{median_px(found.after):.2f} px are left when they are corrected by the clips"
         cause = "they are not synchronised (`followspot calibrate clocks`), or must be calibrated again"
-        return Agreement(problem=f"{contradiction(given)}, and {left}: {cause}")
+        return Agreement(problem=f"{disagreement(given)}, and {left}: {cause}")
     return Agreement(found)
 
 
-def elsewhere(settled: Settled, places: TargetSightings) -> str:
+def elsewhere(adjusted: RobustAdjustment, places: TargetSightings) -> str:
     """Names of the cameras that see most targets at other places than the rest, with commas."""
     seen = np.isfinite(places.pixel[..., 0]).sum(axis=0)
-    fitting = settled.used.sum(axis=0) >= FITTING * seen
-    return ", ".join(c.name for c, fits in zip(settled.cameras, fitting, strict=True) if not fits)
+    fitting = adjusted.used.sum(axis=0) >= FITTING * seen
+    return ", ".join(c.name for c, fits in zip(adjusted.cameras, fitting, strict=True) if not fits)
 
 
-def excess(settled: Settled, places: TargetSightings) -> float:
+def excess(adjusted: RobustAdjustment, places: TargetSightings) -> float:
     """Median reprojection error over that of sightings that are as good as they can be."""
-    return float(np.nanmedian(settled.distance / places.sigma[:, None])) / RAYLEIGH
+    return float(np.nanmedian(adjusted.distance / places.sigma[:, None])) / RAYLEIGH
 
 
-def contradiction(given: Settled) -> str:
+def disagreement(given: RobustAdjustment) -> str:
     """Errors of the cameras in the room file."""
     return f"cameras contradict each other about the targets by {median_px(given):.2f} px"
 
 
-def median_px(settled: Settled) -> float:
+def median_px(adjusted: RobustAdjustment) -> float:
     """Median reprojection error, px."""
-    return float(np.nanmedian(settled.distance))
+    return float(np.nanmedian(adjusted.distance))

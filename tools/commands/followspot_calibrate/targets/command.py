@@ -33,7 +33,7 @@ def calibrate_targets(args: argparse.Namespace, usual: float) -> int:
     refuse_radius(args.radius)
     room_file, radius = args.room, args.radius
     room = load(room_file)
-    report = {folder.name: learn_aloud(folder, room) for folder in folders_of(args.clips, "target")}
+    report = {folder.name: learn_with_progress(folder, room) for folder in folders_of(args.clips, "target")}
     failed = [name for name, found in report.items() if all(one.problem for one in found)]
     learnt = {
         name: with_templates(room.targets.get(name, Target(name, usual)), radius, found)
@@ -43,7 +43,7 @@ def calibrate_targets(args: argparse.Namespace, usual: float) -> int:
     targets = {**room.targets, **learnt}
     held = Agreement() if args.keep_cameras else agreement(room, args.clips, show_progress)
     clear_progress()
-    outcome = TargetsResult(report, told_apart(room, targets, report), held)
+    outcome = TargetsResult(report, separability_of(room, targets, report), held)
     page = args.report or room_file.with_suffix(".targets.html")
     with writing(room_file):
         write_room(room_file, targets, held.correction)
@@ -63,7 +63,7 @@ def write_room(file: Path, targets: Mapping[str, Target], correction: Refinement
         update(file, targets=targets, cameras=cameras, planes=correction.planes)
 
 
-def learn_aloud(folder: Path, room: Room) -> list[Learnt]:
+def learn_with_progress(folder: Path, room: Room) -> list[Learnt]:
     """What all cameras learn of one target, with progress and warnings on the way."""
     found = []
     for number, one in enumerate(learn(folder, room), 1):
@@ -76,7 +76,7 @@ def learn_aloud(folder: Path, room: Room) -> list[Learnt]:
     return found
 
 
-def told_apart(
+def separability_of(
     room: Room, targets: Mapping[str, Target], report: Mapping[str, Sequence[Learnt]]
 ) -> list[Separability]:
     """Separability of all targets in each colour camera: those of the clips and those known before."""

@@ -61,7 +61,7 @@ def calibrated(args: argparse.Namespace, room: Room | None) -> Calibrated:
         solved = targets.solved
     clear_progress()
     alignment = aligned(args, solved, room)
-    own = [in_room(alignment.transform.camera(camera), room) for camera in solved.settled.cameras]
+    own = [in_room(alignment.transform.camera(camera), room) for camera in solved.adjusted.cameras]
     if args.clock_offsets:
         own = with_offsets(own, solved.timed, args.fps)
     warnings = warnings_of(solved, alignment.transform.scale if alignment.metric else None, args.fps)
@@ -71,7 +71,7 @@ def calibrated(args: argparse.Namespace, room: Room | None) -> Calibrated:
         solved,
         alignment,
         {camera.name: camera for camera in own},
-        alignment.transform.points(solved.settled.points),
+        alignment.transform.points(solved.adjusted.points),
         [*warnings, *alignment.warnings],
         targets,
     )
@@ -95,7 +95,7 @@ def _sightings(args: argparse.Namespace, known: Sequence[Camera], progress: Prog
 
 def aligned(args: argparse.Namespace, solved: Solved, room: Room | None) -> Alignment:
     """The frame of reference that was asked for, or the one that there is something known of."""
-    cameras, scaled = solved.settled.cameras, solved.rods is None
+    cameras, scaled = solved.adjusted.cameras, solved.rods is None
     names = solved.sightings.cameras
     centers = {} if room is None else {name: camera.center for name, camera in room.cameras.items()}
     if args.centers is not None:

@@ -17,10 +17,10 @@ from followspot_calibrate.wand.hazards.planar import REMEDY
 from followspot_calibrate.wand.hazards.swapped import exchanged_lenses
 from followspot_calibrate.wand.hazards.unlinked import other_size, why_unlinked
 from followspot_calibrate.wand.hazards.unplaced import agreeing_cameras, exchanged, reasons
-from followspot_calibrate.wand.incremental_sfm import Beginning
+from followspot_calibrate.wand.incremental_sfm import InitialReconstruction
 from followspot_calibrate.wand.pairs import FEWEST, Pair
 from followspot_calibrate.wand.resection import FEWEST as TIED
-from followspot_calibrate.wand.rounds import Settled
+from followspot_calibrate.wand.rounds import RobustAdjustment
 
 IN_A_PLANE = f"the points lie in one plane, which does not determine the poses of all cameras: {REMEDY}"
 ON_A_LINE = f"the points lie along one line, which determines no poses: {REMEDY}"
@@ -44,7 +44,7 @@ def require_spread(straight: Array, *, known: bool) -> None:
 
 
 def require_connected(
-    sightings: Sightings, begin: Beginning, known: Sequence[Camera] | None, rods: Rods | None
+    sightings: Sightings, begin: InitialReconstruction, known: Sequence[Camera] | None, rods: Rods | None
 ) -> None:
     """Raises FollowspotError if the cameras fall into groups that share too few points.
 
@@ -55,9 +55,9 @@ def require_connected(
     if len(set(group)) == 1:
         return
     if begin.placed:
-        told = reasons(agreeing_cameras(sightings, begin.placed), sightings, known, rods)
-        if told:
-            raise FollowspotError("\n".join(dict.fromkeys(told.values())))
+        explained = reasons(agreeing_cameras(sightings, begin.placed), sightings, known, rods)
+        if explained:
+            raise FollowspotError("\n".join(dict.fromkeys(explained.values())))
     apart = min(set(group), key=group.count)
     groups = [", ".join(names[i] for i, g in enumerate(group) if g == one) for one in dict.fromkeys(group)]
     lines = [
@@ -72,7 +72,12 @@ def require_connected(
 
 
 def require_placed(
-    sightings: Sightings, begin: Beginning, known: Sequence[Camera] | None, rods: Rods | None, *, planar: bool
+    sightings: Sightings,
+    begin: InitialReconstruction,
+    known: Sequence[Camera] | None,
+    rods: Rods | None,
+    *,
+    planar: bool,
 ) -> None:
     """Raises FollowspotError that names the cameras that found no place among the others, and why.
 
@@ -89,29 +94,29 @@ def require_placed(
         raise FollowspotError(IN_A_PLANE)
     if absent:
         agree = agreeing_cameras(sightings, begin.placed)
-        told = reasons(agree, sightings, known, rods)
-        if not begin.placed.keys() & told.keys():
-            told = {i: told.get(i) or _unplaced(sightings, begin, i) for i in absent}
-        raise FollowspotError("\n".join(dict.fromkeys(told.values())))
+        explained = reasons(agree, sightings, known, rods)
+        if not begin.placed.keys() & explained.keys():
+            explained = {i: explained.get(i) or _unplaced(sightings, begin, i) for i in absent}
+        raise FollowspotError("\n".join(dict.fromkeys(explained.values())))
 
 
-def require_own_lenses(sightings: Sightings, settled: Settled) -> None:
+def require_own_lenses(sightings: Sightings, adjusted: RobustAdjustment) -> None:
     """Raises FollowspotError if two cameras see the points through the lens of the other."""
-    pair = exchanged_lenses(settled, sightings.pixel)
+    pair = exchanged_lenses(adjusted, sightings.pixel)
     if pair is not None:
         raise FollowspotError(exchanged(sightings.cameras, pair))
 
 
-def require_depth(sightings: Sightings, settled: Settled) -> None:
+def require_depth(sightings: Sightings, adjusted: RobustAdjustment) -> None:
     """Raises FollowspotError if points in a plane gave some cameras the wrong one of their two poses."""
-    share = settled.used.sum(axis=0) / np.maximum(1, sightings.seen.sum(axis=0))
+    share = adjusted.used.sum(axis=0) / np.maximum(1, sightings.seen.sum(axis=0))
     if share.min() < MOST_OF * share.max():
         raise FollowspotError(IN_A_PLANE)
 
 
-def require_used(sightings: Sightings, settled: Settled) -> None:
+def require_used(sightings: Sightings, adjusted: RobustAdjustment) -> None:
     """Raises FollowspotError if few sightings of a camera fit in the end."""
-    counts, seen = settled.used.sum(axis=0), sightings.seen.sum(axis=0)
+    counts, seen = adjusted.used.sum(axis=0), sightings.seen.sum(axis=0)
     for number, name in enumerate(sightings.cameras):
         needed = max(LEAST, math.ceil(LEAST_SHARE * seen[number]))
         if counts[number] < needed:
@@ -124,22 +129,22 @@ def require_used(sightings: Sightings, settled: Settled) -> None:
             )
 
 
-def shallow(settled: Settled) -> dict[str, float]:
+def shallow(adjusted: RobustAdjustment) -> dict[str, float]:
     """Cameras with points that do not determine a focal length, and the ratio of their depths."""
     ratios = {
         camera.name: far / near
-        for number, camera in enumerate(settled.cameras)
-        for near, far in (depths(settled, number),)
+        for number, camera in enumerate(adjusted.cameras)
+        for near, far in (depths(adjusted, number),)
     }
     return {name: ratio for name, ratio in ratios.items() if ratio < DEEP}
 
 
-def depths(settled: Settled, number: int) -> tuple[float, float]:
+def depths(adjusted: RobustAdjustment, number: int) -> tuple[float, float]:
     """Depth of the nearest and the farthest points that a camera sees, but for 2 % at each end."""
-    camera, rows = settled.cameras[number], settled.used[:, number]
+    camera, rows = adjusted.cameras[number], adjusted.used[:, number]
     if not rows.any():
         return 1.0, 1.0
-    depth = settled.points[rows] @ camera.rotation[2] + camera.translation[2]
+    depth = adjusted.points[rows] @ camera.rotation[2] + camera.translation[2]
     near, far = np.percentile(depth, [2, 98])
     return float(near), float(far)
 
@@ -166,7 +171,7 @@ def _shares(names: Sequence[str], pair: Pair) -> str:
     )
 
 
-def _unplaced(sightings: Sightings, begin: Beginning, camera: int) -> str:
+def _unplaced(sightings: Sightings, begin: InitialReconstruction, camera: int) -> str:
     """Points that this camera shares with two others are what places it."""
     name, placed = sightings.cameras[camera], sorted(begin.placed)
     views = begin.trusted[:, placed].sum(axis=1)

@@ -11,7 +11,7 @@ from followspot_calibrate.wand.hazards.moved import Moved, moved_cameras
 from followspot_calibrate.wand.hazards.planar import FLAT, REMEDY, flatness
 from followspot_calibrate.wand.hazards.unlinked import other_size
 from followspot_calibrate.wand.pairs import FEWEST
-from followspot_calibrate.wand.rounds import Settled
+from followspot_calibrate.wand.rounds import RobustAdjustment
 from followspot_calibrate.wand.solving import Solved
 from followspot_calibrate.wand.timing import Timed
 
@@ -21,83 +21,86 @@ MANY = 0.2
 
 def warnings_of(solved: Solved, unit: float | None = None, fps: float | None = None) -> list[str]:
     """Sentences for the user. unit: m per unit of the solution, if known; fps: frames a second, if known."""
-    settled, moved = solved.settled, moved_cameras(solved.settled, solved.sightings)
-    told = late_warnings(solved.timed, fps) + [moved_warning(settled, one, unit) for one in moved]
-    told += sparse_warnings(solved.sightings, settled, {one.number for one in moved})
+    adjusted, moved = solved.adjusted, moved_cameras(solved.adjusted, solved.sightings)
+    warnings = late_warnings(solved.timed, fps) + [moved_warning(adjusted, one, unit) for one in moved]
+    warnings += sparse_warnings(solved.sightings, adjusted, {one.number for one in moved})
     if solved.intrinsics == "free":
-        told += depth_warnings(settled)
+        warnings += depth_warnings(adjusted)
     else:
-        told += size_warnings(solved.sightings)
+        warnings += size_warnings(solved.sightings)
     if solved.planar:
-        told.append(f"the points lie nearly in a plane, heights above it are less certain: {REMEDY}")
+        warnings.append(f"the points lie nearly in a plane, heights above it are less certain: {REMEDY}")
     if solved.rods is not None:
-        told += length_warnings(settled, solved.rods, solved.sightings.pixel)
-    return told
+        warnings += length_warnings(adjusted, solved.rods, solved.sightings.pixel)
+    return warnings
 
 
 def size_warnings(sightings: Sightings) -> list[str]:
     """Cameras whose points look like those of a smaller recording, which may have got a place by chance."""
     found = (other_size(sightings, number) for number in range(len(sightings.cameras)))
-    return [told for told in found if told]
+    return [warnings for warnings in found if warnings]
 
 
 def late_warnings(timed: Timed, fps: float | None) -> list[str]:
     """Cameras that are not synchronised."""
-    told = []
+    warnings = []
     for name, late, drift in zip(timed.sightings.cameras, timed.late, timed.drift, strict=True):
         if drift:
-            told.append(
+            warnings.append(
                 f"{name} comes {abs(drift):.1f} frames {'later' if drift > 0 else 'earlier'} in the second "
                 "half of the recording than in the first: it lost frames, or its rate is another; "
                 "record again"
             )
         elif late:
-            told.append(
+            warnings.append(
                 f"{name} is {_frames(abs(late), fps)} {'late' if late > 0 else 'early'}; that was corrected "
                 "here: synchronise the cameras, or note it in the room file (--fps FPS --clock-offsets)"
             )
-    return told
+    return warnings
 
 
-def moved_warning(settled: Settled, moved: Moved, unit: float | None) -> str:
+def moved_warning(adjusted: RobustAdjustment, moved: Moved, unit: float | None) -> str:
     """When a camera was moved, how far, and which of its poses was found."""
     far = "" if unit is None else f"{1000 * unit * moved.shift:.0f} mm and "
     turn = f"{57.29578 * moved.turn:.1f} degrees"
+    name = adjusted.cameras[moved.number].name
     return (
-        f"{settled.cameras[moved.number].name} was moved at frame {moved.frame}, by {far}{turn}: its pose is "
+        f"{name} was moved at frame {moved.frame}, by {far}{turn}: its pose is "
         f"the one {'before' if moved.kept_before else 'after'}; calibrate with what was recorded since: "
         f"--frames {moved.frame}-"
     )
 
 
-def sparse_warnings(sightings: Sightings, settled: Settled, explained: Collection[int]) -> list[str]:
+def sparse_warnings(
+    sightings: Sightings, adjusted: RobustAdjustment, explained: Collection[int]
+) -> list[str]:
     """Cameras that rest on few of their points; explained: numbers of cameras of which the cause is known."""
-    told, strange = [], []
-    for number, camera in enumerate(settled.cameras):
-        total, used = int(sightings.seen[:, number].sum()), int(settled.used[:, number].sum())
+    warnings, strange = [], []
+    for number, camera in enumerate(adjusted.cameras):
+        total, used = int(sightings.seen[:, number].sum()), int(adjusted.used[:, number].sum())
         if used < FEWEST:
-            told.append(f"{camera.name} rests on {used} points, {FEWEST} needed: wave in its view")
+            warnings.append(f"{camera.name} rests on {used} points, {FEWEST} needed: wave in its view")
         elif used < (1 - MANY) * total and number not in explained:
             strange.append(f"{100 * (1 - used / total):.0f} % of the points of {camera.name}")
     if strange:
-        told.append(
+        warnings.append(
             f"{', '.join(strange)} fit no other camera: look for reflections and second lights in its view"
         )
-    return told
+    return warnings
 
 
-def depth_warnings(settled: Settled) -> list[str]:
+def depth_warnings(adjusted: RobustAdjustment) -> list[str]:
     """Warnings about estimated intrinsics that the points leave open."""
-    told, flat = [], shallow(settled)
+    warnings, flat = [], shallow(adjusted)
     if flat:
         ratios = ", ".join(f"{name} {ratio:.1f}" for name, ratio in flat.items())
-        told.append(
+        warnings.append(
             f"the depth of the points, farthest over nearest, is under {DEEP:g} ({ratios}): the focal length "
             "is not well determined; wave nearer to the camera and farther off, or calibrate its intrinsics"
         )
-    if flatness(settled.points) < FLAT:
-        told.append(f"the points lie nearly in a plane, which leaves unknown lenses open: {REMEDY}")
-    return told
+    if flatness(adjusted.points) < FLAT:
+        warnings.append(f"the points lie nearly in a plane, which leaves unknown lenses open: {REMEDY}")
+    return warnings
 
 
 def _frames(late: float, fps: float | None) -> str:

@@ -21,8 +21,8 @@ ENOUGH = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Beginning:
-    """A first idea of a room.
+class InitialReconstruction:
+    """Cameras of a room before the adjustment of all sightings.
 
     pairs: of cameras; trusted: (N, C) bool, sightings that fit them; placed: the cameras that found a place,
     by number.
@@ -34,7 +34,7 @@ class Beginning:
 
 
 @dataclass(frozen=True, eq=False)
-class Grown:
+class Reconstruction:
     """Cameras that found their place, by number, and the points that they see: (N, 3), NaN if unknown.
 
     residual: (N, P) px of the placed cameras in the order of their numbers.
@@ -45,13 +45,13 @@ class Grown:
     residual: Array
 
 
-def grow(
+def reconstruct(
     cameras: Sequence[Camera],
     pixel: Array,
     pairs: Sequence[Pair],
     free: Free,
     zooms: Sequence[float] = (1.0,),
-) -> Grown | None:
+) -> Reconstruction | None:
     """Places the cameras relative to each other; None if no pair can begin.
 
     cameras: with their intrinsics, their poses count for nothing; pixel: (N, C, 2) px without gross
@@ -60,13 +60,13 @@ def grow(
     unit of length. Cameras that too few points tie to the others stay out.
     """
     beginning = _begin(cameras, pixel, pairs)
-    grown = None if beginning is None else _improved(beginning, pixel, free)
-    while grown is not None:
-        further = _next(cameras, pixel, grown, zooms)
+    reconstruction = None if beginning is None else _improved(beginning, pixel, free)
+    while reconstruction is not None:
+        further = _next(cameras, pixel, reconstruction, zooms)
         if further is None:
             break
-        grown = _improved({**grown.placed, **further}, pixel, free)
-    return grown
+        reconstruction = _improved({**reconstruction.placed, **further}, pixel, free)
+    return reconstruction
 
 
 def _begin(cameras: Sequence[Camera], pixel: Array, pairs: Sequence[Pair]) -> dict[int, Camera] | None:
@@ -91,29 +91,29 @@ def _begin(cameras: Sequence[Camera], pixel: Array, pairs: Sequence[Pair]) -> di
 
 
 def _next(
-    cameras: Sequence[Camera], pixel: Array, grown: Grown, zooms: Sequence[float]
+    cameras: Sequence[Camera], pixel: Array, reconstruction: Reconstruction, zooms: Sequence[float]
 ) -> dict[int, Camera] | None:
     """The camera that shares the most points with the placed ones and finds its pose among them."""
-    known = np.isfinite(grown.points[:, :1]) & np.isfinite(pixel[..., 0])
-    waiting = [i for i in np.argsort(-known.sum(axis=0)).tolist() if i not in grown.placed]
+    known = np.isfinite(reconstruction.points[:, :1]) & np.isfinite(pixel[..., 0])
+    waiting = [i for i in np.argsort(-known.sum(axis=0)).tolist() if i not in reconstruction.placed]
     for i in waiting:
         rows = known[:, i]
         guesses = (zoomed(cameras[i], zoom) for zoom in zooms)
-        found = [resect(guess, grown.points[rows], pixel[rows, i]) for guess in guesses]
+        found = [resect(guess, reconstruction.points[rows], pixel[rows, i]) for guess in guesses]
         best = max((f for f in found if f is not None), key=lambda f: f[1], default=None)
         if best is not None and 2 * best[1] >= rows.sum():
             return {i: best[0]}
     return None
 
 
-def _improved(placed: Mapping[int, Camera], pixel: Array, free: Free) -> Grown:
+def _improved(placed: Mapping[int, Camera], pixel: Array, free: Free) -> Reconstruction:
     """The placed cameras and the points that they see, adjusted."""
     numbers = sorted(placed)
     cameras, own = [placed[i] for i in numbers], pixel[:, numbers]
     found = triangulate(cameras, own)
     clean = np.where(found.used[..., None], own, np.nan)
     better = adjust(cameras, found.points, clean, free if len(placed) >= ENOUGH else Free())
-    return Grown(dict(zip(numbers, better.cameras, strict=True)), better.points, better.residual)
+    return Reconstruction(dict(zip(numbers, better.cameras, strict=True)), better.points, better.residual)
 
 
 def zoomed(camera: Camera, factor: float) -> Camera:

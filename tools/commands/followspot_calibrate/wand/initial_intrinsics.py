@@ -15,7 +15,7 @@ from followspot.messages import Array
 from followspot_calibrate.adjust import Free, Progress
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.wand.hazards.planar import REMEDY, in_a_plane
-from followspot_calibrate.wand.incremental_sfm import Beginning, Grown, grow
+from followspot_calibrate.wand.incremental_sfm import InitialReconstruction, Reconstruction, reconstruct
 from followspot_calibrate.wand.pairs import Pair, match, trusted, working_rows
 
 BENDS = (0.1, 0.05, 0.0, -0.05, -0.1, -0.15, -0.2, -0.25, -0.3, -0.4)
@@ -30,7 +30,7 @@ WELL = 0.3
 """Strain below which no other focal length is tried, if all cameras found their place."""
 
 
-def guess_intrinsics(sightings: Sightings, progress: Progress | None = None) -> Beginning:
+def guess_intrinsics(sightings: Sightings, progress: Progress | None = None) -> InitialReconstruction:
     """Cameras from sightings alone. Raises FollowspotError if the points lie in a plane."""
     bend, pairs = best_bend(sightings)
     if in_a_plane(straightened(sightings, bend), pairs, sightings.sizes):
@@ -46,13 +46,13 @@ def guess_intrinsics(sightings: Sightings, progress: Progress | None = None) -> 
         if progress is not None:
             progress(f"focal length {focal:g} x size", number / len(FOCALS))
         cameras = guessed_cameras(sightings, focal, bend)
-        grown = grow(cameras, pixel, pairs, Free(focal=True, distortion=1), ZOOMS)
-        cost = np.inf if grown is None else strain(grown, pixel, sightings.sizes)
+        reconstruction = reconstruct(cameras, pixel, pairs, Free(focal=True, distortion=1), ZOOMS)
+        cost = np.inf if reconstruction is None else mean_excess_error(reconstruction, pixel, sightings.sizes)
         if cost < least:
-            best, least = grown, cost
-        if grown is not None and len(grown.placed) == len(cameras) and cost < WELL:
+            best, least = reconstruction, cost
+        if reconstruction is not None and len(reconstruction.placed) == len(cameras) and cost < WELL:
             break
-    return Beginning(pairs, fits, {} if best is None else best.placed)
+    return InitialReconstruction(pairs, fits, {} if best is None else best.placed)
 
 
 def best_bend(sightings: Sightings) -> tuple[float, list[Pair]]:
@@ -82,11 +82,13 @@ def guessed_cameras(sightings: Sightings, focal: float, bend: float) -> list[Cam
     return cameras
 
 
-def strain(grown: Grown, pixel: Array, sizes: Array) -> float:
+def mean_excess_error(reconstruction: Reconstruction, pixel: Array, sizes: Array) -> float:
     """Mean of the errors over twice `LIMIT`, each at most 1; a sighting without a point counts as 1."""
     seen = np.isfinite(pixel[..., 0])
     error = np.ones(seen.shape)
-    numbers = sorted(grown.placed)
+    numbers = sorted(reconstruction.placed)
     longer = sizes.max(axis=1)[numbers]
-    error[:, numbers] = np.nan_to_num(np.minimum(grown.residual / (2 * LIMIT * longer), 1.0), nan=1.0)
+    error[:, numbers] = np.nan_to_num(
+        np.minimum(reconstruction.residual / (2 * LIMIT * longer), 1.0), nan=1.0
+    )
     return float(error[seen].mean()) if seen.any() else 1.0

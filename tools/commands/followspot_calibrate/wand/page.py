@@ -6,7 +6,7 @@ import numpy as np
 
 from followspot import Room
 from followspot_calibrate.report import Page, calibration_page, plain_table
-from followspot_calibrate.wand.result import Calibrated, shared_points, told
+from followspot_calibrate.wand.result import Calibrated, notes_of, shared_points
 
 SHARED_NOTE = "Points that both cameras saw; the more, the better the two are tied together."
 
@@ -16,7 +16,7 @@ def page_of(room: Room, result: Calibrated) -> Page:
 
     room: before the calibration; its planes are shown if its frame of reference stayed.
     """
-    settled = result.solved.settled
+    adjusted = result.solved.adjusted
     return calibration_page(
         f"Wand of {room.name}",
         "look" if result.warnings else "good",
@@ -24,11 +24,11 @@ def page_of(room: Room, result: Calibrated) -> Page:
         list(result.cameras.values()),
         result.solved.sightings.pixel,
         result.points,
-        np.where(settled.used[..., None], settled.residual, np.nan),
+        np.where(adjusted.used[..., None], adjusted.residual, np.nan),
         planes=room.planes if result.alignment.method == "centers" else None,
         warnings=result.warnings,
         more=[
-            plain_table("Figures", ("", ""), told(result)),
+            plain_table("Figures", ("", ""), notes_of(result)),
             plain_table("Pairs", ("", *result.cameras), shared_points(result), note=SHARED_NOTE),
         ],
     )

@@ -36,7 +36,7 @@ class Calibrated:
     @property
     def mean_px(self) -> float:
         """Mean reprojection error of the sightings that count."""
-        return float(np.nanmean(self.solved.settled.distance))
+        return float(np.nanmean(self.solved.adjusted.distance))
 
     @property
     def lengths(self) -> Array | None:
@@ -63,7 +63,7 @@ def summary(result: Calibrated) -> str:
     ]
     pairs = table(("", *result.cameras), shared_points(result))
     parts = [table(head, rows), "points that pairs share\n" + pairs]
-    parts.append("\n".join(f"{what}: {value}" for what, value in told(result)))
+    parts.append("\n".join(f"{what}: {value}" for what, value in notes_of(result)))
     return "\n\n".join(parts)
 
 
@@ -79,7 +79,7 @@ def shared_points(result: Calibrated) -> list[tuple[str, ...]]:
 
 def as_json(result: Calibrated) -> str:
     """The same for scripts."""
-    names, distance = list(result.cameras), result.solved.settled.distance
+    names, distance = list(result.cameras), result.solved.adjusted.distance
     rms, lengths = result.alignment.rms, result.lengths
     return json.dumps(
         {
@@ -107,10 +107,10 @@ def as_json(result: Calibrated) -> str:
 
 
 def _figures(result: Calibrated) -> dict[str, dict[str, Any]]:
-    settled, seen = result.solved.settled, result.solved.sightings.seen
+    adjusted, seen = result.solved.adjusted, result.solved.sightings.seen
     figures = {}
     for number, (name, camera) in enumerate(result.cameras.items()):
-        errors = settled.distance[settled.used[:, number], number]
+        errors = adjusted.distance[adjusted.used[:, number], number]
         median, p95 = np.percentile(errors, [50, 95]) if len(errors) else (np.nan, np.nan)
         figures[name] = {
             "points": len(errors),
@@ -123,14 +123,14 @@ def _figures(result: Calibrated) -> dict[str, dict[str, Any]]:
     return figures
 
 
-def told(result: Calibrated) -> list[tuple[str, str]]:
+def notes_of(result: Calibrated) -> list[tuple[str, str]]:
     """Notes beside the tables, by subject: the errors, the intrinsics, the frame and the scale."""
     intrinsics = {
         "known": "kept as the room has them",
         "refined": "of the room, refined: they fit the points clearly better",
         "free": "found from the points",
     }
-    distance, alignment = result.solved.settled.distance, result.alignment
+    distance, alignment = result.solved.adjusted.distance, result.alignment
     frame = "its own, origin in the middle of the cameras"
     if alignment.rms is not None:
         frame = f"known {alignment.method} met within {1000 * alignment.rms:.1f} mm (RMS)"

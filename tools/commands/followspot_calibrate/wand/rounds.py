@@ -27,7 +27,7 @@ RAYLEIGH = 1.1774
 
 
 @dataclass(frozen=True, eq=False)
-class Settled:
+class RobustAdjustment:
     """Cameras, points and the sightings that count.
 
     points: (N, 3) m, NaN if no two sightings agree; used: (N, C) bool; residual: (N, C, 2) px, seen minus
@@ -50,44 +50,44 @@ class NothingFits(FollowspotError):
     """The cameras agree on no point."""
 
 
-def settle(
+def adjust_robustly(
     cameras: Sequence[Camera],
     pixel: Array,
     free: Free,
     rods: Rods | None = None,
     middle: Middle | None = None,
     progress: Progress | None = None,
-) -> Settled:
+) -> RobustAdjustment:
     """Adjusts the cameras to all sightings, (N, C, 2) px, of which some are wrong; else as in `adjust`.
 
     Raises NothingFits.
     """
-    settled = chosen(cameras, pixel)
+    adjusted = chosen(cameras, pixel)
     for number in range(MOST_ROUNDS):
-        if not settled.used.any():
+        if not adjusted.used.any():
             raise NothingFits(
                 "no two cameras agree on any point in the end: is all of the same recording, are the cameras "
                 "synchronised, and was none moved?"
             )
-        clean = np.where(settled.used[..., None], pixel, np.nan)
+        clean = np.where(adjusted.used[..., None], pixel, np.nan)
         better = adjust(
-            settled.cameras,
-            settled.points,
+            adjusted.cameras,
+            adjusted.points,
             clean,
             free,
             rods=rods,
             middle=middle,
-            scale=SCALE * settled.sigma,
+            scale=SCALE * adjusted.sigma,
         )
         if progress is not None:
             progress("adjust", (number + 1) / MOST_ROUNDS)
-        before, settled = settled, chosen(better.cameras, pixel)
-        if (before.used != settled.used).mean() < SETTLED:
+        before, adjusted = adjusted, chosen(better.cameras, pixel)
+        if (before.used != adjusted.used).mean() < SETTLED:
             break
-    return settled
+    return adjusted
 
 
-def chosen(cameras: Sequence[Camera], pixel: Array) -> Settled:
+def chosen(cameras: Sequence[Camera], pixel: Array) -> RobustAdjustment:
     """The points as the cameras see them, and the sightings within `SIGMAS` of them."""
     found = triangulate(cameras, pixel)
     distance = error(found.residual)
@@ -96,4 +96,4 @@ def chosen(cameras: Sequence[Camera], pixel: Array) -> Settled:
     used = found.used & (distance < SIGMAS * sigma)
     used &= used.sum(axis=1, keepdims=True) >= 2
     points = np.where(used.any(axis=1, keepdims=True), found.points, np.nan)
-    return Settled(tuple(cameras), points, used, found.residual, sigma)
+    return RobustAdjustment(tuple(cameras), points, used, found.residual, sigma)

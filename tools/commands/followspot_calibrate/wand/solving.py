@@ -24,11 +24,11 @@ from followspot_calibrate.wand.diagnosis import (
     shallow,
 )
 from followspot_calibrate.wand.hazards.planar import in_a_plane
-from followspot_calibrate.wand.incremental_sfm import Beginning, grow
+from followspot_calibrate.wand.incremental_sfm import InitialReconstruction, reconstruct
 from followspot_calibrate.wand.initial_intrinsics import guess_intrinsics
 from followspot_calibrate.wand.pairs import Pair, match, trusted, working_rows
 from followspot_calibrate.wand.rods import rods_of, scale_of
-from followspot_calibrate.wand.rounds import Settled, chosen, settle
+from followspot_calibrate.wand.rounds import RobustAdjustment, adjust_robustly, chosen
 from followspot_calibrate.wand.timing import Timed, in_step, synchronised, with_the_late
 
 Intrinsics = Literal["known", "free", "auto"]
@@ -56,7 +56,7 @@ class Solved:
 
     timed: Timed
     pairs: Sequence[Pair]
-    settled: Settled
+    adjusted: RobustAdjustment
     intrinsics: Outcome
     rods: Rods | None
     planar: bool
@@ -95,22 +95,26 @@ def solve(
     middle = _middle(sightings, own)
     if not planar:  # cameras without a significant lateness from motion
         timed, cameras = synchronised(
-            cameras, sightings, timed, lambda now, pixel: settle(now, pixel, free, rods, middle), free
+            cameras,
+            sightings,
+            timed,
+            lambda now, pixel: adjust_robustly(now, pixel, free, rods, middle),
+            free,
         )
     if own is None:
         outcome: Outcome = "free"
-        settled = _with_unknown(timed.sightings, cameras, rods, middle, progress)
+        adjusted = _with_unknown(timed.sightings, cameras, rods, middle, progress)
     else:
-        settled, outcome = _with_known(timed.sightings, own, cameras, intrinsics == "auto", rods, progress)
+        adjusted, outcome = _with_known(timed.sightings, own, cameras, intrinsics == "auto", rods, progress)
         if planar:
-            require_depth(timed.sightings, settled)
-    require_used(timed.sightings, settled)
-    return Solved(timed, begin.pairs, settled, outcome, rods, planar)
+            require_depth(timed.sightings, adjusted)
+    require_used(timed.sightings, adjusted)
+    return Solved(timed, begin.pairs, adjusted, outcome, rods, planar)
 
 
 def _begun(
     sightings: Sightings, own: Sequence[Camera] | None, intrinsics: Intrinsics, progress: Progress | None
-) -> tuple[Timed, Beginning]:
+) -> tuple[Timed, InitialReconstruction]:
     """The sightings in step, and the first idea of a room that they give."""
     limit = LIMIT * sightings.sizes.max(axis=1)
     timed, pairs = in_step(sightings, lambda now: _straight(now, own), limit, progress)
@@ -128,11 +132,11 @@ def _with_unknown(
     rods: Rods | None,
     middle: Middle | None,
     progress: Progress | None,
-) -> Settled:
+) -> RobustAdjustment:
     """The placed cameras with lenses that fit; their pixels are square unless others are clearly better."""
-    square = settle(placed, sightings.pixel, REFINED, rods, middle, progress)
+    square = adjust_robustly(placed, sightings.pixel, REFINED, rods, middle, progress)
     free = replace(REFINED, aspect=True)
-    oblong = settle(square.cameras, sightings.pixel, free, rods, middle, progress)
+    oblong = adjust_robustly(square.cameras, sightings.pixel, free, rods, middle, progress)
     return oblong if oblong.sigma < BETTER * square.sigma else square
 
 
@@ -143,21 +147,21 @@ def _with_known(
     may_refine: bool,
     rods: Rods | None,
     progress: Progress | None,
-) -> tuple[Settled, Outcome]:
+) -> tuple[RobustAdjustment, Outcome]:
     """The placed cameras with known intrinsics, or with refined ones if those are clearly better."""
     cameras = [
         replace(camera, matrix=lens.matrix, distortion=lens.distortion)
         for camera, lens in zip(placed, known, strict=True)
     ]
-    settled = settle(cameras, sightings.pixel, Free(), rods, progress=progress)
-    require_own_lenses(sightings, settled)
+    adjusted = adjust_robustly(cameras, sightings.pixel, Free(), rods, progress=progress)
+    require_own_lenses(sightings, adjusted)
     if may_refine:
-        free = replace(REFINED, focal=not shallow(settled))
-        start = placed if free.focal else settled.cameras
-        refined = settle(start, sightings.pixel, free, rods, _middle(sightings, known), progress)
-        if refined.sigma < BETTER * settled.sigma:
+        free = replace(REFINED, focal=not shallow(adjusted))
+        start = placed if free.focal else adjusted.cameras
+        refined = adjust_robustly(start, sightings.pixel, free, rods, _middle(sightings, known), progress)
+        if refined.sigma < BETTER * adjusted.sigma:
             return refined, "refined"
-    return settled, "known"
+    return adjusted, "known"
 
 
 def _straight(sightings: Sightings, cameras: Sequence[Camera] | None) -> Array:
@@ -173,7 +177,7 @@ def _begin(
     pairs: list[Pair],
     intrinsics: Intrinsics,
     progress: Progress | None,
-) -> Beginning:
+) -> InitialReconstruction:
     """The cameras with their own intrinsics, placed by the first attempt that places all, or the best."""
     if cameras is None:
         return guess_intrinsics(sightings, progress)
@@ -183,12 +187,12 @@ def _begin(
     pixel = np.where(fits[rows, :, None], sightings.pixel[rows], np.nan)
     placed: Mapping[int, Camera] = {}
     for free in attempts:
-        grown = grow(cameras, pixel, pairs, free)
-        if grown is not None and len(grown.placed) > len(placed):
-            placed = grown.placed
+        reconstruction = reconstruct(cameras, pixel, pairs, free)
+        if reconstruction is not None and len(reconstruction.placed) > len(placed):
+            placed = reconstruction.placed
         if len(placed) == len(cameras):
             break
-    return Beginning(pairs, fits, placed)
+    return InitialReconstruction(pairs, fits, placed)
 
 
 def _middle(sightings: Sightings, known: Sequence[Camera] | None) -> Middle:

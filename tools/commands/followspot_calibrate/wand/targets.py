@@ -16,7 +16,7 @@ from followspot_calibrate.similarity import Similarity
 from followspot_calibrate.target_sightings import TargetSightings
 from followspot_calibrate.triangulation import error, triangulate
 from followspot_calibrate.wand.alignment import Alignment
-from followspot_calibrate.wand.rounds import SCALE, SIGMAS, Settled, chosen
+from followspot_calibrate.wand.rounds import SCALE, SIGMAS, RobustAdjustment, chosen
 from followspot_calibrate.wand.solving import OFF_MIDDLE, REFINED, Solved
 
 ROUNDS = 3
@@ -49,31 +49,31 @@ def with_targets(
     alignment: of these cameras with the room; then the result is in the room's frame, and known centres
     keep their accuracy. Raises FollowspotError if the cameras do not see the targets at the same places.
     """
-    pixel, settled, anchors = solved.sightings.pixel, solved.settled, None
+    pixel, adjusted, anchors = solved.sightings.pixel, solved.adjusted, None
     free, middle = _unknown(solved)
     if alignment is not None:
-        settled = _in_room(settled, alignment.transform)
+        adjusted = _in_room(adjusted, alignment.transform)
         anchors = alignment.anchors and replace(alignment.anchors, sigma=SCALE * alignment.anchors.sigma)
-    shown = _shown(settled, places)
+    shown = _shown(adjusted, places)
     _require_agreement(shown, places)
     for number in range(ROUNDS):
         if progress is not None:
             progress("adjust to targets", number / ROUNDS)
-        used = np.concatenate([settled.used, shown.used])
+        used = np.concatenate([adjusted.used, shown.used])
         better = adjust(
-            settled.cameras,
-            np.concatenate([settled.points, shown.points]),
+            adjusted.cameras,
+            np.concatenate([adjusted.points, shown.points]),
             np.where(used[..., None], np.concatenate([pixel, places.pixel]), np.nan),
             free,
             rods=solved.rods,
             middle=middle,
             anchors=anchors,
-            scale=SCALE * np.concatenate([np.full(len(pixel), noise(settled)), places.sigma]),
+            scale=SCALE * np.concatenate([np.full(len(pixel), noise(adjusted)), places.sigma]),
         )
-        settled = chosen(better.cameras, pixel)
-        shown = _shown(settled, places)
+        adjusted = chosen(better.cameras, pixel)
+        shown = _shown(adjusted, places)
     points, sightings = int(shown.used.any(axis=1).sum()), int(shown.used.sum())
-    return Refined(replace(solved, settled=settled), points, sightings, float(np.nanmean(shown.distance)))
+    return Refined(replace(solved, adjusted=adjusted), points, sightings, float(np.nanmean(shown.distance)))
 
 
 def _unknown(solved: Solved) -> tuple[Free, Middle | None]:
@@ -84,28 +84,28 @@ def _unknown(solved: Solved) -> tuple[Free, Middle | None]:
     return REFINED, Middle((sizes - 1) / 2, SCALE * OFF_MIDDLE * sizes.max(axis=1))
 
 
-def _in_room(settled: Settled, transform: Similarity) -> Settled:
+def _in_room(adjusted: RobustAdjustment, transform: Similarity) -> RobustAdjustment:
     """The same, moved to the room's frame."""
-    cameras = tuple(transform.camera(camera) for camera in settled.cameras)
-    return replace(settled, cameras=cameras, points=transform.points(settled.points))
+    cameras = tuple(transform.camera(camera) for camera in adjusted.cameras)
+    return replace(adjusted, cameras=cameras, points=transform.points(adjusted.points))
 
 
-def noise(settled: Settled) -> float:
+def noise(adjusted: RobustAdjustment) -> float:
     """Standard deviation of a coordinate, px: larger than that of residuals, for each point fits its own."""
-    sightings, points = settled.used.sum(), settled.used.any(axis=1).sum()
-    return float(settled.sigma * np.sqrt(2 * sightings / (2 * sightings - 3 * points)))
+    sightings, points = adjusted.used.sum(), adjusted.used.any(axis=1).sum()
+    return float(adjusted.sigma * np.sqrt(2 * sightings / (2 * sightings - 3 * points)))
 
 
-def _shown(settled: Settled, places: TargetSightings) -> Settled:
+def _shown(adjusted: RobustAdjustment, places: TargetSightings) -> RobustAdjustment:
     """The targets as the cameras see them, and the sightings within `SIGMAS` of them."""
-    found = triangulate(settled.cameras, places.pixel)
-    limit = SIGMAS * np.hypot(places.sigma, settled.sigma)
+    found = triangulate(adjusted.cameras, places.pixel)
+    limit = SIGMAS * np.hypot(places.sigma, adjusted.sigma)
     used = found.used & (error(found.residual) < limit[:, None])
     used &= used.sum(axis=1, keepdims=True) >= 2
-    return Settled(settled.cameras, found.points, used, found.residual, settled.sigma)
+    return RobustAdjustment(adjusted.cameras, found.points, used, found.residual, adjusted.sigma)
 
 
-def _require_agreement(shown: Settled, places: TargetSightings) -> None:
+def _require_agreement(shown: RobustAdjustment, places: TargetSightings) -> None:
     """Raises FollowspotError for clips that show something else in each camera."""
     seen = int(np.isfinite(places.pixel[..., 0]).sum())
     if shown.used.sum() < AGREEING * seen:

@@ -17,7 +17,7 @@ from followspot_calibrate.wand.hazards.steps import steps_late
 from followspot_calibrate.wand.hazards.tracks import frame_step, resampled
 from followspot_calibrate.wand.hazards.unplaced import agreeing_cameras, lenses_like
 from followspot_calibrate.wand.pairs import Pair, match
-from followspot_calibrate.wand.rounds import SIGMAS, NothingFits, Settled, chosen
+from followspot_calibrate.wand.rounds import SIGMAS, NothingFits, RobustAdjustment, chosen
 
 LEAST = 0.2
 """Smallest reported lateness, steps; interpolated tracks are no better than that."""
@@ -33,7 +33,7 @@ FARTHEST = 3.0
 BETTER = 0.9
 """Error of a camera after the correction over that before, from which on the correction is right."""
 
-Settle = Callable[[Sequence[Camera], Array], Settled]
+Settle = Callable[[Sequence[Camera], Array], RobustAdjustment]
 """Adjusts cameras to pixels, (N, C, 2)."""
 
 
@@ -88,14 +88,14 @@ def with_the_late(
 
 
 def synchronised(
-    cameras: Sequence[Camera], raw: Sightings, timed: Timed, settle: Settle, free: Free
+    cameras: Sequence[Camera], raw: Sightings, timed: Timed, adjust_robustly: Settle, free: Free
 ) -> tuple[Timed, Sequence[Camera]]:
     """Parts of a frame are corrected once the cameras have a place, in rounds with adjusting them.
 
     Also the cameras as they are once that is corrected: adjusted to a late one they are too far off to begin.
 
-    raw: as the file has them; timed: in step; free: what `settle` adjusts. Without a lateness that is sure
-    nothing is changed.
+    raw: as the file has them; timed: in step; free: what `adjust_robustly` adjusts. Without a
+    certain lateness nothing is changed.
     """
     least, some = LEAST * frame_step(raw), stretches(raw)
     few, pixel = raw.rows(some), timed.sightings.pixel[some]
@@ -104,34 +104,34 @@ def synchronised(
     if not (np.abs(rest.frames) > np.maximum(least / 2, rest.sigma)).any() and not timed.late.any():
         return replace(timed, drift=drift(begun, few, timed.late, free, SURE, 2 * least)), cameras
     try:
-        before = settle(cameras, pixel)
-        now, found = _refined(before, few, timed.late, settle, free)
+        before = adjust_robustly(cameras, pixel)
+        now, found = _refined(before, few, timed.late, adjust_robustly, free)
     except NothingFits:
         return timed, cameras
     late = _from_most(found.frames, least)
     sure = np.abs(late) > np.maximum(least, SURE * found.sigma)
     sure &= _error(now) < SIGMAS * now.sigma  # else something else is wrong with that camera
-    grown = drift(now, few, np.where(sure, late, 0.0), free, SURE, 2 * least)
+    reconstruction = drift(now, few, np.where(sure, late, 0.0), free, SURE, 2 * least)
     better = _error(now) < BETTER * _error(before)
     if not timed.late.any() and not better[sure].any():
-        return replace(timed, drift=grown), cameras
+        return replace(timed, drift=reconstruction), cameras
     late = np.where(sure, late, _kept(timed.late - np.median(found.frames - late), late, least))
-    return Timed(replace(raw, pixel=resampled(raw, late)), late, grown), now.cameras
+    return Timed(replace(raw, pixel=resampled(raw, late)), late, reconstruction), now.cameras
 
 
 def _refined(
-    settled: Settled, sightings: Sightings, late: Array, settle: Settle, free: Free
-) -> tuple[Settled, Late]:
+    adjusted: RobustAdjustment, sightings: Sightings, late: Array, adjust_robustly: Settle, free: Free
+) -> tuple[RobustAdjustment, Late]:
     """Lateness from rounds of correcting and adjusting."""
-    cameras: Sequence[Camera] = settled.cameras
+    cameras: Sequence[Camera] = adjusted.cameras
     for _ in range(ROUNDS):
         pixel = resampled(sightings, late)
-        settled = settle(cameras, pixel)
-        rest = lateness(settled, pixel, sightings, free)
+        adjusted = adjust_robustly(cameras, pixel)
+        rest = lateness(adjusted, pixel, sightings, free)
         late, cameras = late + np.clip(rest.frames, -FARTHEST, FARTHEST), rest.cameras
         if np.abs(rest.frames).max() < SMALL * frame_step(sightings):
             break
-    return settled, replace(rest, frames=late)
+    return adjusted, replace(rest, frames=late)
 
 
 def _kept(before: Array, late: Array, least: float) -> Array:
@@ -161,6 +161,6 @@ def with_offsets(cameras: Sequence[Camera], timed: Timed, fps: float) -> list[Ca
     return [replace(camera, clock_offset=round(late[camera.name], 6)) for camera in cameras]
 
 
-def _error(settled: Settled) -> Array:
+def _error(adjusted: RobustAdjustment) -> Array:
     """Median error of each camera over all its sightings, (C,) px."""
-    return np.asarray(np.nanmedian(np.hypot(settled.residual[..., 0], settled.residual[..., 1]), axis=0))
+    return np.asarray(np.nanmedian(np.hypot(adjusted.residual[..., 0], adjusted.residual[..., 1]), axis=0))

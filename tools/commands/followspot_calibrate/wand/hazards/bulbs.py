@@ -13,7 +13,7 @@ from followspot_calibrate.adjust import Rods
 from followspot_calibrate.similarity import spread
 from followspot_calibrate.wand.hazards.support import CLEARLY, ENOUGH, support
 from followspot_calibrate.wand.rods import measured
-from followspot_calibrate.wand.rounds import SIGMAS, Settled
+from followspot_calibrate.wand.rounds import SIGMAS, RobustAdjustment
 
 SCATTER = 0.03
 """Spread of the measured lengths over the length of the wand that gives a warning."""
@@ -23,7 +23,7 @@ CONFUSED = 0.05
 """Share of a camera's points that are the other bulb that gives a warning."""
 
 
-def confused(camera: Camera, points: Array, pixel: Array, other: Array) -> str | None:
+def exchanged_bulbs(camera: Camera, points: Array, pixel: Array, other: Array) -> str | None:
     """The fault if a camera without a pose has the bulbs exchanged; None if it does not.
 
     points: (N, 3); pixel: (N, 2) px of this camera; other: (N,) the row of the other bulb, -1 without one.
@@ -45,41 +45,44 @@ def others_of(rods: Rods, rows: int) -> Array:
     return other
 
 
-def length_warnings(settled: Settled, rods: Rods, pixel: Array) -> list[str]:
-    """Warnings from the measured lengths. settled: in m, as the length has it; pixel: (N, C, 2) px."""
-    return [*_taken_for_each_other(settled, rods, pixel), *_unlikely(settled.cameras, settled.points, rods)]
+def length_warnings(adjusted: RobustAdjustment, rods: Rods, pixel: Array) -> list[str]:
+    """Warnings from the measured lengths. adjusted: in m, as the length has it; pixel: (N, C, 2) px."""
+    return [
+        *_taken_for_each_other(adjusted, rods, pixel),
+        *_unlikely(adjusted.cameras, adjusted.points, rods),
+    ]
 
 
-def _taken_for_each_other(settled: Settled, rods: Rods, pixel: Array) -> list[str]:
+def _taken_for_each_other(adjusted: RobustAdjustment, rods: Rods, pixel: Array) -> list[str]:
     """Cameras that sometimes confuse the two bulbs."""
-    other, told = others_of(rods, len(pixel)), []
+    other, warnings = others_of(rods, len(pixel)), []
     rows = np.flatnonzero(other >= 0)
-    for number, camera in enumerate(settled.cameras):
-        away = np.linalg.norm(project(camera, settled.points[other[rows]]) - pixel[rows, number], axis=1)
-        wrong = ~settled.used[rows, number] & (away < SIGMAS * settled.sigma)
+    for number, camera in enumerate(adjusted.cameras):
+        away = np.linalg.norm(project(camera, adjusted.points[other[rows]]) - pixel[rows, number], axis=1)
+        wrong = ~adjusted.used[rows, number] & (away < SIGMAS * adjusted.sigma)
         share = wrong.sum() / max(1, np.isfinite(pixel[rows, number, 0]).sum())
         if share > CONFUSED:
-            told.append(
+            warnings.append(
                 f"{camera.name} takes the bulbs of the wand for each other in {100 * share:.0f} % of its "
                 "points, which were left out: use bulbs of two colours or sizes"
             )
-    return told
+    return warnings
 
 
 def _unlikely(cameras: Sequence[Camera], points: Array, rods: Rods) -> list[str]:
     """A wand that is not rigid, or a room that is too large or too small."""
-    lengths, told = measured(points, rods), []
+    lengths, warnings = measured(points, rods), []
     length = float(np.max(rods.length))
     scatter = float(np.nanpercentile(np.abs(lengths - length), 68)) if np.isfinite(lengths).any() else 0.0
     if scatter > SCATTER * length:
-        told.append(
+        warnings.append(
             f"the wand is {1000 * length:.0f} mm long, but measured that within {1000 * scatter:.0f} mm "
             "only: are its bulbs fixed, and told apart in every camera?"
         )
     size = spread([camera.center for camera in cameras])
     if not ROOM[0] < size < ROOM[1]:
-        told.append(
+        warnings.append(
             f"by the length of the wand the cameras are {size:.3g} m from their middle: "
             "is --length in metres?"
         )
-    return told
+    return warnings

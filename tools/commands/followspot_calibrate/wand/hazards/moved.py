@@ -13,7 +13,7 @@ from followspot.messages import Array
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.triangulation import rays_of, solved
 from followspot_calibrate.wand.hazards.support import support
-from followspot_calibrate.wand.rounds import SIGMAS, Settled
+from followspot_calibrate.wand.rounds import SIGMAS, RobustAdjustment
 
 FEWEST = 30
 """Points before and after the move."""
@@ -49,15 +49,15 @@ class Moved:
         return float(np.linalg.norm(self.before.center - self.after.center))
 
 
-def moved_cameras(settled: Settled, sightings: Sightings) -> list[Moved]:
+def moved_cameras(adjusted: RobustAdjustment, sightings: Sightings) -> list[Moved]:
     """The cameras that were moved, the clearest first; at least three cameras are needed.
 
     A moved camera draws the points, and with them the others: so it is left out before the next is sought.
     """
-    rays, trusted, found = rays_of(settled.cameras, sightings.pixel), settled.used.copy(), list[Moved]()
-    waiting = set(range(len(settled.cameras)))
+    rays, trusted, found = rays_of(adjusted.cameras, sightings.pixel), adjusted.used.copy(), list[Moved]()
+    waiting = set(range(len(adjusted.cameras)))
     while waiting:
-        moves = (_moved(number, settled, sightings, rays, trusted) for number in sorted(waiting))
+        moves = (_moved(number, adjusted, sightings, rays, trusted) for number in sorted(waiting))
         clear = [one for one in moves if one is not None]
         if not clear:
             break
@@ -67,17 +67,19 @@ def moved_cameras(settled: Settled, sightings: Sightings) -> list[Moved]:
     return found
 
 
-def _moved(number: int, settled: Settled, sightings: Sightings, rays: Array, trusted: Array) -> Moved | None:
+def _moved(
+    number: int, adjusted: RobustAdjustment, sightings: Sightings, rays: Array, trusted: Array
+) -> Moved | None:
     """The move of one camera among the points that the others see. rays: (N, C, 3); trusted: (N, C) bool."""
     others = trusted.copy()
     others[:, number] = False
-    points = solved(Views(settled.cameras), rays, others, settled.points)
+    points = solved(Views(adjusted.cameras), rays, others, adjusted.points)
     pixel = sightings.pixel[:, number]
     rows = np.flatnonzero(np.isfinite(points[:, 0] + pixel[:, 0]))
     rows = rows[np.argsort(sightings.frame[rows], kind="stable")]
-    camera, limit = settled.cameras[number], SIGMAS * settled.sigma
+    camera, limit = adjusted.cameras[number], SIGMAS * adjusted.sigma
     one, found = _cost(camera, points[rows], pixel[rows], limit), list[Moved]()
-    for start in _starts(settled.used[rows, number]):
+    for start in _starts(adjusted.used[rows, number]):
         for cut, before, after, cost in _rounds(camera, points[rows], pixel[rows], limit, start):
             fits = np.minimum(one, cost) < 1
             left = float(cost[fits].sum() / max(one[fits].sum(), 1e-9))

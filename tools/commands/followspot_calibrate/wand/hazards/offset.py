@@ -16,7 +16,7 @@ from followspot_calibrate.clocks.moments import velocities
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.wand.hazards.support import CLEARLY, ENOUGH, support
 from followspot_calibrate.wand.hazards.tracks import frame_step, resampled
-from followspot_calibrate.wand.rounds import Settled
+from followspot_calibrate.wand.rounds import RobustAdjustment
 
 FEWEST = 12
 """Fewest sightings of each camera of points with known motion."""
@@ -50,22 +50,22 @@ class Late:
     cameras: tuple[Camera, ...]
 
 
-def lateness(settled: Settled, pixel: Array, sightings: Sightings, free: Free) -> Late:
+def lateness(adjusted: RobustAdjustment, pixel: Array, sightings: Sightings, free: Free) -> Late:
     """The remaining lateness in tracks that are already nearly in step, from motion.
 
     pixel: (N, C, 2) px of the frames and labels of the sightings; free: other parameters left free, because
     a pose or a lens adjusted to a late camera hides most of its lateness. A camera sees a point that
     moves with v at its place after its lateness l: P(X + v l). Points are eliminated (H&Z, appendix A6.3.1).
     """
-    velocity = _velocities(sightings, settled.points)
-    known = np.isfinite(velocity[:, 0] + settled.points[:, 0])
-    points, speed, count = settled.points[known], velocity[known], len(settled.cameras)
+    velocity = _velocities(sightings, adjusted.points)
+    known = np.isfinite(velocity[:, 0] + adjusted.points[:, 0])
+    points, speed, count = adjusted.points[known], velocity[known], len(adjusted.cameras)
     linear = [
         _linear(camera, points, speed, pixel[known, number], free)
-        for number, camera in enumerate(settled.cameras)
+        for number, camera in enumerate(adjusted.cameras)
     ]
     if min(len(one.rows) for one in linear) < FEWEST:
-        return Late(np.zeros(count), np.full(count, np.inf), settled.cameras)
+        return Late(np.zeros(count), np.full(count, np.inf), adjusted.cameras)
     change = [np.zeros(free.parameters + 1)] * count
     shift = np.zeros_like(points)
     for _ in range(STEPS):
@@ -73,9 +73,9 @@ def lateness(settled: Settled, pixel: Array, sightings: Sightings, free: Free) -
         try:
             change, shift, spread = _solved(linear, weights, len(points), free.parameters + 1)
         except np.linalg.LinAlgError:  # points that their cameras do not determine
-            return Late(np.zeros(count), np.full(count, np.inf), settled.cameras)
+            return Late(np.zeros(count), np.full(count, np.inf), adjusted.cameras)
     frames = np.array([step[-1] for step in change])
-    cameras = (_stepped(c, step[:-1], free) for c, step in zip(settled.cameras, change, strict=True))
+    cameras = (_stepped(c, step[:-1], free) for c, step in zip(adjusted.cameras, change, strict=True))
     return Late(frames - np.median(frames), spread, tuple(cameras))
 
 
@@ -167,7 +167,7 @@ def nearest_shift(lens: Camera, points: Array, sightings: Sightings, number: int
 
 
 def drift(
-    settled: Settled, sightings: Sightings, late: Array, free: Free, sure: float, least: float
+    adjusted: RobustAdjustment, sightings: Sightings, late: Array, free: Free, sure: float, least: float
 ) -> Array:
     """Growth of the lateness from the first half to the second, (C,) frames; 0 if it is not significant.
 
@@ -176,14 +176,14 @@ def drift(
     """
     pixel, second = resampled(sightings, late), sightings.frame > np.median(sightings.frame)
     before, after = (
-        lateness(replace(settled, points=settled.points[rows]), pixel[rows], sightings.rows(rows), free)
+        lateness(replace(adjusted, points=adjusted.points[rows]), pixel[rows], sightings.rows(rows), free)
         for rows in (~second, second)
     )
-    grown, sigma = after.frames - before.frames, np.hypot(before.sigma, after.sigma)
-    steps = grown / frame_step(sightings)
+    reconstruction, sigma = after.frames - before.frames, np.hypot(before.sigma, after.sigma)
+    steps = reconstruction / frame_step(sightings)
     whole = np.abs(steps - np.round(steps)) < WHOLE
-    believed = ((late != 0) | whole) & (np.abs(grown) > np.maximum(least, sure * sigma))
-    return np.asarray(np.where(believed, grown, 0.0))
+    believed = ((late != 0) | whole) & (np.abs(reconstruction) > np.maximum(least, sure * sigma))
+    return np.asarray(np.where(believed, reconstruction, 0.0))
 
 
 def stretches(sightings: Sightings) -> Array:

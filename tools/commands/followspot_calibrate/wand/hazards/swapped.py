@@ -13,7 +13,7 @@ from followspot.messages import Array
 from followspot_calibrate.adjust import Free, adjust
 from followspot_calibrate.similarity import NEAR, on_a_line, similarity, spread
 from followspot_calibrate.wand.hazards.support import misfit
-from followspot_calibrate.wand.rounds import SCALE, Settled
+from followspot_calibrate.wand.rounds import SCALE, RobustAdjustment
 
 MUCH_BETTER = 0.25
 """Error with the lens or place of another camera over that with its own, below which it is that one."""
@@ -46,27 +46,27 @@ def lens_of_another(
     return (number, other) if back else None
 
 
-def exchanged_lenses(settled: Settled, pixel: Array) -> tuple[int, int] | None:
+def exchanged_lenses(adjusted: RobustAdjustment, pixel: Array) -> tuple[int, int] | None:
     """Two placed cameras that fit much better once their lenses are exchanged and all are adjusted anew.
 
     pixel: (N, C, 2) px. Lenses that are alike, and errors below `GOOD`, are not asked about.
     """
-    if not np.nanmedian(settled.distance) > GOOD:
+    if not np.nanmedian(adjusted.distance) > GOOD:
         return None
-    rows = np.flatnonzero(np.isfinite(settled.points[:, 0]))
+    rows = np.flatnonzero(np.isfinite(adjusted.points[:, 0]))
     rows = rows[np.linspace(0, len(rows) - 1, min(len(rows), MOST)).astype(int)]
 
     def error(cameras: Sequence[Camera]) -> float:
-        scale = SCALE * settled.sigma
-        found = adjust(cameras, settled.points[rows], pixel[rows], Free(), scale=scale)
+        scale = SCALE * adjusted.sigma
+        found = adjust(cameras, adjusted.points[rows], pixel[rows], Free(), scale=scale)
         return float(np.nanmedian(found.residual))
 
-    focal = np.log([camera.matrix[0, 0] for camera in settled.cameras])
+    focal = np.log([camera.matrix[0, 0] for camera in adjusted.cameras])
     pairs = [pair for pair in combinations(range(len(focal)), 2) if abs(np.diff(focal[[*pair]])) > ALIKE]
     pairs = sorted(pairs, key=lambda pair: -abs(focal[pair[0]] - focal[pair[1]]))[:TRIED]
-    errors = {pair: error(_exchange(settled.cameras, pair)) for pair in pairs}
+    errors = {pair: error(_exchange(adjusted.cameras, pair)) for pair in pairs}
     best = min(errors, key=lambda pair: errors[pair], default=None)
-    return best if best is not None and errors[best] < BETTER * error(settled.cameras) else None
+    return best if best is not None and errors[best] < BETTER * error(adjusted.cameras) else None
 
 
 def _exchange(cameras: Sequence[Camera], pair: tuple[int, int]) -> list[Camera]:

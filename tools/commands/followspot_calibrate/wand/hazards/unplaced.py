@@ -11,7 +11,7 @@ from followspot import Camera
 from followspot.messages import Array
 from followspot_calibrate.adjust import Rods
 from followspot_calibrate.sightings import Sightings
-from followspot_calibrate.wand.hazards.bulbs import confused, others_of
+from followspot_calibrate.wand.hazards.bulbs import exchanged_bulbs, others_of
 from followspot_calibrate.wand.hazards.mirrored import Mirrored, mirrored
 from followspot_calibrate.wand.hazards.swapped import lens_of_another
 from followspot_calibrate.wand.rounds import chosen
@@ -42,15 +42,15 @@ def reasons(
     absent = [number for number in range(len(lenses)) if number not in agree.placed]
     others = list(agree.placed.values())
     flipped = {i: mirrored(lenses[i], agree.points, sightings.pixel[:, i], others) for i in absent}
-    told = {i: _flipped(sightings.cameras[i], one) for i, one in flipped.items() if one is not None}
-    if len(told) > len(agree.placed):
+    explained = {i: _flipped(sightings.cameras[i], one) for i, one in flipped.items() if one is not None}
+    if len(explained) > len(agree.placed):
         one = next(one for one in flipped.values() if one is not None)
         return {i: _flipped(sightings.cameras[i], one) for i in sorted(agree.placed)}
-    for number in (i for i in absent if i not in told):
+    for number in (i for i in absent if i not in explained):
         text = _other_reason(number, lenses, agree, sightings, rods)
         if text is not None:
-            told[number] = text
-    return told
+            explained[number] = text
+    return explained
 
 
 def _other_reason(
@@ -59,9 +59,9 @@ def _other_reason(
     """Bulbs or lenses that are exchanged."""
     if rods is not None:
         pixel = sightings.pixel[:, number]
-        told = confused(lenses[number], agree.points, pixel, others_of(rods, len(pixel)))
-        if told is not None:
-            return told
+        explained = exchanged_bulbs(lenses[number], agree.points, pixel, others_of(rods, len(pixel)))
+        if explained is not None:
+            return explained
     pair = lens_of_another(number, lenses, agree.points, sightings.pixel)
     return None if pair is None else exchanged(sightings.cameras, pair)
 
