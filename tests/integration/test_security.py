@@ -109,12 +109,12 @@ def test_a_camera_host_cannot_pass_for_another_agent(certs: Path, agent: Agent, 
         tokens = [camera.liveliness().declare_token(agent_key(name)) for name in ("desk", "pc-left")]
         seen: set[str] = set()
 
-        def look() -> bool:
+        def select() -> bool:
             replies = agent.session.liveliness().get(agent_key("*"), timeout=1.0)
             seen.update(str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
             return agent_key("pc-left") in seen
 
-        assert wait_for(look)
+        assert wait_for(select)
         assert agent_key("desk") not in seen
         camera.declare_queryable("followspot/agent/desk/**", lambda query: query.reply(query.key_expr, b"{}"))
         camera.declare_queryable(

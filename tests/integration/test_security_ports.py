@@ -63,12 +63,12 @@ def test_no_host_declares_a_reader_of_another_host_alive_or_done(
         keys = [*foreign, f"{PORT}/alive/reader/5/0", f"{PORT}/alive/done/5/0/0", *own]
         tokens = [camera.liveliness().declare_token(key) for key in keys]
 
-        def look() -> bool:
+        def select() -> bool:
             replies = agent.session.liveliness().get(f"{PORT}/**", timeout=1.0)
             seen.update(str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
             return own <= seen
 
-        assert wait_for(look)
+        assert wait_for(select)
         del tokens  # until now they were there
     assert seen == own
 

@@ -11,26 +11,28 @@ from typing import Any
 from followspot.control.tapping import Tapping
 from followspot.errors import FollowspotError
 from followspot.operator.run_handle import RunHandle
-from followspot.taps.receivers import Hear, LocalReceiver, RemoteReceiver, tap_key
+from followspot.taps.receivers import Consume, LocalReceiver, RemoteReceiver, tap_key
 
 
 class RunTaps:
     """Taps of one kind at ports (STAGE.PORT) of a run.
 
-    uses: the tap, with the parameters `socket` and `port`; params: its other parameters; hear: consumes the
+    uses: the tap, with the parameters `socket` and `port`; params: its other parameters; consume: takes the
     records of one sender in a thread of its own.
     """
 
-    def __init__(self, run: RunHandle, ports: Collection[str], uses: str, hear: Hear, **params: Any) -> None:
+    def __init__(
+        self, run: RunHandle, ports: Collection[str], uses: str, consume: Consume, **params: Any
+    ) -> None:
         """Raises FollowspotError if a port cannot be reached from here."""
         self._run = run
-        self._ports, self._uses, self._params, self._hear = ports, uses, params, hear
+        self._ports, self._uses, self._params, self._consume = ports, uses, params, consume
         self._around = run.surroundings()
         self._homes: dict[str, str] = {}
         self._taps: list[Tapping] = []
         self._folder = TemporaryDirectory(prefix="followspot-tap-")
         self._path = Path(self._folder.name) / "taps"
-        self._local = LocalReceiver(self._path, hear)
+        self._local = LocalReceiver(self._path, consume)
         self._remote: list[RemoteReceiver] = []
         self._closed = False
         self._lock = threading.Lock()
@@ -85,7 +87,7 @@ class RunTaps:
         network = self._around.network
         with self._lock:
             if keys and network is not None and not self._closed:
-                self._remote.append(RemoteReceiver(network, keys, self._hear))
+                self._remote.append(RemoteReceiver(network, keys, self._consume))
 
     def _tapping(self, name: str, host: str) -> Tapping:
         place: dict[str, Any] = {} if host else {"socket": str(self._path)}

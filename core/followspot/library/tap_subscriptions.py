@@ -68,7 +68,7 @@ class _Feed:
             word, self._types.values(), lossless=False, failure=failure, on_close=self._close
         )
         self._over = threading.Event()
-        self._taps = RunTaps(run, self._types, SINK, self._hear)
+        self._taps = RunTaps(run, self._types, SINK, self._consume)
         threading.Thread(target=self._watch, name=f"taps of {word}", daemon=True).start()
 
     def end(self) -> None:
@@ -84,7 +84,7 @@ class _Feed:
             with suppress(FollowspotError):
                 self._taps.follow()
 
-    def _hear(self, records: Iterator[Record]) -> None:
+    def _consume(self, records: Iterator[Record]) -> None:
         """Pass on the messages of one sender; count malformed messages, end at a malformed stream."""
         gaps = Gaps()
         with suppress(ValueError, KeyError):

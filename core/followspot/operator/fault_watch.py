@@ -16,7 +16,7 @@ class FaultWatch:
         self._fault, self._repair = fault, repair
         self._known: dict[str, str] = {}
 
-    def look(self, lines: Iterable[str]) -> Iterator[tuple[str, bool]]:
+    def changes(self, lines: Iterable[str]) -> Iterator[tuple[str, bool]]:
         """New lines for the log, and whether each tells of a beginning. lines: of all faults that last."""
         now = {line.partition(":")[0]: line for line in lines}
         before, self._known = self._known, now

@@ -33,9 +33,9 @@ class RunEvents:
         silence: whether a host does not answer in a run that is not being stopped.
         """
         if view.plan.budgets and not any(worker.phase == "over" for worker in view.workers()):
-            for line, begins in self._budgets.look(view.late()):
+            for line, begins in self._budgets.changes(view.late()):
                 self.add(line, "warning" if begins else "info")
-        for line, begins in self._stalls.look(view.stalled()):
+        for line, begins in self._stalls.changes(view.stalled()):
             self.add(line, "warning" if begins else "info")
         awaited = view.awaited() if silence else ()
         if awaited and awaited != self._awaited:

@@ -25,7 +25,7 @@ class PortTap(Stage):
     tap = True
     sender: TapSender | None = None
     gone = False
-    heard = False
+    read_before = False
 
     def setup(self) -> None:
         """Connect to the receiver. One that has gone is reported at the first message."""
@@ -46,9 +46,9 @@ class PortTap(Stage):
         """Whether a receiver is there. Raises EOFError if it has gone."""
         post = self.context.post
         wanted = self.sender is not None if post is None else post.wanted
-        if self.gone or (self.heard and not wanted):
+        if self.gone or (self.read_before and not wanted):
             raise EOFError("the receiver of the tap has gone")
-        self.heard |= wanted
+        self.read_before |= wanted
         return wanted
 
     def send(self, message: Message) -> None:

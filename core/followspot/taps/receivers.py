@@ -20,19 +20,19 @@ from followspot.transport.zenoh.network import Network
 if TYPE_CHECKING:
     import zenoh
 
-__all__ = ["Gaps", "Hear", "LocalReceiver", "RemoteReceiver", "tap_key"]
+__all__ = ["Consume", "Gaps", "LocalReceiver", "RemoteReceiver", "tap_key"]
 _BACKLOG = 256
 
-Hear = Callable[[Iterator[Record]], None]
+Consume = Callable[[Iterator[Record]], None]
 """Consumes the records of one sender in a thread of its own; ValueError comes from a malformed stream."""
 
 
 class LocalReceiver:
     """Listens for taps of this host; each worker has a connection of its own."""
 
-    def __init__(self, path: Path, hear: Hear) -> None:
+    def __init__(self, path: Path, consume: Consume) -> None:
         """path: of the socket, created here. Raises OSError."""
-        self._hear = hear
+        self._consume = consume
         self._senders: list[tuple[threading.Thread, socket.socket]] = []
         self._socket = socket.socket(socket.AF_UNIX)
         self._socket.bind(str(path))
@@ -65,14 +65,14 @@ class LocalReceiver:
 
     def _read(self, sender: socket.socket) -> None:
         with sender:
-            self._hear(framed_records(sender))
+            self._consume(framed_records(sender))
 
 
 class RemoteReceiver:
-    """Subscribes to taps of other hosts, with a session of its own; one thread hears them all."""
+    """Subscribes to taps of other hosts, with a session of its own; one thread receives from all."""
 
-    def __init__(self, network: Network, keys: Mapping[str, str], hear: Hear) -> None:
-        """keys: as in `look`. Raises FollowspotError if the network cannot be reached."""
+    def __init__(self, network: Network, keys: Mapping[str, str], consume: Consume) -> None:
+        """keys: as in `select`. Raises FollowspotError if the network cannot be reached."""
         from followspot.transport.zenoh.session import connected
 
         self._waiting: deque[tuple[str, bytes]] = deque()
@@ -80,12 +80,12 @@ class RemoteReceiver:
         self._over = False
         self._changed = threading.Condition()
         self._session = connected(network)
-        self._thread = threading.Thread(target=hear, args=(self._records(),), name="taps", daemon=True)
+        self._thread = threading.Thread(target=consume, args=(self._records(),), name="taps", daemon=True)
         self._thread.start()
         self._subscribers: dict[tuple[str, str], zenoh.Subscriber[None]] = {}
-        self.look(keys)
+        self.select(keys)
 
-    def look(self, keys: Mapping[str, str]) -> None:
+    def select(self, keys: Mapping[str, str]) -> None:
         """Receive from these ports alone; keys: of their taps, see `tap_key`, by port."""
         from followspot.transport.zenoh.post import subscribe
         from followspot.transport.zenoh.terms import undeclare

@@ -43,7 +43,7 @@ class Look(Stage):
 
 
 @pytest.fixture(scope="module")
-def look(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def select(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("plugins") / "look.py"
     path.write_text(LOOK)
     return path
@@ -53,10 +53,10 @@ def look(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("host", "joined", "posts"), [("", True, False), ("left", False, False), ("left", True, True)]
 )
 def test_a_tap_uses_zenoh_only_from_a_worker_on_another_host(
-    tmp_path: Path, look: Path, host: str, joined: bool, posts: bool
+    tmp_path: Path, select: Path, host: str, joined: bool, posts: bool
 ) -> None:
     (tmp_path / "g.yaml").write_text(GRAPH)
-    plan = compile_graph(tmp_path / "g.yaml", plugin_files=[TICKS, look])
+    plan = compile_graph(tmp_path / "g.yaml", plugin_files=[TICKS, select])
     (worker,) = plan.workers
     plan = replace(plan, workers=(replace(worker, host=host),))
     found: queue.Queue[object] = sys.modules[load_stage("look.look").__module__].Look.posts

@@ -106,9 +106,9 @@ def test_status_progress_and_faults_tell_it() -> None:
 
 def test_a_miss_is_told_when_it_begins_and_when_it_ends() -> None:
     watch = FaultWatch(" misses its", " keeps its")
-    assert not list(watch.look([]))
-    assert list(watch.look(["a -> b misses its budget of 2 ms: 95 % up to 3 ms"])) == [
+    assert not list(watch.changes([]))
+    assert list(watch.changes(["a -> b misses its budget of 2 ms: 95 % up to 3 ms"])) == [
         ("a -> b misses its budget of 2 ms: 95 % up to 3 ms", True)
     ]
-    assert not list(watch.look(["a -> b misses its budget of 2 ms: 95 % up to 4 ms"]))
-    assert list(watch.look([])) == [("a -> b keeps its budget of 2 ms again", False)]
+    assert not list(watch.changes(["a -> b misses its budget of 2 ms: 95 % up to 4 ms"]))
+    assert list(watch.changes([])) == [("a -> b keeps its budget of 2 ms again", False)]

@@ -190,7 +190,7 @@ def test_what_the_ledger_lost_before_the_first_look_marks_nothing() -> None:
     for late in (3, 3, 4, 6, 6, 7):
         counts: Any = [0] * (16 * len(plan.edges))
         counts[16 * number + 2] = late
-        watched.look(RunStatus((), tuple(counts), 0, None), plan)
+        watched.check(RunStatus((), tuple(counts), 0, None), plan)
     assert len(marks) == 2
 
 

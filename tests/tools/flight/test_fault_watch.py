@@ -19,16 +19,16 @@ def test_a_stage_that_fails_again_marks_again_and_one_that_stays_failed_does_not
     well = StageStatus("fuse", "waiting")
     once = StageStatus("fuse", "waiting", restarts=1, error="Traceback\nValueError: no rows")
     twice = StageStatus("fuse", "waiting", restarts=2, error="Traceback\nValueError: no rows")
-    told = [watch.look(status(stage)) for stage in (well, once, once, twice)]
+    told = [watch.new_faults(status(stage)) for stage in (well, once, once, twice)]
     assert told == [[], ["fuse: ValueError: no rows"], [], ["fuse: ValueError: no rows"]]
 
 
 def test_a_silent_worker_marks_once_however_long_it_is_silent() -> None:
     watch = FaultWatch()
     silent = "worker main was last heard 2.0 s ago"
-    told = [watch.look(status(age=age)) for age in (0.1, 2.0, 3.0, 0.1, 2.0)]
+    told = [watch.new_faults(status(age=age)) for age in (0.1, 2.0, 3.0, 0.1, 2.0)]
     assert told == [[], [silent], [], [], [silent]]
-    assert watch.look(status(phase="absent", age=9.0)) == ["worker main is absent: last heard 9 s ago"]
+    assert watch.new_faults(status(phase="absent", age=9.0)) == ["worker main is absent: last heard 9 s ago"]
 
 
 def test_what_is_not_saved_is_told_once(tmp_path: Path) -> None:

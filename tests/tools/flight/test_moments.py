@@ -54,7 +54,7 @@ class Show:
             message = stamped(seal(tracks), Header("camera/cam0", round(self.now), moment))
             self.recorder.put(PORT, moment, missing, pack(message))
             self.now += 1.0
-            self.recorder.look()
+            self.recorder.finish_files()
 
     def wait_for(self, state: str) -> None:
         """Until the newest file is in this state; another thread writes it."""

@@ -14,7 +14,7 @@ from followspot.messages import Array
 from followspot.people import Poses
 from followspot.room import Room, Target
 from followspot.tracking import Blobs, Frame, Tracks
-from followspot_page.allowed_requests import MOST_CURVES, Curve, Plot, wish_of
+from followspot_page.allowed_requests import MOST_CURVES, Curve, Plot, request_of
 from followspot_page.display.curves import MOST_PORTS, ROWS, Curves, figures, values_of
 from followspot_page.display.feed import Feed
 
@@ -124,5 +124,5 @@ def test_ports_that_are_not_there_and_too_many_are_refused() -> None:
 )
 def test_a_wish_of_another_form_is_refused(plot: object) -> None:
     with pytest.raises(FollowspotError, match="nothing that can be asked for"):
-        wish_of(json.dumps({"plot": plot}))
-    assert wish_of('{"plot": []}') == Plot(())
+        request_of(json.dumps({"plot": plot}))
+    assert request_of('{"plot": []}') == Plot(())

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from followspot.errors import FollowspotError
-from followspot_page.allowed_requests import Hold, wish_of
+from followspot_page.allowed_requests import Hold, request_of
 from followspot_page.page import Page
 from followspot_page.requests.handler import Requests
 
@@ -41,6 +41,6 @@ def test_each_button_asks_the_run_for_what_it_says() -> None:
 
 @pytest.mark.parametrize("text", ['{"hold": "stop"}', '{"hold": "step", "count": 0}', '{"hold": 5}'])
 def test_what_no_button_says_is_refused(text: str) -> None:
-    assert wish_of('{"hold": "step"}') == Hold("step", 1)
+    assert request_of('{"hold": "step"}') == Hold("step", 1)
     with pytest.raises(FollowspotError, match="nothing that can be asked for"):
-        wish_of(text)
+        request_of(text)

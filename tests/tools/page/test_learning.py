@@ -19,7 +19,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.room_file import load
 from followspot_dashboard.gate import make_gate
-from followspot_page.allowed_requests import wish_of
+from followspot_page.allowed_requests import request_of
 from followspot_page.page import Page
 from followspot_page.requests.handler import Requests
 from followspot_page.requests.reply import Reply
@@ -163,7 +163,7 @@ def test_a_room_file_that_is_broken_meanwhile_is_left_as_it_is(operator: Operato
 )
 def test_nothing_of_another_form_is_learnt(asked: dict[str, Any]) -> None:
     with pytest.raises(FollowspotError, match="nothing that can be asked for"):
-        wish_of(json.dumps(asked))
+        request_of(json.dumps(asked))
 
 
 def test_a_page_that_only_shows_learns_nothing(tmp_path: Path, room: str) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from followspot.errors import FollowspotError
 from followspot.library.handle import Moment, RecorderState
-from followspot_page.allowed_requests import MarkWish, wish_of
+from followspot_page.allowed_requests import MarkRequest, request_of
 from followspot_page.display.feed import Feed
 from followspot_page.page import Page
 from followspot_page.requests.handler import Requests
@@ -48,8 +48,8 @@ def test_a_page_that_only_shows_does_not_mark() -> None:
     with pytest.raises(FollowspotError, match="only shows"):
         asyncio.run(Requests(page(None)).do('{"mark": ""}'))
     with pytest.raises(FollowspotError, match="nothing that can be asked for"):
-        wish_of(json.dumps({"mark": "x" * 201}))
-    assert wish_of('{"mark": ""}') == MarkWish("")
+        request_of(json.dumps({"mark": "x" * 201}))
+    assert request_of('{"mark": ""}') == MarkRequest("")
 
 
 def test_browsers_are_told_what_is_held_and_the_newest_file() -> None:

@@ -12,7 +12,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from followspot.cli.main import main
 from followspot.errors import FollowspotError
-from followspot_page.allowed_requests import Seek, wish_of
+from followspot_page.allowed_requests import Seek, request_of
 from followspot_page.page_process import PageOrder, shown
 from followspot_recording.recording import Recording
 
@@ -65,8 +65,8 @@ def test_a_recording_on_the_page_cannot_be_changed() -> None:
         answer = told(socket, "answer")
         assert (answer["ok"], answer["text"]) == (False, "this page shows a recording")
     with pytest.raises(FollowspotError):
-        wish_of('{"seek": NaN, "play": true}')
-    assert wish_of('{"seek": 1.5, "play": false}') == Seek(1.5, play=False)
+        request_of('{"seek": NaN, "play": true}')
+    assert request_of('{"seek": 1.5, "play": false}') == Seek(1.5, play=False)
 
 
 def test_a_recording_that_is_cut_short_is_shown_up_to_there_and_says_so(tmp_path: Path) -> None:

@@ -57,7 +57,7 @@ async def until(condition: Callable[[], bool]) -> None:
 
 
 def test_pictures_travel_only_while_somebody_looks(worker: zenoh.Session) -> None:
-    async def look() -> list[tuple[str, int]]:
+    async def select() -> list[tuple[str, int]]:
         seen: list[tuple[str, bytes]] = []
         network = Network(connect=tuple(locators(worker)))
         far = await RemotePreviews.open(network, "run", lambda port, data: seen.append((port, data)))
@@ -65,7 +65,7 @@ def test_pictures_travel_only_while_somebody_looks(worker: zenoh.Session) -> Non
         taps = {p: Tap(Context(post=way), port=p.name, picture_rate=10.0) for p, way in posts.items()}
         for tap in taps.values():
             tap.setup()
-        far.look([FRAMES, BLOBS, ShownPort("camera/cam9.out", Frame, "", source=True)])
+        far.select([FRAMES, BLOBS, ShownPort("camera/cam9.out", Frame, "", source=True)])
         await until(lambda: posts[BLOBS].wanted)
         assert not posts[FRAMES].wanted
         taps[FRAMES].process(frame(0))
@@ -80,18 +80,18 @@ def test_pictures_travel_only_while_somebody_looks(worker: zenoh.Session) -> Non
         await until(lambda: not posts[BLOBS].wanted)
         return [(port, len(data)) for port, data in seen]
 
-    seen = asyncio.run(look())
+    seen = asyncio.run(select())
     assert [port for port, _ in seen] == [FRAMES.name] * 2
     assert all(size < 2000 for _, size in seen)  # a JPEG, and not the 9216 bytes of the frame
 
 
 def test_a_host_speaks_for_its_own_ports_only(worker: zenoh.Session) -> None:
-    async def look() -> list[str]:
+    async def select() -> list[str]:
         seen: list[str] = []
         network = Network(connect=tuple(locators(worker)))
         far = await RemotePreviews.open(network, "run", lambda port, data: seen.append(port))
         other = ShownPort("color/cam1.out", Blobs, "pc-left", source=False)
-        far.look([BLOBS, other])
+        far.select([BLOBS, other])
         posts = [post(worker, "run", port) for port in (BLOBS, other)]
         await until(lambda: all(way.wanted for way in posts))
         packed = pack(blobs(40))
@@ -103,4 +103,4 @@ def test_a_host_speaks_for_its_own_ports_only(worker: zenoh.Session) -> None:
         far.close()
         return seen
 
-    assert asyncio.run(look()) == [BLOBS.name]
+    assert asyncio.run(select()) == [BLOBS.name]

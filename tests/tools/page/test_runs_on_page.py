@@ -15,7 +15,7 @@ from tests.tools.page.served import Shown, served
 from followspot.control.unix_socket import serve_requests
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
-from followspot_page.allowed_requests import OpenPage, wish_of
+from followspot_page.allowed_requests import OpenPage, request_of
 from followspot_page.run_list import pages
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
@@ -66,6 +66,6 @@ def test_the_page_of_a_run_is_announced_as_long_as_it_is_served(tmp_path: Path) 
 
 
 def test_a_run_is_named_by_its_name_alone() -> None:
-    assert wish_of('{"open": "ab"}') == OpenPage("ab")
+    assert request_of('{"open": "ab"}') == OpenPage("ab")
     with pytest.raises(FollowspotError):
-        wish_of(json.dumps({"open": "x" * 65}))
+        request_of(json.dumps({"open": "x" * 65}))

@@ -13,7 +13,7 @@ from followspot.cli.main import main
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
-from followspot_page.allowed_requests import wish_of
+from followspot_page.allowed_requests import request_of
 from followspot_page.display.feed import Feed
 from followspot_page.page import Page
 from followspot_page.requests.handler import Requests
@@ -48,4 +48,4 @@ def test_a_run_is_saved_as_it_was_changed(tmp_path: Path, capsys: pytest.Capture
 def test_a_browser_asks_for_nothing_else() -> None:
     for text in ('{"save": false}', '{"save": "/etc/passwd"}'):
         with pytest.raises(FollowspotError, match="nothing that can be asked for"):
-            wish_of(text)
+            request_of(text)

@@ -115,7 +115,7 @@ def test_arms_and_legs_are_learnt_as_nobody(quick, monkeypatch):
     """Of crops without room for legs as well."""
     rng, learnt = np.random.default_rng(0), []
 
-    def kept(features, person, rng, tell):
+    def kept(features, person, rng, report_progress):
         learnt.append(len(person) - int(person.sum()))
         return Trees(np.zeros((1, 3), np.intp), np.zeros((1, 3)), np.zeros((1, 4)))
 

@@ -47,9 +47,9 @@ def compare(args: argparse.Namespace) -> int:
             trials.extend(run_scene(scene, variants, out, args))
     except FollowspotError:
         if known := comparable(trials, len(variants)):
-            tell(Comparison(known), out, args)
+            print_report(Comparison(known), out, args)
         raise
-    tell(Comparison(tuple(trials), unchanged(variants, scenes, out)), out, args)
+    print_report(Comparison(tuple(trials), unchanged(variants, scenes, out)), out, args)
     return 0
 
 
@@ -60,7 +60,7 @@ def comparable(trials: Sequence[Trial], variants: int) -> tuple[Trial, ...]:
     return tuple(complete or trials)
 
 
-def tell(comparison: Comparison, out: Path, args: argparse.Namespace) -> None:
+def print_report(comparison: Comparison, out: Path, args: argparse.Namespace) -> None:
     """Print tables or JSON, write the JSON, draw plots."""
     print(json.dumps(data(comparison)) if args.json else text(comparison))
     file = out / "compare.json"

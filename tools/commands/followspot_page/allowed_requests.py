@@ -70,7 +70,7 @@ class Hold:
 
 
 @dataclass(frozen=True)
-class MarkWish:
+class MarkRequest:
     """A moment to save. mark: a note, "" for none."""
 
     mark: Annotated[str, pydantic.Field(max_length=200)]
@@ -144,11 +144,11 @@ class Plot:
     plot: Annotated[tuple[Curve, ...], pydantic.Field(max_length=MOST_CURVES)]
 
 
-Wish = Change | Record | Hold | MarkWish | Save | OpenPage | Seek | Still | Learn | Write | Plot
+Wish = Change | Record | Hold | MarkRequest | Save | OpenPage | Seek | Still | Learn | Write | Plot
 _WISH: pydantic.TypeAdapter[Wish] = pydantic.TypeAdapter(Wish, config=pydantic.ConfigDict(strict=True))
 
 
-def wish_of(text: str) -> Wish:
+def request_of(text: str) -> Wish:
     """A browser's request, in JSON. Raises FollowspotError."""
     try:
         return _WISH.validate_json(text)

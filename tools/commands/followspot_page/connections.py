@@ -61,7 +61,7 @@ class Connections:
     def protocols(self) -> tuple[type[asyncio.Protocol], type[asyncio.Protocol]]:
         """Protocol classes for HTTP and WebSockets, for the configuration of the server."""
         return type("Http", (_Http,), {"page_connections": self}), type(
-            "Look", (_Look,), {"page_connections": self}
+            "Look", (_Viewer,), {"page_connections": self}
         )
 
 
@@ -107,7 +107,7 @@ class _Http(H11Protocol):
             self._timer = None
 
 
-class _Look(WebSocketsSansIOProtocol):
+class _Viewer(WebSocketsSansIOProtocol):
     """A WebSocket of a viewer."""
 
     page_connections: Connections

@@ -55,7 +55,7 @@ class Page:
         self.feed = Feed()
         self.run = RunMonitor(plan)
         self.targets = metrics.Targets(plan.room)
-        self.previews = Previews(self.feed, plan.room, self._hear)
+        self.previews = Previews(self.feed, plan.room, self._take)
         self.curves = Curves(self.feed, plan.room)
         self.figures: Mapping[str, type[Message]] = {}
         """The types of the messages of the ports whose figures browsers may plot."""
@@ -105,7 +105,7 @@ class Page:
             self.sight.plotted = self.curves.ports
             await self.sight.turn_to(self.plan)
 
-    def _hear(self, port: str, message: Message) -> None:
+    def _take(self, port: str, message: Message) -> None:
         self.curves.take(port, message)
         if port in self.previews.drawn:
             self.targets.take(port, message)
@@ -154,7 +154,7 @@ class Page:
         self.run.ended = True
         self.show(self.plan)
 
-    def tell_position(self, text: str) -> None:
+    def send_position(self, text: str) -> None:
         """Tell browsers where the recording stands, and that this page lives."""
         self.feed.put("position", text)
         self.take_status(None)

@@ -25,7 +25,7 @@ async def serve_recording(order: PageOrder) -> None:
         plan = recorded_plan(recording, order.plugin_files)
         endpoint = listening_socket(order.host, order.port, firm=order.firm)
         page = Page(plan, make_gate(Path(made)), Path(made))
-        scrub = Scrub(recording, shown_ports(plan), page.previews.take, page.tell_position, order.rate)
+        scrub = Scrub(recording, shown_ports(plan), page.previews.take, page.send_position, order.rate)
         page.show_recording(scrub)
         endpoint.listen()
         print(endpoint.getsockname()[1], flush=True)

@@ -44,7 +44,7 @@ async def serve(order: PageOrder) -> None:
             return
         run = waiting.result()
         page = Page(await plan_of(run), make_gate(folder), folder)
-        receiver = LocalReceiver(folder / SOCKET, Arrivals(page.previews.take).hear)
+        receiver = LocalReceiver(folder / SOCKET, Arrivals(page.previews.take).consume)
         page.remote = await remote_previews(run, page.previews.take)
         page.sight = sight = Sight(run, folder, order.rate, page.remote)
         await sight.turn_to(page.plan)

@@ -23,7 +23,7 @@ from followspot.graph.output_ports import output_ports
 from followspot.messages import InvalidMessage
 from followspot.plugins.registry import use_plugin_files
 from followspot.taps.framing import Record
-from followspot.taps.receivers import Gaps, Hear, LocalReceiver, RemoteReceiver
+from followspot.taps.receivers import Consume, Gaps, LocalReceiver, RemoteReceiver
 from followspot.wire import unpack
 from followspot_record.firings import facts_of_middle
 from followspot_record.order import Order
@@ -50,8 +50,8 @@ class RecorderProcess:
         self._sinks = _sinks(order)
         self._one = threading.Lock()
         self._began = time.monotonic()
-        self._local = LocalReceiver(order.listen, self._hear)
-        self._remote = _remote(order, self._hear)
+        self._local = LocalReceiver(order.listen, self._consume)
+        self._remote = _remote(order, self._consume)
 
     def told(self, state: str) -> dict[str, Any]:
         """The present state; seconds since the beginning, bytes of the file."""
@@ -73,7 +73,7 @@ class RecorderProcess:
                     self.error = self.error or str(error)
             self._sinks = {}
 
-    def _hear(self, records: Iterator[Record]) -> None:
+    def _consume(self, records: Iterator[Record]) -> None:
         """Write what one sender brings, until it leaves or the disk takes no more."""
         gaps = Gaps()
         try:
@@ -94,11 +94,11 @@ class RecorderProcess:
                 self.messages += not is_firings(port)
 
 
-def _remote(order: Order, hear: Hear) -> RemoteReceiver | None:
+def _remote(order: Order, consume: Consume) -> RemoteReceiver | None:
     """Receives from other hosts if ports there are recorded. Raises FollowspotError."""
     if order.network is None or not order.remote:
         return None
-    return RemoteReceiver(order.network, order.remote, hear)
+    return RemoteReceiver(order.network, order.remote, consume)
 
 
 def _kinds(order: Order) -> Mapping[str, type[Message]]:

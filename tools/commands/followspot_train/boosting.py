@@ -31,10 +31,12 @@ SAMPLE = 8000
 """Rows that quantiles are taken from."""
 
 
-def train(features: Array, person: Array, rng: np.random.Generator, tell: Callable[[str], None]) -> Trees:
+def train(
+    features: Array, person: Array, rng: np.random.Generator, report_progress: Callable[[str], None]
+) -> Trees:
     """Trees that tell persons from others.
 
-    features: (N, D); person: (N,) 1 or 0; tell: called with progress.
+    features: (N, D); person: (N,) 1 or 0; report_progress: called with a line.
     """
     edges, codes = _coded(features, rng)
     odds = np.full(len(person), np.log(person.sum() / (len(person) - person.sum())))
@@ -44,7 +46,7 @@ def train(features: Array, person: Array, rng: np.random.Generator, tell: Callab
         share = 1 / (1 + np.exp(-odds))
         slope, bend = person - share, np.maximum(share * (1 - share), 1e-6)
         if tree % AGAIN == 0:
-            tell(f"growing trees, {tree} of {TREES}")
+            report_progress(f"growing trees, {tree} of {TREES}")
             rows = _doubtful(slope)
         tried = rng.choice(len(codes), min(TRIED, len(codes)), replace=False)
         feature[tree, 0], bound[tree, 0] = _split(codes, tried, rows, slope, bend)

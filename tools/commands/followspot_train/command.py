@@ -20,25 +20,25 @@ from followspot_persons.hog.model import HogModel, save
 from followspot_persons.hog.window import ABOVE
 from followspot_train import baseline, figures, recipe
 from followspot_train.pictures import Pictures, read_folder
-from followspot_train.recipe import Tell, Trial
+from followspot_train.recipe import ReportProgress, Trial
 
 
 def train_hog(args: argparse.Namespace) -> int:
     """Read, try, learn, write, print. Returns the exit code."""
-    tell = teller()
+    report_progress = progress_printer()
     pictures = reduce(add, [read_folder(folder) for folder in args.folders])
     _check(pictures, args.out)
     rng = np.random.default_rng(args.seed)
-    material = recipe.material(pictures, ABOVE if args.above else 0, rng, tell)
+    material = recipe.material(pictures, ABOVE if args.above else 0, rng, report_progress)
     trials = []
     for number, split in enumerate(recipe.splits(pictures), start=1):
-        of_trial = _prefixed(tell, f"trial {number} of {recipe.FOLDS}: ")
+        of_trial = _prefixed(report_progress, f"trial {number} of {recipe.FOLDS}: ")
         model = recipe.learn(material, split, rng, of_trial)
         trials.append(recipe.attempt(material, split, model))
-    model = recipe.learn(material, recipe.everything(pictures), rng, _prefixed(tell, "all: "))
+    model = recipe.learn(material, recipe.everything(pictures), rng, _prefixed(report_progress, "all: "))
     save(calibrated(model, trials), args.out)
-    tell("comparing with OpenCV's detector of people")
-    report = {**told_figures(trials, pictures), "opencv": baseline.recall(pictures, figures.RATE)}
+    report_progress("comparing with OpenCV's detector of people")
+    report = {**figures_as_json(trials, pictures), "opencv": baseline.recall(pictures, figures.RATE)}
     print(json.dumps(report) if args.json else text(report, args.out))
     return 0
 
@@ -51,7 +51,7 @@ def calibrated(model: HogModel, trials: Sequence[Trial]) -> HogModel:
     return replace(model, calibration=calibration, trust=trust)
 
 
-def told_figures(trials: Sequence[Trial], pictures: Pictures) -> dict[str, Any]:
+def figures_as_json(trials: Sequence[Trial], pictures: Pictures) -> dict[str, Any]:
     """All figures in JSON types."""
     return {
         "persons": len(pictures.persons),
@@ -99,18 +99,18 @@ def _check(pictures: Pictures, out: Path) -> None:
         raise InputError(mistakes)
 
 
-def _prefixed(tell: Tell, prefix: str) -> Tell:
-    return lambda text: tell(prefix + text)
+def _prefixed(report_progress: ReportProgress, prefix: str) -> ReportProgress:
+    return lambda text: report_progress(prefix + text)
 
 
-def teller() -> Tell:
+def progress_printer() -> ReportProgress:
     """Shows progress, if that is wanted."""
-    return _told if progress_is_shown() else _untold
+    return _shown if progress_is_shown() else _unshown
 
 
-def _told(text: str) -> None:
+def _shown(text: str) -> None:
     print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
 
 
-def _untold(_: str) -> None:
+def _unshown(_: str) -> None:
     """Without a terminal there is no progress."""

@@ -44,17 +44,17 @@ def train(
     backgrounds: Sequence[Background],
     above: int,
     rng: np.random.Generator,
-    tell: Callable[[str], None],
+    report_progress: Callable[[str], None],
 ) -> tuple[Array, list[Array]]:
     """Weights (FEATURES + 1,), bias last, and the background windows that they were trained with.
 
-    persons: (N, FEATURES); above: of :func:`sizes`; tell: called with progress.
+    persons: (N, FEATURES); above: of :func:`sizes`; report_progress: called with a line.
     """
     windows = anywhere(backgrounds, FIRST, rng)
     negatives = describe(windows)
     weights = _fitted(persons, negatives, rng)
     for number in range(ROUNDS):
-        tell(f"searching backgrounds for what deceives, {number + 1} of {ROUNDS}")
+        report_progress(f"searching backgrounds for what deceives, {number + 1} of {ROUNDS}")
         seen = [s for picture in backgrounds for s in hardest(picture.pixels, weights, -0.5, above)]
         seen.sort(key=lambda s: -s.score)
         hard = [s.window for s in seen[:HARD]]

@@ -41,7 +41,7 @@ def directions(angle: Array) -> Array:
     return np.nan_to_num(share).astype(np.float32)
 
 
-def train(examples: Examples, rng: np.random.Generator, tell: Callable[[str], None]) -> Network:
+def train(examples: Examples, rng: np.random.Generator, report_progress: Callable[[str], None]) -> Network:
     """A network that was trained on the examples: whether somebody is there, and directions of the parts."""
     count, inputs = examples.inputs.shape
     mean = examples.inputs.mean(axis=0, dtype=np.float32)
@@ -56,7 +56,7 @@ def train(examples: Examples, rng: np.random.Generator, tell: Callable[[str], No
     weights[3][0] = np.log(examples.person.sum() / (1 - examples.person).sum())
     adam = Adam(weights, EPOCHS * (count // BATCH))
     for epoch in range(EPOCHS):
-        tell(f"training the network, {epoch + 1} of {EPOCHS}")
+        report_progress(f"training the network, {epoch + 1} of {EPOCHS}")
         order = rng.permutation(count)
         for start in range(0, count - BATCH + 1, BATCH):
             rows = order[start : start + BATCH]

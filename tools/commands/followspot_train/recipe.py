@@ -25,7 +25,7 @@ RAW = np.array([1.0, 0.0], np.float32)
 UNKNOWN = np.array([[1.0, 0.0], [1.0, 0.0]])
 """Trust in a network that was not tried on strangers: its own word."""
 
-Tell = Callable[[str], None]
+ReportProgress = Callable[[str], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,9 +76,11 @@ class Trial:
     """By folder."""
 
 
-def material(pictures: Pictures, above: int, rng: np.random.Generator, tell: Tell) -> Material:
+def material(
+    pictures: Pictures, above: int, rng: np.random.Generator, report_progress: ReportProgress
+) -> Material:
     """Cut and describe the windows of all persons."""
-    tell(f"describing {len(pictures.persons)} persons")
+    report_progress(f"describing {len(pictures.persons)} persons")
     persons = pictures.persons
     seen = found(persons, VIEWS, above, rng)
     return Material(pictures, above, seen, missed(persons, MISSES, rng), exact(persons))
@@ -103,21 +105,25 @@ def splits(pictures: Pictures) -> Iterator[Split]:
         yield Split(np.flatnonzero(learnt), np.flatnonzero(there & strange), frozenset(places))
 
 
-def learn(material: Material, split: Split, rng: np.random.Generator, tell: Tell) -> HogModel:
+def learn(
+    material: Material, split: Split, rng: np.random.Generator, report_progress: ReportProgress
+) -> HogModel:
     """A model from the persons and places of a split that are not held out."""
     positive = material.found.where(np.isin(material.found.owner, split.learnt))
     near = material.missed.where(np.isin(material.missed.owner, split.learnt))
     backgrounds = [b for b in material.pictures.backgrounds if b.place not in split.held_places]
-    weights, windows = linear.train(positive.features, backgrounds, material.above, rng, tell)
-    tell("gathering what still passes")
+    weights, windows = linear.train(positive.features, backgrounds, material.above, rng, report_progress)
+    report_progress("gathering what still passes")
     for background in backgrounds:
         passed, _ = linear.passing(background.pixels, weights, material.above)
         windows += list(passed[rng.permutation(len(passed))[:DECEIVING]])
     examples = _examples(positive, np.concatenate([near.looks, looks(windows)]))
     seen = np.concatenate([positive.channels, near.channels, channels(windows).astype(np.float16)])
-    trees = boosting.train(np.hstack([examples.inputs.astype(np.float16), seen]), examples.person, rng, tell)
+    trees = boosting.train(
+        np.hstack([examples.inputs.astype(np.float16), seen]), examples.person, rng, report_progress
+    )
     grown = trees.feature, trees.threshold, trees.leaf
-    learnt = network.train(examples, rng, tell)
+    learnt = network.train(examples, rng, report_progress)
     layers = learnt.hidden, learnt.hidden_bias, learnt.output, learnt.output_bias
     return HogModel(linear.finished(weights), *layers, UNKNOWN, *grown, RAW)
 

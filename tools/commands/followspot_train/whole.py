@@ -18,10 +18,10 @@ from followspot_persons.hog.whole import windows, within
 from followspot_persons.hog.whole_model import LAYOUT, WholeModel, save
 from followspot_persons.hog.window import cut
 from followspot_train import boosting, network
-from followspot_train.command import teller
+from followspot_train.command import progress_printer
 from followspot_train.linear import learning, places
 from followspot_train.pictures import Background, Person, read_folder
-from followspot_train.recipe import Tell
+from followspot_train.recipe import ReportProgress
 from followspot_train.windows import as_found, as_missed, mirrored, relit
 
 VIEWS, MISSES, PARTS = 12, 3, 3
@@ -41,7 +41,7 @@ def train_whole(args: argparse.Namespace) -> int:
         raise InputError.of(f"cannot write {args.out}", "name a file .npz in a folder that exists")
     linear = load(args.weights or SHIPPED).linear
     rng = np.random.default_rng(args.seed)
-    save(learn(pictures.persons, pictures.backgrounds, linear, rng, teller()), args.out)
+    save(learn(pictures.persons, pictures.backgrounds, linear, rng, progress_printer()), args.out)
     print(f"weights: {args.out}")
     return 0
 
@@ -51,14 +51,14 @@ def learn(
     backgrounds: Sequence[Background],
     linear: Array,
     rng: np.random.Generator,
-    tell: Tell,
+    report_progress: ReportProgress,
 ) -> WholeModel:
     """Network and trees that give the log-odds of a whole person, if as many windows show one as do not.
 
     linear: weights of the proposing detector in use; what passes its bar of learning in backgrounds is
     learnt from.
     """
-    tell("describing whole people")
+    report_progress("describing whole people")
     true = _described([window for person in whole(persons) for window in _found(person, rng)])
     missed = [window for person in whole(persons) for window in _missed(person, rng)]
     missed += [window for person in persons for window in _parts(person, rng)]
@@ -69,8 +69,8 @@ def learn(
         raise InputError.of("whole people, or places without people, are missing", "give pictures of both")
     false = _described(missed + others)
     seen, person = np.concatenate([true, false]), np.repeat([1.0, 0.0], [len(true), len(false)])
-    trees = boosting.train(seen, person, rng, tell)
-    layers = network.train(network.Examples(seen, person.astype(np.float32)), rng, tell)
+    trees = boosting.train(seen, person, rng, report_progress)
+    layers = network.train(network.Examples(seen, person.astype(np.float32)), rng, report_progress)
     rarer = np.float32(np.log(len(false) / len(true)))
     leaf = trees.leaf.copy()
     leaf[0] += rarer

@@ -56,7 +56,7 @@ class TapSubscriber(Closing):
         self._types = types
         self._over = run.over
         self._messages: Queue[Received] = Queue(_WAITING)
-        self._taps = RunTaps(run, types, uses, self._hear, **params)
+        self._taps = RunTaps(run, types, uses, self._consume, **params)
 
     def messages(self, period: float) -> Iterator[Received | None]:
         """All messages, and None once in a period, s."""
@@ -79,7 +79,7 @@ class TapSubscriber(Closing):
         """Remove the taps."""
         self._taps.close()
 
-    def _hear(self, records: Iterator[Record]) -> None:
+    def _consume(self, records: Iterator[Record]) -> None:
         """Take the messages of one sender, in a thread."""
         with suppress(ValueError, KeyError):  # a malformed stream
             for port, _, packed in records:

@@ -100,7 +100,7 @@ class Arrivals:
         self._loop = asyncio.get_running_loop()
         self._room = threading.Semaphore(_WAITING)
 
-    def hear(self, records: Iterator[Record]) -> None:
+    def consume(self, records: Iterator[Record]) -> None:
         """Take what one sender brings, until it leaves; safe in any thread."""
         with suppress(ValueError, RuntimeError):  # a malformed stream; the loop has ended
             for port, _, packed in records:

@@ -41,19 +41,19 @@ class Browser:
     async def serve(self) -> None:
         """Serve until the browser leaves, stops taking messages, or the run has ended."""
         self._feed.listeners.add(self._changed)
-        hearing = asyncio.ensure_future(self._hear())
+        receiving = asyncio.ensure_future(self._receive())
         sending = asyncio.ensure_future(self._send())
         try:
-            await asyncio.wait((hearing, sending), return_when=asyncio.FIRST_COMPLETED)
+            await asyncio.wait((receiving, sending), return_when=asyncio.FIRST_COMPLETED)
             if self._feed.over:  # what was sent may not have left this process yet
-                await asyncio.wait((hearing,), timeout=FAREWELL)
+                await asyncio.wait((receiving,), timeout=FAREWELL)
         finally:
             self._feed.listeners.discard(self._changed)
-            for task in (hearing, sending):
+            for task in (receiving, sending):
                 task.cancel()
-            await asyncio.gather(hearing, sending, return_exceptions=True)
+            await asyncio.gather(receiving, sending, return_exceptions=True)
 
-    async def _hear(self) -> None:
+    async def _receive(self) -> None:
         """Carry out the browser's requests in order, until it leaves."""
         while (said := await self._socket.receive())["type"] != "websocket.disconnect":
             asked = said.get("text") or ""
@@ -93,8 +93,8 @@ class Browser:
             await self._socket.send_bytes(payload)
 
 
-async def look(page: Page, socket: WebSocket) -> None:
-    """Serve one browser until it leaves or stops taking messages, or tell it why there is no room."""
+async def serve_browser(page: Page, socket: WebSocket) -> None:
+    """Serve one browser until it leaves or stops taking messages, or say why there is no room."""
     address = socket.client.host if socket.client is not None else ""
     await socket.accept()  # a browser is told nothing about a handshake that fails
     if reason := page.full(address):

@@ -21,7 +21,7 @@ from followspot_page import metrics
 from followspot_page.bundle import MISSING, STATIC, is_bundled
 from followspot_page.connections import Rejections
 from followspot_page.http.access import HEADERS, SameOriginGuard
-from followspot_page.http.browser import look
+from followspot_page.http.browser import serve_browser
 from followspot_page.page import Page
 
 MAX_HEARD = 4096
@@ -53,7 +53,7 @@ def application(page: Page) -> Starlette:
         return JSONResponse(await asyncio.to_thread(page.runs.data), headers=HEADERS)
 
     async def viewer(socket: WebSocket) -> None:
-        await look(page, socket)
+        await serve_browser(page, socket)
 
     return Starlette(
         routes=[

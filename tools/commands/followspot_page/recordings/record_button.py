@@ -26,19 +26,19 @@ TAP = "recording.tap"
 _BEGINNING, _ENDING = 30.0, 8.0
 """Seconds for a recorder to open its file, and to complete it."""
 
-Tell = Callable[[dict[str, Any]], Any]
+Publish = Callable[[dict[str, Any]], Any]
 """Receives a recording's state: state (on, over, failed), file, bytes, messages, lost, seconds, error."""
 
 
 class RecordButton:
     """Starts and stops recordings of a run, one at a time.
 
-    folder: of the page, for sockets; tell: receives the state for browsers.
+    folder: of the page, for sockets; publish: receives the state for browsers.
     """
 
-    def __init__(self, folder: Path, tell: Tell) -> None:
+    def __init__(self, folder: Path, publish: Publish) -> None:
         self._folder = folder
-        self._tell = tell
+        self._tell = publish
         self._numbers = count()
         self._process: asyncio.subprocess.Process | None = None
         self._telling: asyncio.Task[None] | None = None

@@ -36,8 +36,8 @@ class Position:
 class Scrub:
     """Shows the messages of a recording around a moment, and plays from there at its own rate.
 
-    ports: that can be shown; take: receives each port with its packed preview; tell: receives what browsers
-    are told of the position, JSON; rate: moments a second while it plays.
+    ports: that can be shown; take: receives each port with its packed preview; publish: receives the position
+    for browsers, JSON; rate: moments a second while it plays.
     """
 
     def __init__(
@@ -45,14 +45,14 @@ class Scrub:
         recording: Recording,
         ports: Sequence[ShownPort],
         take: Callable[[str, bytes], Any],
-        tell: Callable[[str], Any],
+        publish: Callable[[str], Any],
         rate: float,
     ) -> None:
         self.begin, self.end = recording.begin, recording.end
         self._recording = recording
         self.ports = [port for port in ports if port.name in recording.ports]
         self._take = take
-        self._tell = tell
+        self._tell = publish
         self._period = 1.0 / rate
         self._position = Position(self.begin)
         self._sought = asyncio.Event()

@@ -16,7 +16,7 @@ from followspot_page.allowed_requests import (
     Change,
     Hold,
     Learn,
-    MarkWish,
+    MarkRequest,
     OpenPage,
     Plot,
     Record,
@@ -25,8 +25,8 @@ from followspot_page.allowed_requests import (
     Still,
     Wish,
     Write,
+    request_of,
     sentence,
-    wish_of,
     words_of,
 )
 from followspot_page.page import Page
@@ -44,7 +44,7 @@ class Requests:
 
     async def do(self, text: str) -> Reply:
         """Carry out a request, in JSON. Raises FollowspotError if that fails."""
-        asked = wish_of(text)
+        asked = request_of(text)
         if isinstance(asked, Plot):
             return await self._plot(asked)
         scrub, run = self._page.scrub, self._page.ask
@@ -88,7 +88,7 @@ class Requests:
             return await page.button.stop()
         if isinstance(asked, Hold):
             return await _hold(run, asked)
-        if isinstance(asked, MarkWish):
+        if isinstance(asked, MarkRequest):
             moment = await asyncio.to_thread(run.mark, note=asked.mark)
             return f"saving the last seconds, and the next, in {Path(moment.file).name}"
         if isinstance(asked, OpenPage):

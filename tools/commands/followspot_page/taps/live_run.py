@@ -73,7 +73,7 @@ class Sight:
             await asyncio.to_thread(self._run.tap, taps)
             await self._untap([tap for tap in self._taps if tap not in taps])
             if self._remote is not None:
-                self._remote.look(found)
+                self._remote.select(found)
             self._ports, self._taps = found, taps
 
     async def close(self) -> None:

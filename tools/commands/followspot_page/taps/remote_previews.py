@@ -27,10 +27,10 @@ class RemotePreviews:
     @classmethod
     async def open(cls, network: Network, run: str, take: Callable[[str, bytes], Any]) -> RemotePreviews:
         """With a Zenoh session of its own. Raises FollowspotError if the network cannot be reached."""
-        hear = Arrivals(take).hear
-        return cls(await asyncio.to_thread(RemoteReceiver, network, {}, hear), run)
+        consume = Arrivals(take).consume
+        return cls(await asyncio.to_thread(RemoteReceiver, network, {}, consume), run)
 
-    def look(self, ports: Iterable[ShownPort]) -> None:
+    def select(self, ports: Iterable[ShownPort]) -> None:
         """Subscribe to exactly the given ports that are on other hosts."""
         self._ports = [port for port in ports if port.host]
         self._subscribe()
@@ -46,4 +46,4 @@ class RemotePreviews:
 
     def _subscribe(self) -> None:
         ports = [port for port in self._ports if self._watched or not port.watched_only]
-        self._receiver.look({port.name: tap_key(self._run, port.host, port.name, TAP) for port in ports})
+        self._receiver.select({port.name: tap_key(self._run, port.host, port.name, TAP) for port in ports})

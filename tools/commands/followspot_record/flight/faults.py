@@ -14,7 +14,7 @@ class FaultWatch:
         self._errors: dict[str, tuple[str, int, int]] = {}
         self._kinds: frozenset[str] = frozenset()
 
-    def look(self, status: RunStatus) -> list[str]:
+    def new_faults(self, status: RunStatus) -> list[str]:
         """A line for each new fault."""
         stages = [stage for worker in status.workers for stage in worker.stages]
         found = []

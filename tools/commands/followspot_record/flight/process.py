@@ -66,7 +66,7 @@ class FlightProcess:
         self._faults = FaultWatch()
         self._looked = 0.0
         self._conditions = ConditionWatch(order.mark_when, plan, kept_types(plan, order.ports), self._mark)
-        self._taps = RunTaps(run, self._types, _TAP, self._hear)
+        self._taps = RunTaps(run, self._types, _TAP, self._consume)
 
     def watch(self, over: threading.Event) -> None:
         """Keep and mark until the run ends, or `over`."""
@@ -74,8 +74,8 @@ class FlightProcess:
             while not over.is_set():
                 with suppress(NoAnswer):
                     self._exchange()
-                    self._look()
-                self.recorder.look()
+                    self._check_run()
+                self.recorder.finish_files()
                 over.wait(_PERIOD)
 
     def close(self, errors: tuple[str, ...]) -> Iterator[str]:
@@ -102,14 +102,14 @@ class FlightProcess:
             self.recorder.mark(mark.after, mark.note, mark.number)
             self._taken = mark.number
 
-    def _look(self) -> None:
+    def _check_run(self) -> None:
         if time.monotonic() - self._looked < _LOOK:
             return
         self._looked = time.monotonic()
         status = self._run.status()
-        for fault in self._faults.look(status):
+        for fault in self._faults.new_faults(status):
             self._mark(fault)
-        self._conditions.look(status, self._plan)
+        self._conditions.check(status, self._plan)
         plan = self._run.plan()
         if plan.stages != self._plan.stages:
             self._plan = plan
@@ -135,7 +135,7 @@ class FlightProcess:
         path = unused_path(self._out / time.strftime("moment-%Y%m%d-%H%M%S.mcap"))
         return MomentFile(path, self._plan, self._types, self._order.files, self._order.limit)
 
-    def _hear(self, records: Iterator[Record]) -> None:
+    def _consume(self, records: Iterator[Record]) -> None:
         gaps = Gaps()
         with suppress(ValueError, KeyError):  # a malformed stream
             for port, number, packed in records:

@@ -75,7 +75,7 @@ class FlightRecorder:
             if not any(moment.problem == problem for moment in self._past):
                 self._past.append(Moment("", (), (note,), "failed", problem=problem))
 
-    def look(self) -> None:
+    def finish_files(self) -> None:
         """Complete a file to which nothing more belongs; leave it when no later mark can overlap with it."""
         with self._guard:
             if self._file is None:

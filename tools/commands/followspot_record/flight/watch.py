@@ -63,9 +63,9 @@ class ConditionWatch:
         if watched := self._of_messages.get(port):
             message = unpack(packed, self._types[port])
             if isinstance(message, Message):
-                self._look(watched, message)
+                self._check(watched, message)
 
-    def look(self, status: RunStatus, plan: Plan) -> None:
+    def check(self, status: RunStatus, plan: Plan) -> None:
         """Look at the ledger: what was lost since the last look."""
         edges = list(status.edges(plan))
         for port in {*self._of_messages, *(watched.port for watched in self._of_ledger)}:
@@ -73,7 +73,7 @@ class ConditionWatch:
             before = self._totals.get(port, total)
             self._losses[port] = {name: total[name] - before[name] for name in LEDGER}
             self._totals[port] = total
-        self._look(self._of_ledger, None)
+        self._check(self._of_ledger, None)
 
     def _add(self, text: str, plan: Plan) -> None:
         word, source = split_condition(text)
@@ -82,7 +82,7 @@ class ConditionWatch:
             watched = _Watched(port, condition)
             (self._of_messages[port] if condition.in_messages else self._of_ledger).append(watched)
 
-    def _look(self, conditions: Sequence[_Watched], message: Message | None) -> None:
+    def _check(self, conditions: Sequence[_Watched], message: Message | None) -> None:
         for watched in conditions:
             if watched.begins(message, self._losses[watched.port]):
                 self._mark(watched.condition.text)
