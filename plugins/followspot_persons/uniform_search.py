@@ -17,7 +17,7 @@ from followspot_persons.body.shape import read_shape
 from followspot_persons.body.stature import SPREAD, USUAL
 from followspot_persons.body.view import HEADING, HEIGHT, view
 from followspot_persons.gradients import FindGradients
-from followspot_persons.likelihood.fitness import Fitness, Habits, Weights, pictured
+from followspot_persons.likelihood.fitness import Fitness, PosePrior, Weights, pictured
 from followspot_persons.panorama import short_way, turn_of
 from followspot_persons.particles.ascent import ascend
 from followspot_persons.particles.condensation import systematic
@@ -102,7 +102,7 @@ class UniformSearch(Stage):
             return self.boxes(frame.camera, self.particles[:0], np.empty(0))
         gradients: Gradients = self.edges.process(frame)
         picture = pictured(self.camera, frame, gradients)
-        fitness = Fitness(picture, self.shape, Weights(sharpness=POWER), Habits(USUAL, SPREAD))
+        fitness = Fitness(picture, self.shape, Weights(sharpness=POWER), PosePrior(USUAL, SPREAD))
         kept = len(self.particles) - int(self.params.random_share * len(self.particles))
         moved = predicted(self.particles[:kept], np.zeros(2), seconds, self.camera.center, self.rng)
         cloud = np.concatenate([moved, self.anywhere(len(self.particles) - kept)])

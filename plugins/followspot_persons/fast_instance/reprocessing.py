@@ -1,5 +1,5 @@
-"""Out-of-sequence measurements by reprocessing (Bar-Shalom et al. 2011): what is told late of a picture
-begins a track there, and the pictures that were kept since then lead it to the present.
+"""Out-of-sequence measurements by reprocessing (Bar-Shalom et al. 2011): what the slow instance reports late
+of a picture begins a track there, and the pictures that were kept since then bring it to the present.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from followspot.frame_times import NANOSECOND
-from followspot_persons.fast_instance.trail import Trail
+from followspot_persons.fast_instance.pose_history import PoseHistory
 from followspot_persons.likelihood.fitness import Picture
 from followspot_persons.particles.track import Track
 
@@ -37,7 +37,7 @@ class PastPictures:
 
     kept: tuple[PastPicture, ...] = ()
 
-    def longer(self, new: PastPicture, longest: float) -> PastPictures:
+    def extended(self, new: PastPicture, longest: float) -> PastPictures:
         """These with a new picture, without those older than it by `longest`, s, or more; 0 keeps none."""
         kept = self.kept
         if len(kept) > 1 and kept[-1].time - kept[-2].time < SPACING * 1e9:
@@ -54,14 +54,14 @@ def reprocessed(
     time: int,
     pictures: Sequence[PastPicture],
     follow: Callable[[Track, float, PastPicture], Track],
-) -> tuple[Track, Trail]:
+) -> tuple[Track, PoseHistory]:
     """A track that began at a time, ns, after these later pictures, and where it was in each.
 
     follow: the track after a picture, so many seconds after the one before.
     """
-    trail = Trail().longer(time, track.pose) if pictures else Trail()
+    history = PoseHistory().extended(time, track.pose) if pictures else PoseHistory()
     for past in pictures:
         track = follow(track, (past.time - time) * NANOSECOND, past)
         time = past.time
-        trail = trail.longer(time, track.pose)
-    return track, trail
+        history = history.extended(time, track.pose)
+    return track, history

@@ -89,7 +89,7 @@ class Detection:
 
 
 @dataclass(frozen=True, eq=False)
-class Habits:
+class PosePrior:
     """The prior of a person's pose: height and its sigma (m); course (rad), the walking direction, and the
     concentration of headings about it (0: the person stands, or it is unknown).
     """
@@ -117,7 +117,7 @@ class Fitness:
     picture: Picture
     shape: ShapeModel
     weights: Weights
-    habits: Habits = Habits()
+    prior: PosePrior = PosePrior()
     colors: tuple[Array, Array] | None = None
     """Mean and variance (F, 3) HSI of the surface features."""
     detection: Detection | None = None
@@ -133,7 +133,7 @@ class Fitness:
         seen = view(self.picture.camera, self.shape, pose)
         agreement = self.agreement(seen, self.weights.color_power)
         value = self.weights.sharpness * np.log(np.maximum(agreement, 1e-9))
-        value += log_prior(pose, self.habits)
+        value += log_prior(pose, self.prior)
         if self.walkable is not None:
             value += self.walkable.log_prior(pose[:, :2])
         if self.contact is not None:
@@ -220,11 +220,11 @@ def sampled(picture: Picture, seen: BodyView) -> tuple[Array, Array]:
     return hsi(picture.colors.take(index, axis=0)), inside
 
 
-def log_prior(pose: Array, habits: Habits) -> Array:
+def log_prior(pose: Array, prior: PosePrior) -> Array:
     """Of height, head and the heading while walking. pose: (P, 6). Returns (P,)."""
-    value = -0.5 * ((pose[:, HEIGHT] - habits.height) / habits.height_sigma) ** 2
+    value = -0.5 * ((pose[:, HEIGHT] - prior.height) / prior.height_sigma) ** 2
     value -= 0.5 * (pose[:, PAN] / PAN_SIGMA) ** 2 + 0.5 * (pose[:, TILT] / TILT_SIGMA) ** 2
-    if habits.concentration > 0:
-        ahead = np.exp(habits.concentration * (np.cos(pose[:, HEADING] - habits.course) - 1))
+    if prior.concentration > 0:
+        ahead = np.exp(prior.concentration * (np.cos(pose[:, HEADING] - prior.course) - 1))
         value += np.log(SIDEWAYS + (1 - SIDEWAYS) * ahead)
     return np.asarray(value)

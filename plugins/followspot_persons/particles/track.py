@@ -12,7 +12,7 @@ from followspot_persons.background.floor_contact import Contact
 from followspot_persons.body.shape import ShapeModel, with_girth
 from followspot_persons.body.stature import PROPORTION_SIGMA, SPREAD, USUAL
 from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT, X, Y
-from followspot_persons.likelihood.fitness import Fitness, Habits
+from followspot_persons.likelihood.fitness import Fitness, PosePrior
 from followspot_persons.particles.condensation import Search, condense
 from followspot_persons.particles.girth import Girth, observed
 
@@ -23,16 +23,16 @@ HEADING_GAIN, HEAD_GAIN = 0.6, 0.5
 RISE, FALL = 0.05, 0.01
 """Weight of a new likelihood in the typical one if it is higher, and if it is lower: a false person must not
 become typical before it is noticed."""
-ORDINARY = 0.45
+INITIAL_TYPICAL = 0.45
 """Smallest typical likelihood of a new person."""
-HIDDEN = 0.4
+MINIMUM_SHOWN = 0.4
 """Smallest visible share of the outline for an update of the pose."""
-WHOLE = 0.95
+FULLY_SHOWN = 0.95
 """Visible share of the outline from which the size of the body tells its distance."""
 HOLD, FREE = 0.3, 1.0
 """Sigma of the speed along the line of sight, m/s: HOLD about the last speed if the person is partly hidden,
 FREE about 0 otherwise."""
-FASTEST = 2.0
+MAXIMUM_SPEED = 2.0
 """Of a person in a room, m/s."""
 PERIOD = 1 / 15
 """Period of the pictures that the gains refer to, s."""
@@ -76,20 +76,20 @@ class Track:
             typical=self.typical,
         )
 
-    def joined_by(self, particles: Array) -> Track:
+    def with_spawned(self, particles: Array) -> Track:
         """The track with these particles in place of as many of its own."""
         return replace(self, particles=np.concatenate([self.particles[len(particles) :], particles]))
 
     @property
-    def habits(self) -> Habits:
+    def prior(self) -> PosePrior:
         """The prior of the next pose from the person's past."""
         speed = float(np.hypot(*self.velocity))
         walking = float(np.clip((speed - WALKING) / (STRIDING - WALKING), 0, 1))
         course = float(np.arctan2(self.velocity[1], self.velocity[0]))
-        return Habits(*self.stature, course, CONCENTRATION * walking)
+        return PosePrior(*self.stature, course, CONCENTRATION * walking)
 
 
-def followed(
+def updated(
     track: Track,
     seconds: float,
     fitness: Fitness,
@@ -99,39 +99,39 @@ def followed(
 ) -> Track:
     """The track after one more picture.
 
-    seconds: since the last one; fitness: of this picture, to be used with the person's own shape and habits;
+    seconds: since the last one; fitness: of this picture, to be used with the person's own shape and prior;
     bodies: of :func:`girths_of`.
     """
     eye = fitness.picture.camera.center
-    own = replace(fitness, shape=with_girth(fitness.shape, track.girth.mean), habits=track.habits)
+    own = replace(fitness, shape=with_girth(fitness.shape, track.girth.mean), prior=track.prior)
     if own.contact is None and track.likelihood:
-        own = replace(own, contact=_held(track, seconds, eye, own.shown(track.pose)))
+        own = replace(own, contact=_assumed_contact(track, seconds, eye, own.shown(track.pose)))
     particles, estimate = condense(track.particles, track.velocity, seconds, own, eye, search, rng)
     value = float(replace(own, detection=None).likelihood(estimate.pose[None])[0])
     shown = own.shown(estimate.pose)
-    if shown < HIDDEN:
+    if shown < MINIMUM_SHOWN:
         return replace(coasted(track, seconds), particles=particles, likelihood=value, shown=shown)
     girth = observed(track.girth, own, bodies, estimate.pose)
     measured = _with_stature(estimate.pose, *track.stature, eye, own.contact)
     forecast = track.pose.copy()
     forecast[[X, Y]] += track.velocity * seconds
     pose, velocity = _smoothed(forecast, track.velocity, measured, seconds, fresh=not track.likelihood)
-    typical = track.typical or max(value, ORDINARY)
+    typical = track.typical or max(value, INITIAL_TYPICAL)
     typical += (RISE if value > typical else FALL) * (value - typical)
-    sigma = _vague(estimate.sigma, pose, track.stature[1], eye, fitness.contact)
+    sigma = _total_sigma(estimate.sigma, pose, track.stature[1], eye, fitness.contact)
     return Track(particles, pose, sigma, velocity, track.stature, girth, value, typical, shown)
 
 
-def _held(track: Track, seconds: float, eye: Array, shown: float) -> Contact:
+def _assumed_contact(track: Track, seconds: float, eye: Array, shown: float) -> Contact:
     """About the distance of a person whose feet are not seen: as in the last picture, for people walk a metre
     a second and one picture's size says little; if the person is partly hidden, as it went on.
 
     shown: share of the outline.
     """
     there = track.pose[[X, Y]] - eye[:2]
-    if shown < WHOLE:
+    if shown < FULLY_SHOWN:
         there = there + track.velocity * seconds
-    return Contact(float(np.hypot(*there)), (FREE if shown >= WHOLE else HOLD) * max(seconds, PERIOD))
+    return Contact(float(np.hypot(*there)), (FREE if shown >= FULLY_SHOWN else HOLD) * max(seconds, PERIOD))
 
 
 def _with_stature(pose: Array, stature: float, sigma: float, eye: Array, contact: Contact | None) -> Array:
@@ -140,7 +140,7 @@ def _with_stature(pose: Array, stature: float, sigma: float, eye: Array, contact
 
     If the head is about as high as the camera, its image does not depend on the distance, which then stays.
     """
-    above = _above(pose, eye)
+    above = _height_above(pose, eye)
     by_size = 1 / (1 / (SCALE_SIGMA**2 + PROPORTION_SIGMA**2) + _by_feet(pose, eye, contact))
     share = by_size / (by_size + (sigma / above) ** 2)
     out = pose.copy()
@@ -154,20 +154,21 @@ def _by_feet(pose: Array, eye: Array, contact: Contact | None) -> float:
     return 0.0 if contact is None else float(np.sum((pose[:2] - eye[:2]) ** 2)) / contact.sigma**2
 
 
-def _vague(spread: Array, pose: Array, sigma: float, eye: Array, contact: Contact | None) -> Array:
+def _total_sigma(spread: Array, pose: Array, sigma: float, eye: Array, contact: Contact | None) -> Array:
     """Sigma of a pose (6,): what the particles' spread (6,) leaves out, because it is one error in all
     pictures: the height is known to `sigma` m, and the distance no better than it, or proportions, tell it.
     The size told the height, too, so that the two are one piece of evidence.
     """
     away = pose[[X, Y]] - eye[:2]
-    precision = max(PROPORTION_SIGMA**-2, (_above(pose, eye) / sigma) ** 2) + _by_feet(pose, eye, contact)
+    by_size = max(PROPORTION_SIGMA**-2, (_height_above(pose, eye) / sigma) ** 2)
+    precision = by_size + _by_feet(pose, eye, contact)
     out = spread.copy()
     out[[X, Y]] = np.hypot(spread[[X, Y]], away * precision**-0.5)
     out[HEIGHT] = np.hypot(spread[HEIGHT], sigma)
     return out
 
 
-def _above(pose: Array, eye: Array) -> float:
+def _height_above(pose: Array, eye: Array) -> float:
     """Height of the head's top over the camera, m, never quite 0."""
     above = float(pose[HEIGHT] - eye[2])
     return float(np.copysign(max(abs(above), 1e-3), above))
@@ -198,5 +199,5 @@ def _smoothed(
     if seconds > 0:
         share = 1 - (1 - VELOCITY_GAIN) ** scale
         velocity = velocity + share * difference[[X, Y]] / max(seconds, PERIOD)
-        velocity = velocity * min(1.0, FASTEST / max(float(np.hypot(*velocity)), 1e-9))
+        velocity = velocity * min(1.0, MAXIMUM_SPEED / max(float(np.hypot(*velocity)), 1e-9))
     return pose, velocity

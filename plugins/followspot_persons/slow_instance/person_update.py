@@ -28,7 +28,7 @@ from followspot_persons.likelihood.fitness import Detection, Fitness, Picture, W
 from followspot_persons.likelihood.walkable import Walkable
 from followspot_persons.particles.condensation import Search
 from followspot_persons.particles.spawning import spawned
-from followspot_persons.particles.track import HIDDEN, Track, coasted, followed
+from followspot_persons.particles.track import MINIMUM_SHOWN, Track, coasted, updated
 from followspot_persons.slow_instance.acquaintance import Acquaintance, missed
 from followspot_persons.slow_instance.appearance_params import AppearanceParams
 from followspot_persons.slow_instance.bodies import Bodies
@@ -105,8 +105,8 @@ class PersonUpdate:
         person whom they hide is theirs.
         """
         known = stood(seen.scene, detection, person.track.pose, person.stature.estimate[0], others)
-        track, contact = self._followed(person, known, picture, seen, joined=True)
-        if track.shown < HIDDEN:
+        track, contact = self._updated(person, known, picture, seen, joined=True)
+        if track.shown < MINIMUM_SHOWN:
             longest = self.params.maximum_missed_time
             return missed(replace(person, track=track), 0.0, seen.now, longest, left=False)
         colors = self._learnt(person.colors, track, picture)
@@ -158,7 +158,7 @@ class PersonUpdate:
             return None
         detection = Detection(box, np.zeros(0), np.zeros(0))
         known = stood(seen.scene, detection, there.pose, person.stature.estimate[0], others)
-        track, contact = self._followed(person, known, picture, seen, joined=known.part)
+        track, contact = self._updated(person, known, picture, seen, joined=known.part)
         shown = presence(seen.scene, track.pose, others)
         stature = person.stature.stood(None if shown is None else shown.height)
         track = replace(track, stature=stature.estimate)
@@ -185,7 +185,7 @@ class PersonUpdate:
         expected = self.bodies.boxes([replace(person, track=there)])
         return person.comparable and box is None and bool(shares(self.camera, mask, expected)[0] < STILL)
 
-    def _followed(
+    def _updated(
         self, person: Acquaintance, known: Stood, picture: Picture, seen: Observation, *, joined: bool
     ) -> tuple[Track, Contact | None]:
         """The person's track after the picture of a detection, and where the person stands.
@@ -196,7 +196,7 @@ class PersonUpdate:
         fitness = self._fitness(picture, known.detection, contact or by_size(self.camera, known.detection))
         search = Search(self.params.particles)
         before = self._joined(person.track, known.detection) if joined else person.track
-        return followed(before, seen.seconds, fitness, self.girths, search, self.random()), contact
+        return updated(before, seen.seconds, fitness, self.girths, search, self.random()), contact
 
     def _boxed_lately(self, person: Acquaintance, seen: Observation) -> bool:
         """Whether somebody is known, and had a box not long ago: what is no upper body may prolong this."""
@@ -224,7 +224,7 @@ class PersonUpdate:
     def _joined(self, track: Track, detection: Detection) -> Track:
         """The track with a share of its particles where a detection is."""
         count = int(JOINING * self.params.particles)
-        return track.joined_by(spawned(self.camera, detection, count, self.random()))
+        return track.with_spawned(spawned(self.camera, detection, count, self.random()))
 
     def _fitness(self, picture: Picture, detection: Detection, contact: Contact | None) -> Fitness:
         """Weighs poses of a person by edges, box, feet and the limits of space."""

@@ -101,7 +101,7 @@ def test_colours_count_by_a_power_in_the_search_and_as_they_are_in_the_likelihoo
     seen = view(scene.picture.camera, SHAPE, poses)
     edge, color = scene.edge(seen), scene.color(seen)
     halved = replace(scene, weights=Weights(color_power=0.5, gamma=1.0, sharpness=20.0))
-    expected = 10 * np.log(edge * color**0.5) + log_prior(poses, halved.habits)
+    expected = 10 * np.log(edge * color**0.5) + log_prior(poses, halved.prior)
     np.testing.assert_allclose(halved(poses), expected, rtol=1e-6)
     np.testing.assert_allclose(halved.likelihood(poses), (edge * color) ** 0.5, rtol=1e-6)
 

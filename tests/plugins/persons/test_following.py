@@ -27,7 +27,7 @@ from followspot.people import Appearances
 from followspot.tracking import PREDICTED, TRACKED
 from followspot_persons.body.shape import read_shape
 from followspot_persons.color.hsi import hsi
-from followspot_persons.fast_instance.slow_pose import astray, scattered_about
+from followspot_persons.fast_instance.slow_pose import is_other_body, particles_about
 from followspot_persons.pose_tracker import PoseTracker
 
 PERIOD = 0.1
@@ -192,7 +192,7 @@ def test_a_box_belongs_to_whom_the_slow_instance_gave_it():
     room.see(standing(2.5, -0.7))
     room.tell(standing(2.5, 0.7))
     frame = frame_of(room.camera, drawn(room.camera), room.number * PERIOD, room.number)
-    room.stage.take_slow_poses(room.told, frame.header.time)
+    room.stage.correct_by_slow_poses(room.told, frame.header.time)
     boxes = boxes_of(room.camera, frame, standing(2.5, 0.7))
     assert list(room.stage.detections(boxes, frame.header.time, 0.1)) == [1]
 
@@ -217,10 +217,10 @@ def test_a_late_pose_of_the_slow_instance_joins_the_particles_where_the_person_i
     for step in range(6):
         room.see(standing(2.5, -0.3 + 0.06 * step))
     person = room.stage.people[1]
-    then, now = person.trail.at(round(0.11 * SECOND)), person.track.pose
+    then, now = person.history.at(round(0.11 * SECOND)), person.track.pose
     room.number = 1
     room.tell(standing(2.5, 0.1))
-    room.stage.take_slow_poses(room.told, round(0.6 * SECOND))
+    room.stage.correct_by_slow_poses(room.told, round(0.6 * SECOND))
     joined = room.stage.people[1].track.particles[-20:]
     assert now[1] - then[1] > 0.15
     assert np.median(joined[:, 1]) == pytest.approx(0.1 + now[1] - then[1], abs=0.05)
@@ -236,7 +236,7 @@ def test_a_track_goes_half_way_to_the_distance_that_the_slow_instance_tells_unle
     own = room.stage.people[1].track.pose
     room.number -= 1
     room.tell(standing(3.1), stands=stands)
-    room.stage.take_slow_poses(room.told, round(0.2 * SECOND))
+    room.stage.correct_by_slow_poses(room.told, round(0.2 * SECOND))
     pose = room.stage.people[1].track.pose
     assert pose[0] == pytest.approx((own[0] + 3.1) / 2 if moved else own[0], abs=0.05)
     np.testing.assert_array_equal(pose[2:], own[2:])
@@ -256,11 +256,11 @@ def test_who_was_followed_elsewhere_than_the_slow_instance_says_is_followed_ther
 @pytest.mark.parametrize(("pose", "expected"), [((2.5, 0.5), True), ((3.0, 0.0), False)])
 def test_slow_poses_are_vague_along_the_line_of_sight_and_not_across(pose, expected):
     room = Room()
-    assert astray(standing(2.5), standing(*pose), room.stage.camera.center) is expected
+    assert is_other_body(standing(2.5), standing(*pose), room.stage.camera.center) is expected
 
 
 def test_a_fifth_of_the_particles_about_a_slow_pose_may_look_the_other_way():
-    particles = scattered_about(standing(2.5, heading=0.0), 200, np.random.default_rng(1))
+    particles = particles_about(standing(2.5, heading=0.0), 200, np.random.default_rng(1))
     assert 0.08 < (np.cos(particles[:, 3]) < 0).mean() < 0.2
     assert (np.cos(particles[40:, 3]) > 0).all()
 
@@ -291,13 +291,13 @@ def test_nearer_people_come_first_because_they_hide_others():
     room = Room()
     room.tell(standing(3.5, 0.05), standing(1.8, 0.0))
     order = []
-    follow = room.stage.follow
+    follow = room.stage.update
 
     def noted(number, *rest):
         order.append(number)
         return follow(number, *rest)
 
-    room.stage.follow = noted
+    room.stage.update = noted
     room.see(standing(3.5, 0.05), standing(1.8))
     room.see(standing(3.5, 0.05), standing(1.8), boxed=[standing(1.8)])
     assert order == [2, 1, 2, 1]

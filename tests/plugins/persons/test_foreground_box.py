@@ -13,7 +13,7 @@ from tests.plugins.persons.test_background import FEWEST, room_with
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.upper_body_box import RATIO
 from followspot_persons.body.view import view
-from followspot_persons.fast_instance.slow_pose import scattered_about
+from followspot_persons.fast_instance.slow_pose import particles_about
 from followspot_persons.particles.track import Track
 from followspot_persons.slow_instance.foreground_box import STEP, foreground_box, shares, without_others
 
@@ -94,7 +94,7 @@ def test_who_was_taken_for_somebody_far_away_is_where_the_feet_are_at_once():
     for _ in range(3):
         show.see(standing(3.0))
     (person,) = show.stage.people
-    far = Track.initiated(scattered_about(standing(6.5), 60, np.random.default_rng(1)))
+    far = Track.initiated(particles_about(standing(6.5), 60, np.random.default_rng(1)))
     show.stage.people = [replace(person, track=far, contact=None)]
     told = show.see_pixels(room_with(standing(3.0)).pixels, boxed=[], score=1.0)
     assert told.pose[0, 0] == pytest.approx(3.0, abs=0.5)

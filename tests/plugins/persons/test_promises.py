@@ -33,7 +33,7 @@ from followspot_persons.body.view import view
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.hsi import hsi
 from followspot_persons.color.model import ColorModel
-from followspot_persons.fast_instance.trail import carried_detection
+from followspot_persons.fast_instance.pose_history import propagated_detection
 from followspot_persons.likelihood.fitness import Detection, pictured
 from followspot_persons.particles.track import Track
 from followspot_persons.slow_instance.acquaintance import Acquaintance
@@ -161,7 +161,7 @@ def test_a_head_that_turned_since_a_detection_turns_its_directions() -> None:
     then = standing(2.0)
     now = then.copy()
     now[4] += np.pi / 2  # pan
-    found = carried_detection(Detection(np.zeros(4), table, table), camera, shape, then, now)
+    found = propagated_detection(Detection(np.zeros(4), table, table), camera, shape, then, now)
     assert found.torso.argmax() == 0
     assert found.head.argmax() == 2
 

@@ -14,7 +14,7 @@ def past(*times):
     """Pictures of these times, s, of which those of the last two seconds are kept."""
     picture, kept = picture_of(perspective(), drawn(perspective())), PastPictures()
     for time in times:
-        kept = kept.longer(PastPicture.kept(round(time * SECOND), picture, 1.0), 2.0)
+        kept = kept.extended(PastPicture.kept(round(time * SECOND), picture, 1.0), 2.0)
     return kept
 
 
@@ -48,19 +48,19 @@ def test_who_is_reported_late_is_followed_from_there_to_the_present(delay, found
     poses = room.see(standing(2.5, ways[-1]), boxed=None)
     assert bool(abs(poses.xy[0, 1] - ways[-1]) < 0.12) is found
     if found:
-        trail = room.stage.people[1].trail
-        assert trail.at(SECOND)[1] == pytest.approx(ways[10], abs=0.15)
+        history = room.stage.people[1].history
+        assert history.at(SECOND)[1] == pytest.approx(ways[10], abs=0.15)
 
 
 def test_who_was_reported_before_walks_on_from_there_as_since_then():
     room = Room()
     room.tell(standing(2.5, 0.0))
-    room.stage.take_slow_poses(room.told, 0)
+    room.stage.correct_by_slow_poses(room.told, 0)
     room.stage.people.clear()
     room.told = None
     for _ in range(7):
         room.see(boxed=None)
     room.number = 5
     room.tell(standing(2.5, 0.4))
-    room.stage.take_slow_poses(room.told, round(0.7 * SECOND))
+    room.stage.correct_by_slow_poses(room.told, round(0.7 * SECOND))
     np.testing.assert_allclose(room.stage.people[1].track.velocity, [0.0, 0.8])

@@ -14,13 +14,13 @@ from followspot_persons.body.shape import read_shape
 from followspot_persons.body.stature import PROPORTION_SIGMA, SPREAD
 from followspot_persons.body.stature import USUAL as USUAL_HEIGHT
 from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT
-from followspot_persons.likelihood.fitness import Fitness, Habits, Weights, log_prior
+from followspot_persons.likelihood.fitness import Fitness, PosePrior, Weights, log_prior
 from followspot_persons.likelihood.occlusion import covered
 from followspot_persons.particles.ascent import ACROSS, DISTANCE, STATURE, STEPS, ascend, moved
 from followspot_persons.particles.condensation import MODE, Search, condense, estimated, scattered, systematic
 from followspot_persons.particles.girth import USUAL, Girth, girths_of, observed
 from followspot_persons.particles.motion import HIGHEST, LOWEST, MAX_PAN, MAX_TILT, limited, predicted
-from followspot_persons.particles.track import FASTEST, HIDDEN, Track, coasted, followed
+from followspot_persons.particles.track import MAXIMUM_SPEED, MINIMUM_SHOWN, Track, coasted, updated
 
 EYE = np.array([0, 0, 1.2])
 SIDE = np.pi / 2
@@ -161,29 +161,29 @@ def test_an_estimate_lies_in_one_of_two_headings_and_not_between():
 
 
 def test_walking_people_mostly_face_ahead():
-    habits = Habits(course=1.0, concentration=8.0)
+    prior = PosePrior(course=1.0, concentration=8.0)
     ahead, aside, behind = log_prior(
-        np.stack([standing(3.0, heading=h) for h in (1.0, 1.0 + SIDE, 1.0 - np.pi)]), habits
+        np.stack([standing(3.0, heading=h) for h in (1.0, 1.0 + SIDE, 1.0 - np.pi)]), prior
     )
     assert ahead > aside + 1
     assert ahead > behind + 1
     still = log_prior(
-        np.stack([standing(3.0, heading=h) for h in (1.0, -2.0)]), replace(habits, concentration=0)
+        np.stack([standing(3.0, heading=h) for h in (1.0, -2.0)]), replace(prior, concentration=0)
     )
     assert still[0] == still[1]
 
 
 def test_courses_count_from_a_slow_walk_on():
     track = Track.initiated(crowd(standing(3.0), 5))
-    still, slow, fast = (replace(track, velocity=np.array([0.0, -v])).habits for v in (0.1, 0.4, 1.0))
+    still, slow, fast = (replace(track, velocity=np.array([0.0, -v])).prior for v in (0.1, 0.4, 1.0))
     assert still.concentration == 0 < slow.concentration < fast.concentration
     assert fast.course == pytest.approx(-SIDE)
 
 
 def test_the_prior_knows_the_person_and_the_neck():
-    habits = Habits(1.8, 0.02)
+    prior = PosePrior(1.8, 0.02)
     usual, short, turned, nodding = (
-        log_prior(pose[None], habits)[0]
+        log_prior(pose[None], prior)[0]
         for pose in (
             standing(3, height=1.8),
             standing(3, height=1.76),
@@ -198,8 +198,8 @@ def test_the_prior_knows_the_person_and_the_neck():
 
 def test_the_prior_is_what_is_known_of_the_height():
     new = Track.initiated(crowd(standing(3.0), 5))
-    assert (new.habits.height, new.habits.height_sigma) == (USUAL_HEIGHT, SPREAD)
-    known = replace(new, stature=(1.9, 0.02)).habits
+    assert (new.prior.height, new.prior.height_sigma) == (USUAL_HEIGHT, SPREAD)
+    known = replace(new, stature=(1.9, 0.02)).prior
     assert (known.height, known.height_sigma) == (1.9, 0.02)
 
 
@@ -235,7 +235,7 @@ def scene():
 
 def step(track, scene, seconds=1 / 15):
     search = Search(150)
-    return followed(track, seconds, scene, girths_of(read_shape()), search, rng())
+    return updated(track, seconds, scene, girths_of(read_shape()), search, rng())
 
 
 def test_particles_find_the_body_that_is_drawn(scene):
@@ -302,7 +302,7 @@ def test_a_forecast_slows_down_and_nobody_is_faster_than_people(scene):
     assert later.velocity[0] < 0.5
     far = replace(Track.initiated(crowd(standing(2.5, -1.5), 150)), likelihood=0.6)
     near = replace(far, particles=crowd(standing(2.5, 0.2, 1.75), 150))
-    assert np.hypot(*step(near, scene).velocity) <= FASTEST + 1e-9
+    assert np.hypot(*step(near, scene).velocity) <= MAXIMUM_SPEED + 1e-9
 
 
 def test_a_turn_beyond_a_right_angle_is_taken_over_at_once(scene):
@@ -332,8 +332,8 @@ def test_who_is_partly_hidden_keeps_the_distance(aside, moves):
     track = Track(crowd(there, 80), there, np.zeros(6), np.zeros(2), stature=(1.22, 0.02))
     rng = np.random.default_rng(2)
     for _ in range(5):
-        track = followed(track, 0.1, fitness, bodies, Search(80), rng)
-    assert track.shown >= HIDDEN
+        track = updated(track, 0.1, fitness, bodies, Search(80), rng)
+    assert track.shown >= MINIMUM_SHOWN
     assert (track.pose[0] > 3.2) == moves
 
 
@@ -347,7 +347,7 @@ def test_a_body_that_shrinks_in_one_picture_walks_away_no_faster_than_people_do(
     track = Track(crowd(there, 150), there, np.zeros(6), np.zeros(2), stature=(1.22, 0.02))
     rng, bodies = np.random.default_rng(3), girths_of(shape)
     for fitness in [first] * 4 + [then] * 6:
-        before, track = track, followed(track, 1 / 15, fitness, bodies, Search(150), rng)
+        before, track = track, updated(track, 1 / 15, fitness, bodies, Search(150), rng)
     assert before.pose[0] < track.pose[0] < 3.1
 
 
@@ -363,7 +363,7 @@ def test_a_pose_with_feet_is_where_they_are_and_is_surely_there():
         bodies = girths_of(fitness.shape)
         for _ in range(6):
             told = replace(fitness, contact=contact)
-            track = followed(track, 0.1, told, bodies, Search(60), rng)
+            track = updated(track, 0.1, told, bodies, Search(60), rng)
         poses[contact] = track
     free, held = poses.values()
     assert free.pose[0] < 3.3

@@ -19,9 +19,14 @@ from followspot_persons.body.view import HEADING, view
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.hsi import from_plane
 from followspot_persons.color.model import ColorModel
-from followspot_persons.fast_instance.followed_person import poses_of
+from followspot_persons.fast_instance.pose_history import (
+    PoseHistory,
+    propagated_contact,
+    propagated_detection,
+    propagated_pose,
+)
 from followspot_persons.fast_instance.slow_pose import SlowPose
-from followspot_persons.fast_instance.trail import Trail, carried_contact, carried_detection, carried_pose
+from followspot_persons.fast_instance.tracked_person import poses_of
 from followspot_persons.hog.likelihood import heading_log_likelihood
 from followspot_persons.likelihood.fitness import Detection, Fitness, Picture, Weights
 from followspot_persons.likelihood.occlusion import Shades, covered
@@ -112,7 +117,7 @@ def test_a_late_detection_is_moved_and_turned_as_the_person_has_since():
     seen = view(camera, shape, np.stack([then, now]))
     directions = np.arange(16) * (2 * np.pi / 16)
     table = 4 * np.cos(directions - seen.bearing.torso[0])
-    carried = carried_detection(Detection(seen.box[0], table, table), camera, shape, then, now)
+    carried = propagated_detection(Detection(seen.box[0], table, table), camera, shape, then, now)
     np.testing.assert_allclose(carried.box, seen.box[1])
     tried = np.linspace(-np.pi, np.pi, 721)
     best = tried[heading_log_likelihood(carried.torso, tried).argmax()]
@@ -120,21 +125,21 @@ def test_a_late_detection_is_moved_and_turned_as_the_person_has_since():
 
 
 def test_a_late_pose_is_carried_along_the_trail():
-    trail = Trail()
+    history = PoseHistory()
     for second in range(4):
-        trail = trail.longer(second * SECOND, standing(1.0 + second))
-    assert trail.at(SECOND + 1)[0] == 2.0
-    assert trail.at(-1) is None
-    carried = carried_pose(standing(2.1, heading=3.0), trail.at(SECOND), standing(4.0, heading=-3.0))
+        history = history.extended(second * SECOND, standing(1.0 + second))
+    assert history.at(SECOND + 1)[0] == 2.0
+    assert history.at(-1) is None
+    carried = propagated_pose(standing(2.1, heading=3.0), history.at(SECOND), standing(4.0, heading=-3.0))
     assert carried[0] == pytest.approx(4.1)
     assert carried[HEADING] == pytest.approx(3.0 + (-3.0 - np.pi + 2 * np.pi) % (2 * np.pi), abs=1e-9)
 
 
 def test_a_distance_by_the_feet_becomes_vague_with_its_age():
     told = np.array([3.0, 25.0])
-    assert carried_contact(told, 0.0) == Contact(3.0, 0.2)
-    assert carried_contact(told, 2.0).sigma == pytest.approx(np.hypot(0.2, 2 * WALK))
-    assert carried_contact(np.array([3.0, 0.0]), 0.0) is None
+    assert propagated_contact(told, 0.0) == Contact(3.0, 0.2)
+    assert propagated_contact(told, 2.0).sigma == pytest.approx(np.hypot(0.2, 2 * WALK))
+    assert propagated_contact(np.array([3.0, 0.0]), 0.0) is None
 
 
 def test_feet_where_nobody_walks_to_in_this_time_are_somebody_elses():

@@ -1,4 +1,4 @@
-"""Results of the slow instance for an earlier picture, carried to the present by the fast one's track."""
+"""Poses of a track in the last pictures, and propagation of results for an earlier picture by them."""
 
 from __future__ import annotations
 
@@ -19,30 +19,30 @@ LENGTH = 64
 
 
 @dataclass(frozen=True, eq=False)
-class Trail:
+class PoseHistory:
     """The poses of one person in the last pictures: (time in ns, (6,)), ascending."""
 
     poses: tuple[tuple[int, Array], ...] = ()
 
-    def longer(self, time: int, pose: Array) -> Trail:
-        """With one more."""
-        return Trail((*self.poses[1 - LENGTH :], (time, pose)))
+    def extended(self, time: int, pose: Array) -> PoseHistory:
+        """The history with one more pose."""
+        return PoseHistory((*self.poses[1 - LENGTH :], (time, pose)))
 
     def at(self, time: int) -> Array | None:
-        """The pose in the last picture up to a time; None from before the trail began."""
+        """The pose in the last picture up to a time; None from before the history began."""
         return next((pose for then, pose in reversed(self.poses) if then <= time), None)
 
 
-def carried_contact(told: Array, age: float) -> Contact | None:
-    """Where a person stands some time after a contact was reported; None if the feet were not seen.
+def propagated_contact(contact: Array, age: float) -> Contact | None:
+    """The floor contact of a person some time after it was reported; None if the feet were not seen.
 
-    told: (2,) distance, m, and precision, 1/m^2, 0 for unseen feet; age: s.
+    contact: (2,) distance, m, and precision, 1/m^2, 0 for unseen feet; age: s.
     """
-    distance, precision = told.tolist()
+    distance, precision = contact.tolist()
     return Contact(distance, precision**-0.5).later(age) if precision > 0 else None
 
 
-def carried_pose(pose: Array, then: Array, now: Array) -> Array:
+def propagated_pose(pose: Array, then: Array, now: Array) -> Array:
     """A pose of an earlier picture, moved and turned as the person has since: all (6,)."""
     out = pose.copy()
     out[:2] += now[:2] - then[:2]
@@ -50,7 +50,7 @@ def carried_pose(pose: Array, then: Array, now: Array) -> Array:
     return out
 
 
-def carried_detection(
+def propagated_detection(
     detection: Detection, camera: Camera, shape: ShapeModel, then: Array, now: Array
 ) -> Detection:
     """A detection in an earlier picture, its box moved and its headings turned as the person has since."""
