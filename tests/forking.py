@@ -22,7 +22,7 @@ WARM = (
     "followspot_accuracy.scorings",
     "followspot_balls.color_blobs",
     "followspot_balls.mean_shift",
-    "followspot_sim.picture",
+    "followspot_sim.rendering.picture",
     "followspot_sinks.csv_file",
     "followspot_target_filter.stage",
     "rich.table",

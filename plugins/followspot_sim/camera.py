@@ -9,7 +9,7 @@ from followspot import Source
 from followspot.tracking import Frame
 from followspot_sim.ball_performance import BallPerformance
 from followspot_sim.parameters import CameraParams
-from followspot_sim.picture import Picture
+from followspot_sim.rendering.picture import Picture
 
 
 class SimCamera(BallPerformance):

@@ -7,8 +7,8 @@ from typing import ClassVar
 from followspot import Source
 from followspot.tracking import DepthImage
 from followspot_sim.ball_performance import BallPerformance
-from followspot_sim.depth_picture import DepthPicture
 from followspot_sim.parameters import DepthCameraParams
+from followspot_sim.rendering.depth_picture import DepthPicture
 
 
 class SimDepthCamera(BallPerformance):

@@ -11,7 +11,7 @@ from followspot import Array, Camera, Field, Source, StageParams
 from followspot.geometry import project
 from followspot.tracking import Frame
 from followspot_sim.performance import Performance
-from followspot_sim.screen import rays_of
+from followspot_sim.rendering.screen import rays_of
 from followspot_sim.sensor import own_rng
 
 MODULES = 8

@@ -15,9 +15,9 @@ from followspot.errors import Mistake, writing
 from followspot.geometry import project
 from followspot.notes import note
 from followspot_sim.parameters import CameraParams, SimParams
-from followspot_sim.picture import Picture
+from followspot_sim.rendering.picture import Picture
 from followspot_sim.video import finite, new_video
-from followspot_sim.visibility import judge, visible_fraction
+from followspot_sim.visibility import truth_flags, visible_fraction
 from followspot_sim.world import Scene, setting, world_of
 
 CLIP_FRAMES = 20
@@ -103,7 +103,7 @@ def write_truth(room: Room, params: SimParams, path: Path) -> None:
 def _rows(
     frame: int, scene: Scene, targets: Sequence[str], cameras: Sequence[Camera], seen: Array
 ) -> list[list[object]]:
-    verdicts = np.array(judge(seen, cameras)).astype(int)
+    verdicts = np.array(truth_flags(seen, cameras)).astype(int)
     pixel = np.array([project(c, scene.balls) for c in cameras])
     return [
         [

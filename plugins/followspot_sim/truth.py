@@ -8,7 +8,7 @@ from followspot import Source
 from followspot.tracking import Truth
 from followspot_sim.ball_performance import BallPerformance
 from followspot_sim.parameters import SimParams
-from followspot_sim.visibility import judge, visible_fraction
+from followspot_sim.visibility import truth_flags, visible_fraction
 from followspot_sim.world import setting, world_of
 
 
@@ -36,7 +36,7 @@ class SimTruth(BallPerformance):
         scene = self._world.scene(frame)
         visible = visible_fraction(self._cameras, scene, self._radii)
         shown = ~np.isnan(scene.balls[:, 0])
-        hidden, trackable, pair = (column[shown] for column in judge(visible, self._cameras))
+        hidden, trackable, pair = (column[shown] for column in truth_flags(visible, self._cameras))
         return Truth(
             objects=tuple(name for name, there in zip(self.room.targets, shown, strict=True) if there),
             xyz=scene.balls[shown],

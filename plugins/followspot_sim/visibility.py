@@ -8,10 +8,10 @@ import numpy as np
 
 from followspot import Array, Camera
 from followspot.geometry import project
-from followspot_sim.sight import approach, depth_in, disc, unit
+from followspot_sim.rendering.ray_casting import closest_approach, half_chord, sunflower_disc, unit
 from followspot_sim.world import Scene
 
-SAMPLES = disc(64)
+SAMPLES = sunflower_disc(64)
 """Sampled points of the face of a ball, in radii."""
 HEIGHTS = np.sqrt(1.0 - np.square(SAMPLES).sum(axis=1))
 """Offsets of these points towards the camera, in radii."""
@@ -28,22 +28,22 @@ def visible_fraction(cameras: Sequence[Camera], scene: Scene, radii: Array) -> A
     centres, radius = scene.balls[shown], radii[shown]
     eyes = np.array([camera.center for camera in cameras]).reshape(-1, 1, 3)
     forward, distance = unit(centres - eyes)
-    points = faces(centres, radius, forward)
+    points = facing_points(centres, radius, forward)
     seen = np.empty(points.shape[:3], bool)
     for k, camera in enumerate(cameras):
         seen[k] = _inside(camera, centres, points[k], 2.0 * camera.matrix[0, 0] * radius / distance[k])
     ends = np.concatenate([scene.limbs, np.repeat(centres[:, None], 2, axis=1)])
     thick = np.concatenate([scene.radius, radius])
-    gap, along = approach(eyes[:, :, None], forward[:, :, None], ends)
+    gap, along = closest_approach(eyes[:, :, None], forward[:, :, None], ends)
     near = (gap < thick + 1.2 * radius[:, None]) & (along - thick < distance[..., None])
     near[:, np.arange(len(shown)), len(scene.limbs) + np.arange(len(shown))] = False
-    _take_hidden(seen, np.nonzero(near), points, eyes, ends, thick)
+    _clear_hidden(seen, np.nonzero(near), points, eyes, ends, thick)
     fraction = np.zeros((len(cameras), len(radii)))
     fraction[:, shown] = seen.mean(axis=2)
     return fraction
 
 
-def _take_hidden(
+def _clear_hidden(
     seen: Array, near: tuple[Array, ...], points: Array, eyes: Array, ends: Array, thick: Array
 ) -> None:
     """Clear points in `seen` (V, T, 64) that capsules hide; near: camera, ball, capsule to test, sorted."""
@@ -51,17 +51,17 @@ def _take_hidden(
     if len(camera) == 0:
         return
     rays, reach = unit(points[camera, ball] - eyes[camera])
-    gap, along = approach(eyes[camera], rays, ends[other][:, None])
+    gap, along = closest_approach(eyes[camera], rays, ends[other][:, None])
     within = thick[other][:, None]
-    hit = (gap < within) & (along - depth_in(within, gap) < reach - ROUNDING)
+    hit = (gap < within) & (along - half_chord(within, gap) < reach - ROUNDING)
     first = np.flatnonzero(np.diff(camera * len(points[0]) + ball, prepend=-1))
     seen[camera[first], ball[first]] &= ~np.logical_or.reduceat(hit, first, axis=0)
 
 
-def faces(centres: Array, radii: Array, forward: Array) -> Array:
-    """Points on the half of each ball that faces the eye, evenly over its silhouette.
+def facing_points(centres: Array, radii: Array, forward: Array) -> Array:
+    """Points on the half of each ball that facing_points the eye, evenly over its silhouette.
 
-    centres: (T, 3) m; radii: (T,) m; forward: (V, T, 3) unit vectors from the eyes to the centres.
+    centres: (T, 3) m; radii: (T,) m; forward: (V, T, 3) unit vectors from the cameras to the centres.
     Returns (V, T, 64, 3) m.
     """
     x, y, z = forward[..., 0], forward[..., 1], forward[..., 2]
@@ -90,7 +90,7 @@ def _inside(camera: Camera, centres: Array, points: Array, margin: Array) -> Arr
     return found
 
 
-def judge(visible: Array, cameras: Sequence[Camera]) -> tuple[Array, Array, Array]:
+def truth_flags(visible: Array, cameras: Sequence[Camera]) -> tuple[Array, Array, Array]:
     """Hidden, trackable and pair, each (T,) bool, as `followspot.tracking.Truth` defines them.
 
     visible: (V, T) share seen by each camera.

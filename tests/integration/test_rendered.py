@@ -20,8 +20,8 @@ from tests.integration.running import balanced
 
 import render_tests
 from followspot.room_file import load
-from followspot_sim.picture import Picture
 from followspot_sim.recording import parameters_of
+from followspot_sim.rendering.picture import Picture
 
 ROOT = Path(__file__).parents[2]
 BALLS, PEOPLE = ROOT / "tests/rendered/balls", ROOT / "tests/rendered/people"

@@ -12,8 +12,8 @@ from followspot.messages import Array
 from followspot.room import Room
 from followspot.room_file import load
 from followspot_sim.parameters import CameraParams
-from followspot_sim.picture import Picture
-from followspot_sim.visibility import judge, visible_fraction
+from followspot_sim.rendering.picture import Picture
+from followspot_sim.visibility import truth_flags, visible_fraction
 from followspot_sim.world import setting, world_of
 
 ROOT = Path(__file__).parents[2]
@@ -51,7 +51,7 @@ def test_it_finds_the_balls_among_projections(
     radii = np.array([target.radius for target in room.targets.values()])
     cameras = list(room.cameras.values())
     for k in range(FRAMES):
-        assert judge(visible_fraction(cameras, world.scene(FIRST + k), radii), cameras)[2].all()
+        assert truth_flags(visible_fraction(cameras, world.scene(FIRST + k), radii), cameras)[2].all()
     errors = [
         float(np.linalg.norm(xyz - world.scene(FIRST + k).balls[list(room.targets).index(name)]))
         for k, found in enumerate(plain_tracker.run(room, frames))

@@ -10,7 +10,7 @@ from followspot import Array, Camera
 from followspot_sim.actor.furniture import Box, furniture_of
 from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.actor.texture import TEXTURES, Spots, ceiling, floor, wall
-from followspot_sim.screen import rays_of
+from followspot_sim.rendering.screen import rays_of
 
 PARALLEL = 1e-9
 """A direction is never quite along a wall."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from followspot import Array, Camera
 from followspot.geometry import project
-from followspot_sim.outline import SUBPIXEL, fixed_point
+from followspot_sim.rendering.outline import SUBPIXEL, fixed_point
 
 AMBIENT, FROM_ABOVE, LAMP = 0.50, 0.14, 0.62
 """Light from all around, more from above, and of the lamp."""

@@ -20,7 +20,7 @@ from followspot_sim.actor.paint import (
 )
 from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.actor.scene import stage_of
-from followspot_sim.outline import SUBPIXEL, fixed_point
+from followspot_sim.rendering.outline import SUBPIXEL, fixed_point
 from followspot_sim.sensor import Sensor, own_rng
 
 SHADOW, SHADE = (0.46, 0.38, 0.30, 0.22), 0.9

@@ -14,7 +14,7 @@ from followspot.notes import note
 from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.actor.picture import ActorPicture
 from followspot_sim.actor.scene import Play, stage_of
-from followspot_sim.actor.visibility import Onlooker
+from followspot_sim.actor.visibility import VisibilityOfActors
 from followspot_sim.video import finite, new_video
 
 STAGE = "sim.person_camera"
@@ -55,7 +55,7 @@ def record_people(room: Room, params: ActorParams, folder: Path) -> None:
             table = files.enter_context(truth.open("w", newline="", encoding="utf-8"))
             rows = csv.writer(table)
             rows.writerow(COLUMNS)
-            picture, onlooker = ActorPicture(params, camera), Onlooker(params, camera)
+            picture, onlooker = ActorPicture(params, camera), VisibilityOfActors(params, camera)
             pixels = np.empty(picture.shape, np.uint8)
             for frame in range(params.frames):
                 picture.render(frame, pixels)

@@ -10,11 +10,11 @@ from followspot.tracking import Truth
 from followspot_sim.actor.camera import PersonCamera
 from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.actor.picture import ActorPicture
-from followspot_sim.ball_image import color_light, compose, stamps
-from followspot_sim.eye import eye_of
 from followspot_sim.parameters import COLORS
 from followspot_sim.performance import Performance
-from followspot_sim.screen import rays_of
+from followspot_sim.rendering.ball_image import color_light, compose, stamps
+from followspot_sim.rendering.camera_rays import camera_rays
+from followspot_sim.rendering.screen import rays_of
 from followspot_sim.sensor import linear
 
 
@@ -86,13 +86,13 @@ class _ShowPicture(ActorPicture):
         usual = list(COLORS.values())
         rgb = [COLORS.get(name, usual[k % len(usual)]) for k, name in enumerate(room.targets)]
         self._glow = linear(np.array(rgb, float).reshape(-1, 3)[:, ::-1]).astype(np.float32)
-        self._eye = eye_of(camera, rays_of(camera))
+        self._view = camera_rays(camera, rays_of(camera))
 
     def light(self, frame: int) -> Array:
         """The people and the room, and the balls in front of them."""
         picture = super().light(frame)
         balls = ball_places(self._params, len(self._radii), frame)
-        seen = stamps(self._eye, project(self.camera, balls), balls, self._radii)
+        seen = stamps(self._view, project(self.camera, balls), balls, self._radii)
         compose(picture, seen, color_light(seen, self._glow))
         return picture
 

@@ -8,7 +8,7 @@ from followspot import Array, Field, Source
 from followspot.people import PoseTruth
 from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.actor.scene import Play, stage_of
-from followspot_sim.actor.visibility import Onlooker
+from followspot_sim.actor.visibility import VisibilityOfActors
 from followspot_sim.performance import Performance
 
 
@@ -29,7 +29,7 @@ class PoseTruthOfActors(Performance):
         """Prepare the performance and the visibility for each camera of the room."""
         self._stage = stage_of(self.params)
         cameras = self.room.cameras.values() if self.params.visibility else ()
-        self._onlookers = [Onlooker(self.params, camera) for camera in cameras]
+        self._onlookers = [VisibilityOfActors(self.params, camera) for camera in cameras]
 
     def process(self) -> Source[PoseTruth]:
         """The poses of all people, with the visible share in the camera that sees most."""

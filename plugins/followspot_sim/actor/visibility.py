@@ -14,14 +14,14 @@ from followspot_sim.actor.body import Body
 from followspot_sim.actor.paint import FARTHEST, in_picture, patches, unwrapped
 from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.actor.scene import Play, stage_of
-from followspot_sim.outline import SUBPIXEL
+from followspot_sim.rendering.outline import SUBPIXEL
 
 COARSE = 4
-"""Pictures are judged at this share of their width and height."""
+"""Factor by which the pictures for this are smaller in width and height."""
 
 
-class Onlooker:
-    """One camera as a judge of visibility."""
+class VisibilityOfActors:
+    """Visible shares of actors in one camera."""
 
     def __init__(self, params: ActorParams, camera: Camera) -> None:
         self._cast = stage_of(params).cast

@@ -19,7 +19,7 @@ from followspot.testing import check_stage, tiny_room
 from followspot.tracking import LOST, TRACKED, Candidates, DepthImage, Forecast
 from followspot_balls.depth_blobs import DepthBlobs
 from followspot_balls.gather import Gather
-from followspot_sim.sight import entry
+from followspot_sim.rendering.ray_casting import first_hit
 
 ROOMS = Path(__file__).parents[3] / "graphs/rooms"
 FLOOR = np.array([0.0, 0.0, 1.0, 0.0])
@@ -39,7 +39,7 @@ def image(camera: Camera, *capsules: tuple[np.ndarray, np.ndarray, float], noise
     stretch = np.linalg.norm(rays, axis=2)
     depth = -camera.center[2] / np.minimum(rays[..., 2], -1e-9)
     for one, other, radius in capsules:
-        reach = entry(camera.center, rays / stretch[..., None], np.array([one, other]), radius)
+        reach = first_hit(camera.center, rays / stretch[..., None], np.array([one, other]), radius)
         depth = np.minimum(depth, reach / stretch)
     depth[depth > 20] = 0
     depth += np.random.default_rng(0).normal(0, 1, depth.shape) * noise

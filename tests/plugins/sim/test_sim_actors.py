@@ -27,7 +27,7 @@ from followspot_sim.actor.picture import ActorPicture
 from followspot_sim.actor.points import PersonPoints
 from followspot_sim.actor.pose import Stance, posed
 from followspot_sim.actor.truth import PoseTruthOfActors
-from followspot_sim.actor.visibility import Onlooker
+from followspot_sim.actor.visibility import VisibilityOfActors
 
 ROOMS = Path(__file__).parents[3] / "graphs/rooms"
 AHEAD = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
@@ -157,7 +157,7 @@ def test_someone_behind_the_cupboard_is_hidden_in_the_picture_and_in_the_truth()
 
 
 def test_nobody_is_hidden_by_the_edge_of_a_picture_that_shows_all():
-    visible = [Onlooker(QUIET, camera).visible for camera in (pinhole(), pinhole(x=20.0))]
+    visible = [VisibilityOfActors(QUIET, camera).visible for camera in (pinhole(), pinhole(x=20.0))]
     play = ActorPicture(QUIET, pinhole(64, 48))._stage.play(10)
     assert visible[0](play)[0] > 0.95
     assert visible[1](play)[0] == 0.0

@@ -11,7 +11,7 @@ from followspot import Context, room_file
 from followspot.geometry import depth_rays, project
 from followspot.testing import check_stage, tiny_room
 from followspot_sim.depth_camera import SimDepthCamera
-from followspot_sim.sight import entry
+from followspot_sim.rendering.ray_casting import first_hit
 from followspot_sim.visibility import visible_fraction
 
 SIMULATED = room_file.load(Path(__file__).parents[3] / "graphs/rooms/simulated.yaml")
@@ -72,7 +72,7 @@ def test_rays_meet_a_capsule_on_its_surface_and_not_inside():
     along = np.clip((points - ends[0]) @ axis / (axis @ axis), 0, 1)
     inside = np.linalg.norm(points - ends[0] - along[..., None] * axis, axis=2) < radius
     first = np.where(inside.any(axis=1), steps[inside.argmax(axis=1)], np.inf)
-    found = entry(origin, rays, ends, radius)
+    found = first_hit(origin, rays, ends, radius)
     assert (np.isfinite(found) != np.isfinite(first)).sum() < 3  # rays that barely touch it
     both = np.isfinite(found) & np.isfinite(first)
     assert both.sum() > 50

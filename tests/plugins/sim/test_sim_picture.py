@@ -17,7 +17,7 @@ from followspot.messages import Header
 from followspot.sealing import seal
 from followspot_sim.camera import SimCamera
 from followspot_sim.parameters import SimParams
-from followspot_sim.picture import Picture
+from followspot_sim.rendering.picture import Picture
 from followspot_sim.truth import SimTruth
 from followspot_sim.visibility import visible_fraction
 
@@ -46,7 +46,7 @@ def test_the_same_seed_gives_the_same_pixels_in_another_process():
         "import sys, hashlib, numpy as np\n"
         "from followspot import room_file\n"
         "from followspot_sim.parameters import SimParams\n"
-        "from followspot_sim.picture import Picture\n"
+        "from followspot_sim.rendering.picture import Picture\n"
         "room = room_file.load(sys.argv[1])\n"
         "for name in ('cam4', 'cam0'):\n"  # in another order, and from the last frame to the first
         "    picture = Picture(SimParams(seed=7), room, room.cameras[name])\n"

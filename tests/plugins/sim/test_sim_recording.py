@@ -14,8 +14,8 @@ from followspot import InputError, Room, room_file
 from followspot.cli.main import main
 from followspot.graph.compile import compile_graph
 from followspot.room import StageUse
-from followspot_sim.picture import Picture
 from followspot_sim.recording import clock_offset_of, parameters_of
+from followspot_sim.rendering.picture import Picture
 
 ROOM_FILE = Path(__file__).parents[3] / "graphs/rooms/simulated.yaml"
 ROOM = room_file.load(ROOM_FILE)

@@ -31,7 +31,7 @@ from followspot_calibrate.targets.separability import (
     separability,
 )
 from followspot_sim.parameters import SimParams
-from followspot_sim.picture import Picture
+from followspot_sim.rendering.picture import Picture
 
 ROOT = Path(__file__).parents[3]
 SIMULATED = load(ROOT / "graphs/rooms/simulated6.yaml")

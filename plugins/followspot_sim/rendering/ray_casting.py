@@ -1,9 +1,9 @@
-"""Lines of sight among capsules: occlusion between a camera and a ball.
+"""Ray casting among capsules: occlusion between a camera and a ball.
 
 A capsule is all points within `radius` of a segment; a ball is a capsule whose segment is a point.
 Functions broadcast over leading axes, so that one call serves many cameras, balls and limbs. They
-multiply and add one coordinate after the other: the result of a line of sight does not depend on the others,
-to the last bit.
+multiply and add one coordinate after the other: the result of a ray does not depend on the others, to the
+last bit.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def unit(v: Array) -> tuple[Array, Array]:
     return v / length[..., None], length
 
 
-def approach(origin: Array, rays: Array, ends: Array) -> tuple[Array, Array]:
+def closest_approach(origin: Array, rays: Array, ends: Array) -> tuple[Array, Array]:
     """How near rays come to segments, (...) m, and how far along the ray that is, (...) m.
 
     origin: (..., 3) m; rays: (..., 3), unit vectors; ends: (..., 2, 3) m.
@@ -38,19 +38,19 @@ def approach(origin: Array, rays: Array, ends: Array) -> tuple[Array, Array]:
     return np.sqrt(np.maximum(square, 0.0)), along_start + t * along_axis
 
 
-def depth_in(radius: Array, miss: Array) -> Array:
-    """Half the way of a ray through a ball or across a capsule that it passes at `miss`, m; 0 outside."""
+def half_chord(radius: Array, miss: Array) -> Array:
+    """Half the chord of a ray through a ball or across a capsule that it passes at `miss`, m; 0 outside."""
     return np.asarray(np.sqrt(np.maximum(radius * radius - miss * miss, 0.0)))
 
 
-def disc(samples: int) -> Array:
-    """Points that fill the unit disc evenly (sunflower), (samples, 2)."""
+def sunflower_disc(samples: int) -> Array:
+    """Points that fill the unit sunflower_disc evenly (sunflower), (samples, 2)."""
     k = np.arange(samples) + 0.5
     radius, angle = np.sqrt(k / samples), np.pi * (1 + np.sqrt(5)) * k
     return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
 
 
-def entry(origin: Array, rays: Array, ends: Array, radius: float) -> Array:
+def first_hit(origin: Array, rays: Array, ends: Array, radius: float) -> Array:
     """Where rays first meet the surface of a capsule, exactly: (...) m along the ray, infinite if they miss.
 
     origin: (3,) m, outside the capsule; rays: (..., 3), unit vectors; ends: (2, 3) m.

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from followspot import room_file
 from followspot.geometry import project
-from followspot_sim.screen import lookup, rays_of, screens_of
-from followspot_sim.sight import approach
-from followspot_sim.visibility import judge, visible_fraction
+from followspot_sim.rendering.ray_casting import closest_approach
+from followspot_sim.rendering.screen import lookup, rays_of, screens_of
+from followspot_sim.visibility import truth_flags, visible_fraction
 from followspot_sim.world import Scene
 
 ROOM = room_file.load(Path(__file__).parents[3] / "graphs/rooms/simulated.yaml")
@@ -29,7 +29,7 @@ def test_approach_is_the_smallest_distance_between_ray_and_segment(seed):
     origin, ends = rng.normal(size=3), rng.normal(size=(1, 2, 3)) * 3
     ray = rng.normal(size=3)
     ray /= np.linalg.norm(ray)
-    distance, along = approach(origin, ray, ends)
+    distance, along = closest_approach(origin, ray, ends)
     points = ends[0, 0] + np.linspace(0, 1, 20001)[:, None] * (ends[0, 1] - ends[0, 0])
     gaps = np.linalg.norm(np.cross(points - origin, ray), axis=1)
     assert distance[0] == pytest.approx(gaps.min(), abs=1e-3)
@@ -79,7 +79,7 @@ def test_verdicts_follow_the_definition_of_truth():
         ((0.5, 0.0, 0.5), (False, True, True)),
         ((1.0, 1.0, 0.4), (False, True, False)),
     ]
-    verdicts = np.array(judge(np.array([row for row, _ in table]).T, cameras)).T
+    verdicts = np.array(truth_flags(np.array([row for row, _ in table]).T, cameras)).T
     assert [tuple(map(bool, v)) for v in verdicts] == [expected for _, expected in table]
 
 
@@ -87,14 +87,14 @@ def test_verdicts_follow_the_definition_of_truth():
 def test_two_cameras_of_one_kind_are_enough_in_rooms_without_the_other(names):
     cameras = [ROOM.cameras[name] for name in names]
     shares = np.array([[1.0, 0.24], [0.25, 0.25], [0.5, 0.5]]).T
-    verdicts = np.array(judge(shares, cameras)).T
+    verdicts = np.array(truth_flags(shares, cameras)).T
     assert verdicts.tolist() == [[False, False, False], [False, True, False], [False, True, True]]
 
 
 def test_one_depth_camera_is_enough_to_track_a_target():
     cameras = [ROOM.cameras["cam1"], replace(ROOM.cameras["cam1"], kind="depth")]
     shares = np.array([[1.0, 0.24], [0.0, 0.25], [0.0, 0.5]]).T
-    verdicts = np.array(judge(shares, cameras)).T
+    verdicts = np.array(truth_flags(shares, cameras)).T
     assert verdicts.tolist() == [[False, False, False], [False, True, False], [False, True, True]]
 
 

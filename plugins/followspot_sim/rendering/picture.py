@@ -9,17 +9,17 @@ import numpy as np
 
 from followspot import Array, Camera, Room
 from followspot.geometry import project
-from followspot_sim.ball_image import Stamps, color_light, compose, infrared_light
 from followspot_sim.body import PARTS
-from followspot_sim.eye import eye_of
-from followspot_sim.glance import glance
-from followspot_sim.light import NO_SPLASHES, Lighting, Splashes, show_of
-from followspot_sim.outline import CORNERS, fill, fixed_point, spot
 from followspot_sim.parameters import SimParams
-from followspot_sim.people_image import Outlines
-from followspot_sim.screen import lookup, rays_of, remapping
+from followspot_sim.rendering.ball_image import Stamps, color_light, compose, infrared_light
+from followspot_sim.rendering.camera_rays import camera_rays
+from followspot_sim.rendering.light import NO_SPLASHES, Lighting, Splashes, show_of
+from followspot_sim.rendering.outline import CORNERS, fill, fixed_point, spot
+from followspot_sim.rendering.people_image import Outlines
+from followspot_sim.rendering.projected_scene import projected_scene
+from followspot_sim.rendering.ray_casting import dot
+from followspot_sim.rendering.screen import lookup, rays_of, remapping
 from followspot_sim.sensor import DISPLAYED, Sensor, displayed, linear, own_rng
-from followspot_sim.sight import dot
 from followspot_sim.world import Scene, World, setting, world_of
 
 SHIRTS = np.array([[4, 4, 16], [10, 12, 14], [3, 9, 4], [14, 6, 3], [5, 12, 13], [8, 4, 9]], float)
@@ -69,7 +69,7 @@ class Picture:
             )
         )
         rays = rays_of(camera)
-        self._eye = eye_of(camera, rays)
+        self._view = camera_rays(camera, rays)
         self._widest = float((rays @ camera.rotation[2]).min()) - 0.1  # beyond, a lens model means nothing
         place, number = lookup(camera, rays, self._show.screens)
         self._map = remapping(place)
@@ -83,7 +83,7 @@ class Picture:
     def render(self, frame: int, out: Array) -> None:
         """The picture of a frame into `out`, (H, W, C) uint8: BGR or one grey channel."""
         scene = self.world.scene(frame)
-        seen = glance(self._eye, scene, self._radii)
+        seen = projected_scene(self._view, scene, self._radii)
         splashes = NO_SPLASHES
         if self.shape[2] == 3 and self._show.active:
             light = self._project(frame)

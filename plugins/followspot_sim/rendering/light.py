@@ -15,11 +15,11 @@ import numpy as np
 
 from followspot import Array
 from followspot_sim.body import PARTS
-from followspot_sim.outline import stadiums
 from followspot_sim.recent import Recent
-from followspot_sim.screen import atlas_size, screens_of
+from followspot_sim.rendering.outline import stadiums
+from followspot_sim.rendering.ray_casting import closest_approach, half_chord, unit
+from followspot_sim.rendering.screen import atlas_size, screens_of
 from followspot_sim.sensor import displayed
-from followspot_sim.sight import approach, depth_in, unit
 from followspot_sim.world import Scene, Setting, world_of
 
 LAG = 0.25
@@ -205,8 +205,8 @@ class LightShow:
         projector = np.array([s.projector for s in self.screens])[self._screen]
         aim, _ = unit(self._corner[self._screen] + where[:, 0] - projector)
         ends, thick = scene.limbs[solid], scene.radius[solid]
-        distance, along = approach(projector[:, None], aim[:, None], ends)
-        entry = np.where(distance < thick, along - depth_in(thick, distance), np.inf)
+        distance, along = closest_approach(projector[:, None], aim[:, None], ends)
+        entry = np.where(distance < thick, along - half_chord(thick, distance), np.inf)
         spot, first = np.flatnonzero(np.isfinite(entry.min(axis=1))), entry.argmin(axis=1)
         limb = first[spot]
         xyz = projector[spot] + aim[spot] * entry[spot, limb][:, None]

@@ -1,4 +1,4 @@
-"""The constants of one camera for rendering people and balls."""
+"""Viewing rays of the pixels of a camera, for rendering."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ REACH = {"color": 2.0, "infrared": 1.1}
 
 
 @dataclass(frozen=True, eq=False)
-class Eye:
-    """One camera with the lines of sight of its W * H pixels, row after row.
+class CameraRays:
+    """One camera with the viewing rays of its W * H pixels, row after row.
 
     rays: (3, W * H) float32, unit vectors in the room; pitch: (W * H,) angle between neighbouring rays, rad.
     """
@@ -24,10 +24,10 @@ class Eye:
     pitch: Array
 
 
-def eye_of(camera: Camera, rays: Array) -> Eye:
-    """The eye of a camera whose pixels look along `rays`, (H, W, 3) unit vectors."""
+def camera_rays(camera: Camera, rays: Array) -> CameraRays:
+    """The rays of a camera, of which those of its pixels are (H, W, 3) unit vectors."""
     rays = rays.astype(np.float32)
-    return Eye(camera, np.ascontiguousarray(rays.reshape(-1, 3).T), _pitch(rays).ravel())
+    return CameraRays(camera, np.ascontiguousarray(rays.reshape(-1, 3).T), _pitch(rays).ravel())
 
 
 def _pitch(rays: Array) -> Array:

@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 
 from followspot import Array
-from followspot_sim.eye import REACH, Eye
+from followspot_sim.rendering.camera_rays import REACH, CameraRays
+from followspot_sim.rendering.ray_casting import dot
 from followspot_sim.sensor import DISPLAYED
-from followspot_sim.sight import dot
 
 DEFOCUS = 1.7
 """Width of the soft edge of a ball, px."""
@@ -37,19 +37,19 @@ class Stamps:
     shown: Array
 
 
-def stamps(eye: Eye, pixel: Array, balls: Array, radii: Array) -> Stamps:
+def stamps(view: CameraRays, pixel: Array, balls: Array, radii: Array) -> Stamps:
     """The balls as the camera would see them alone; those outside the picture or not shown are left out.
 
     pixel: (T, 2) px, projected centres; balls: (T, 3) m; radii: (T,) m. A ray meets a ball where it
     passes the centre at less than the radius, so the ellipse of the sphere and the lens come out right.
     """
-    away = balls - eye.camera.center
+    away = balls - view.camera.center
     distance = np.sqrt(dot(away, away))
-    size = np.array(eye.camera.size)
+    size = np.array(view.camera.size)
     with np.errstate(invalid="ignore"):
         nearest = np.minimum(np.maximum(np.rint(pixel).astype(int), 0), size - 1)
-        pitch = eye.pitch[nearest[:, 1] * size[0] + nearest[:, 0]]
-        reach = REACH[eye.camera.kind] * radii / (distance * pitch) + 2.0
+        pitch = view.pitch[nearest[:, 1] * size[0] + nearest[:, 0]]
+        reach = REACH[view.camera.kind] * radii / (distance * pitch) + 2.0
         seen = ((pixel > -reach[:, None]) & (pixel < size + reach[:, None])).all(axis=1)
     ball = np.flatnonzero(seen)
     ball = ball[np.argsort(-distance[ball], kind="stable")]
@@ -57,7 +57,7 @@ def stamps(eye: Eye, pixel: Array, balls: Array, radii: Array) -> Stamps:
     side = min(2 * math.ceil(reach[ball].max(initial=1.0)) + 1, int(size.min()))
     corner = np.rint(pixel[ball]).astype(int) - side // 2
     corner = np.minimum(np.maximum(corner, 0), size - side)
-    square = _square(eye, corner, side, away[ball])
+    square = _square(view, corner, side, away[ball])
     square /= np.square(radius).astype(np.float32)[:, None, None]
     hard = 255 * radius / (DEFOCUS * pitch[ball] * distance)
     soft = (1.0 - np.sqrt(square)) * hard.astype(np.float32)[:, None, None]
@@ -65,14 +65,14 @@ def stamps(eye: Eye, pixel: Array, balls: Array, radii: Array) -> Stamps:
     return Stamps(ball, corner, cover, square, distance, np.ones(len(ball)))
 
 
-def _square(eye: Eye, corner: Array, side: int, away: Array) -> Array:
+def _square(view: CameraRays, corner: Array, side: int, away: Array) -> Array:
     """Squared distance of the pixels' lines of sight from the balls' centres, (B, S, S) float32 m^2.
 
     In float32 it is exact to 3e-6 m^2, which moves the edge of a ball by 0.02 mm.
     """
-    width, span = eye.camera.size[0], np.arange(side)
+    width, span = view.camera.size[0], np.arange(side)
     window = width * span[:, None] + span
-    rays = eye.rays.take((corner[:, 1] * width + corner[:, 0])[:, None, None] + window, axis=1)
+    rays = view.rays.take((corner[:, 1] * width + corner[:, 0])[:, None, None] + window, axis=1)
     x, y, z = away.astype(np.float32).T[:, :, None, None]
     along = rays[0] * x + rays[1] * y + rays[2] * z
     return np.asarray(np.maximum(x * x + y * y + z * z - along * along, 0))

@@ -8,11 +8,11 @@ import numpy as np
 
 from followspot import Array, Camera, Room
 from followspot.geometry import project
-from followspot_sim.eye import Eye, eye_of
 from followspot_sim.parameters import DepthCameraParams
-from followspot_sim.screen import rays_of
+from followspot_sim.rendering.camera_rays import CameraRays, camera_rays
+from followspot_sim.rendering.ray_casting import first_hit
+from followspot_sim.rendering.screen import rays_of
 from followspot_sim.sensor import POOL, own_rng
-from followspot_sim.sight import entry
 from followspot_sim.world import World, setting, world_of
 
 MARGIN = 2.0
@@ -29,7 +29,7 @@ class DepthPicture:
         self.world: World = world_of(setting(params, room, params.clock_offset))
         self._radii = np.array([t.radius for t in room.targets.values()])
         rays = rays_of(camera)
-        self._eye = eye_of(camera, rays)
+        self._view = camera_rays(camera, rays)
         self._rays = rays
         self._ahead = np.maximum(rays @ camera.rotation[2], 0.0)
         self._empty = _planes(camera, rays, [np.asarray(plane) for plane in room.planes.values()])
@@ -46,8 +46,8 @@ class DepthPicture:
         balls = np.repeat(scene.balls[shown, None], 2, axis=1)
         reach = self._empty.copy()
         ends, radii = np.concatenate([scene.limbs, balls]), np.concatenate([scene.radius, self._radii[shown]])
-        for window, end, radius in _windows(self._eye, ends, radii):
-            seen = entry(self._camera.center, self._rays[window], end, radius)
+        for window, end, radius in _windows(self._view, ends, radii):
+            seen = first_hit(self._camera.center, self._rays[window], end, radius)
             np.minimum(reach[window], seen, out=reach[window])
         with np.errstate(invalid="ignore"):
             return np.where(self._ahead > 0, reach * self._ahead, np.inf)
@@ -77,18 +77,18 @@ def _planes(camera: Camera, rays: Array, planes: list[Array]) -> Array:
     return nearest
 
 
-def _windows(eye: Eye, ends: Array, radii: Array) -> list[tuple[tuple[slice, slice], Array, float]]:
+def _windows(view: CameraRays, ends: Array, radii: Array) -> list[tuple[tuple[slice, slice], Array, float]]:
     """The part of the picture that each capsule may fill; those behind the camera or beside it are left out.
 
     ends: (K, 2, 3) m; radii: (K,) m. A limb of which one end has no image is left out too.
     """
-    width, height = eye.camera.size
-    pixel = project(eye.camera, ends.reshape(-1, 3)).reshape(-1, 2, 2)
-    distance = np.linalg.norm(ends - eye.camera.center, axis=2).min(axis=1)
+    width, height = view.camera.size
+    pixel = project(view.camera, ends.reshape(-1, 3)).reshape(-1, 2, 2)
+    distance = np.linalg.norm(ends - view.camera.center, axis=2).min(axis=1)
     found = []
     for k in np.flatnonzero(np.isfinite(pixel).all(axis=(1, 2)) & (distance > radii)).tolist():
         nearest = np.clip(np.rint(pixel[k]).astype(int), 0, [width - 1, height - 1])
-        pitch = float(eye.pitch[nearest[:, 1] * width + nearest[:, 0]].min())
+        pitch = float(view.pitch[nearest[:, 1] * width + nearest[:, 0]].min())
         reach = math.tan(min(math.asin(radii[k] / distance[k]), 1.5)) / pitch * 1.2 + MARGIN
         left, top = np.floor(pixel[k].min(axis=0) - reach).clip(0, [width, height]).astype(int).tolist()
         right, below = np.ceil(pixel[k].max(axis=0) + reach + 1).clip(0, [width, height]).astype(int).tolist()

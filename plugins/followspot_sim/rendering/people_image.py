@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Array, Camera
-from followspot_sim.outline import fixed_point, stadiums
-from followspot_sim.sight import dot
+from followspot_sim.rendering.outline import fixed_point, stadiums
+from followspot_sim.rendering.ray_casting import dot
 
 NEAREST = 0.3
 """Limbs nearer than this to the camera's plane are left out, m."""
