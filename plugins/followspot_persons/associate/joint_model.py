@@ -69,9 +69,9 @@ class JointModel:
         return JointTracks(
             xyz=np.where(known[:, None], joints.xyz, middle)[None],
             velocity=np.zeros((1, count, 3)),
-            place=np.where(known[:, None, None], joints.covariance, unseen)[None],
-            both=np.zeros((1, count, 3, 3)),
-            speed=np.broadcast_to(np.eye(3) * WALKING**2, (1, count, 3, 3)).copy(),
+            position_covariance=np.where(known[:, None, None], joints.covariance, unseen)[None],
+            cross_covariance=np.zeros((1, count, 3, 3)),
+            velocity_covariance=np.broadcast_to(np.eye(3) * WALKING**2, (1, count, 3, 3)).copy(),
             views=joints.views[None],
             known=known[None],
         )

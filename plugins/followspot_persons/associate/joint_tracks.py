@@ -1,4 +1,4 @@
-"""Bodies as joints: each joint has a place, a velocity and their covariance, and is measured in pictures."""
+"""Bodies as joints: each has a position, a velocity and their covariance, and is measured in pictures."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ BODY_SPEED, BODY_MEMORY = 1.0, 1.0
 LIMB_SPEED, LIMB_MEMORY = 1.5, 0.5
 """The same of arms and legs."""
 LIMBS = ("elbow", "wrist", "knee", "ankle", "toe", "heel", "hand", "foot")
-STRANGE = 9.0
+OUTLIER = 9.0
 """Squared normalised distance above which a point's variance grows with it: a bound on its influence."""
 WRONG = 0.1
 """Share of a network's points that are anywhere."""
@@ -27,16 +27,16 @@ _EYE = np.eye(3)
 
 @dataclass(frozen=True, eq=False)
 class JointTracks(Rows):
-    """M bodies of J joints. xyz, velocity: (M, J, 3) m, m/s; place, both, speed: (M, J, 3, 3) covariances of
-    place, of place with velocity, and of velocity; views: (M, J) cameras that saw the joint in the last set;
+    """M bodies of J joints. xyz, velocity: (M, J, 3) m, m/s; (M, J, 3, 3) covariances of position, of
+    position with velocity, and of velocity; views: (M, J) cameras that saw the joint in the last set;
     known: (M, J) whether it was ever measured.
     """
 
     xyz: Array
     velocity: Array
-    place: Array
-    both: Array
-    speed: Array
+    position_covariance: Array
+    cross_covariance: Array
+    velocity_covariance: Array
     views: Array
     known: Array
 
@@ -77,15 +77,18 @@ def speeds(joints: tuple[str, ...]) -> tuple[Array, Array]:
 
 def predicted(tracks: JointTracks, seconds: float, sigma: Array, memory: Array) -> JointTracks:
     """The bodies some time later. sigma, memory: (J,), of :func:`speeds`."""
-    fade, reach, place, both, speed = (part[:, None, None] for part in step(seconds, sigma, memory))
-    cross = np.swapaxes(tracks.both, -1, -2)
+    fade, reach, position, cross, velocity = (part[:, None, None] for part in step(seconds, sigma, memory))
+    transposed = np.swapaxes(tracks.cross_covariance, -1, -2)
     return replace(
         tracks,
         xyz=tracks.xyz + reach[:, 0] * tracks.velocity,
         velocity=fade[:, 0] * tracks.velocity,
-        place=tracks.place + reach * (tracks.both + cross) + reach**2 * tracks.speed + place * _EYE,
-        both=fade * (tracks.both + reach * tracks.speed) + both * _EYE,
-        speed=fade**2 * tracks.speed + speed * _EYE,
+        position_covariance=tracks.position_covariance
+        + reach * (tracks.cross_covariance + transposed)
+        + reach**2 * tracks.velocity_covariance
+        + position * _EYE,
+        cross_covariance=fade * (tracks.cross_covariance + reach * tracks.velocity_covariance) + cross * _EYE,
+        velocity_covariance=fade**2 * tracks.velocity_covariance + velocity * _EYE,
     )
 
 
@@ -105,7 +108,7 @@ def expected(tracks: JointTracks, view: View, noise: Noise) -> Innovation:
     """Images of the joints and their uncertainty; NaN for joints that the camera cannot see."""
     there, depth = images(view.projection, tracks.xyz)
     slope = jacobians(view.projection, there, depth)
-    spread = slope @ tracks.place @ np.swapaxes(slope, -1, -2)
+    spread = slope @ tracks.position_covariance @ np.swapaxes(slope, -1, -2)
     own = noise.pixel**2 + (view.focal * noise.body / depth) ** 2
     shift = noise.delay * (slope @ tracks.velocity[..., None])[..., 0]
     error = own[..., None, None] * np.eye(2) + shift[..., :, None] * shift[..., None, :]
@@ -145,17 +148,18 @@ def updated(tracks: JointTracks, rows: Array, view: View, xy: Array, noise: Nois
     H = np.where(found[..., None, None], told.slope, 0.0)
     spread, error = (np.where(found[..., None, None], part, np.eye(2)) for part in (told.spread, told.error))
     squared = np.vecdot(residual, np.linalg.solve(spread + error, residual[..., None])[..., 0])
-    S = spread + error * np.maximum(1.0, squared / STRANGE)[..., None, None]
+    S = spread + error * np.maximum(1.0, squared / OUTLIER)[..., None, None]
     inverse, across = np.linalg.inv(S), np.swapaxes(H, -1, -2)
-    gain = own.place @ across @ inverse
-    gain_of_velocity = np.swapaxes(own.both, -1, -2) @ across @ inverse
+    gain = own.position_covariance @ across @ inverse
+    gain_of_velocity = np.swapaxes(own.cross_covariance, -1, -2) @ across @ inverse
     gained, gained_of_velocity = gain @ S, gain_of_velocity @ S
+    transposed, transposed_of_velocity = np.swapaxes(gain, -1, -2), np.swapaxes(gain_of_velocity, -1, -2)
     part = JointTracks(
         xyz=own.xyz + (gain @ residual[..., None])[..., 0],
         velocity=own.velocity + (gain_of_velocity @ residual[..., None])[..., 0],
-        place=own.place - gained @ np.swapaxes(gain, -1, -2),
-        both=own.both - gained @ np.swapaxes(gain_of_velocity, -1, -2),
-        speed=own.speed - gained_of_velocity @ np.swapaxes(gain_of_velocity, -1, -2),
+        position_covariance=own.position_covariance - gained @ transposed,
+        cross_covariance=own.cross_covariance - gained @ transposed_of_velocity,
+        velocity_covariance=own.velocity_covariance - gained_of_velocity @ transposed_of_velocity,
         views=own.views + found,
         known=own.known | found,
     )

@@ -63,7 +63,7 @@ def learnt(lengths: Lengths, joints: tuple[str, ...], bodies: JointTracks) -> Le
         return lengths
     mean, variance = lengths.mean.copy(), lengths.variance.copy()
     direction, length = _limbs(bodies.xyz[:, chain])
-    place = bodies.place[:, chain]
+    place = bodies.position_covariance[:, chain]
     sure = (bodies.views[:, chain] > 1).astype(float)
     both = place[..., :-1, :, :] + place[..., 1:, :, :]
     error = np.einsum("msclj,msclji,mscli->mscl", direction, both, direction)
@@ -80,7 +80,7 @@ def constrained(lengths: Lengths, joints: tuple[str, ...], bodies: JointTracks) 
     chain = _chains(joints)
     if chain is None or not len(bodies):
         return bodies
-    start, place = bodies.xyz[:, chain], bodies.place[:, chain]
+    start, place = bodies.xyz[:, chain], bodies.position_covariance[:, chain]
     known, total = bodies.known[:, chain], np.trace(place, axis1=-2, axis2=-1)
     near = total[..., :-1] + total[..., 1:] < np.square(NEAR * lengths.mean[:, None])
     counts = (known[..., :-1] & known[..., 1:] & near).astype(float)
@@ -93,9 +93,9 @@ def constrained(lengths: Lengths, joints: tuple[str, ...], bodies: JointTracks) 
         gain = np.einsum("mscjal,msclk->mscjak", across, np.linalg.inv(S))
         short = counts * (lengths.mean[:, None] - length) - np.einsum("mscljb,mscjb->mscl", H, start - xyz)
         xyz = start + np.einsum("mscjak,msck->mscja", gain, short)
-    found, covariance = bodies.xyz.copy(), bodies.place.copy()
+    found, covariance = bodies.xyz.copy(), bodies.position_covariance.copy()
     found[:, chain], covariance[:, chain] = xyz, place - np.einsum("mscjak,mscjbk->mscjab", gain, across)
-    return replace(bodies, xyz=found, place=covariance)
+    return replace(bodies, xyz=found, position_covariance=covariance)
 
 
 def _limbs(xyz: Array) -> tuple[Array, Array]:

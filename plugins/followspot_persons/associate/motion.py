@@ -1,5 +1,6 @@
-"""How bodies move: their velocity fades and is driven by noise (Ornstein-Uhlenbeck; Bar-Shalom, Li &
-Kirubarajan 2001, section 8.2, the first-order Markov model one derivative lower).
+"""Motion model of bodies: their velocity decays and is driven by noise, an Ornstein-Uhlenbeck process.
+
+It is the first-order Markov model of Bar-Shalom, Li & Kirubarajan 2001, section 8.2, one derivative lower.
 """
 
 from __future__ import annotations
@@ -12,19 +13,21 @@ from followspot import Array
 
 
 class Step(NamedTuple):
-    """Prediction over a time: velocity is multiplied by `fade`, its share `reach` (s) is added to the place;
-    place, both, speed: variances that are added, per axis, m^2, m^2/s, m^2/s^2.
+    """Prediction: velocity is multiplied by `fade`, its share `reach`, s, is added to the position;
+    position, cross, velocity: added variances and covariance, per axis, m^2, m^2/s, m^2/s^2.
     """
 
     fade: Array
     reach: Array
-    place: Array
-    both: Array
-    speed: Array
+    position: Array
+    cross: Array
+    velocity: Array
 
 
 def step(seconds: float, sigma: Array, memory: Array) -> Step:
-    """sigma: of velocities in the long run, m/s; memory: time in which they fade, s. Any equal shapes."""
+    """sigma: of velocities in the long run, m/s; memory: time constant of their decay, s. Any equal
+    shapes.
+    """
     fade = np.exp(-seconds / memory)
     variance = sigma**2
     return Step(

@@ -41,7 +41,7 @@ def skeletons_of(tracks: Tracks[JointTracks], joints: tuple[str, ...], maximum_s
         person=tracks.life.number[rows][person].astype(np.int32),
         label=label.astype(np.int32),
         xyz=bodies.xyz[person, label],
-        covariance=bodies.place[person, label],
+        covariance=bodies.position_covariance[person, label],
         views=bodies.views[person, label].astype(np.int32),
     )
 
@@ -80,10 +80,10 @@ def _reported(tracks: Tracks[JointTracks] | Tracks[BoxTracks]) -> Array:
 
 def _certainty(bodies: JointTracks, maximum_sigma: float) -> tuple[Array, Array]:
     """Largest sigma of each joint, (M, J) m, and whether it is certain enough."""
-    if not bodies.place.size:
+    if not bodies.position_covariance.size:
         none = np.zeros(bodies.known.shape)
         return none, none.astype(bool)
-    sigma = np.sqrt(np.maximum(np.linalg.eigvalsh(bodies.place)[..., -1], 0.0))
+    sigma = np.sqrt(np.maximum(np.linalg.eigvalsh(bodies.position_covariance)[..., -1], 0.0))
     return sigma, bodies.known & (sigma <= maximum_sigma)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from followspot import Array
 from followspot.geometry import triangulate_views
-from followspot_persons.associate.joint_tracks import STRANGE
+from followspot_persons.associate.joint_tracks import OUTLIER
 from followspot_persons.associate.views import Noise, Views, images, jacobians, rays
 
 STEPS = 4
@@ -53,7 +53,7 @@ def _solved(views: Views, camera: Array, point: Array, found: Array, noise: Nois
         residual = np.where(found[..., None], point - there, 0.0)
         variance = noise.pixel**2 + (focal * noise.body / depth) ** 2
         squared = np.square(residual).sum(axis=-1) / variance
-        weight = np.where(found, 1 / (variance * np.maximum(1.0, squared / STRANGE)), 0.0)
+        weight = np.where(found, 1 / (variance * np.maximum(1.0, squared / OUTLIER)), 0.0)
         normal = np.einsum("kv,kvai,kvaj->kij", weight, slope, slope)
         ahead = np.isfinite(normal).all(axis=(1, 2))
         normal[~ahead] = 0.0

@@ -42,9 +42,9 @@ def test_a_length_is_learnt_from_both_sides_and_the_surer_side_counts_more() -> 
     known = Lengths.none().of(np.array([7]))
     np.testing.assert_allclose(known.mean[0], USUAL)
     both = bodies(0.02)
-    place = both.place.copy()
+    place = both.position_covariance.copy()
     place[0, NAMES.index("right_elbow")] *= 25
-    unequal = replace(both, place=place)
+    unequal = replace(both, position_covariance=place)
     for _ in range(300):
         known, other = (learnt(known, NAMES, body) for body in (both, both))
     assert known.mean[0, 0, 0] == pytest.approx((LEFT + RIGHT) / 2, abs=0.004)
@@ -72,9 +72,9 @@ def test_lengths_belong_to_numbers_and_not_to_who_has_none_yet() -> None:
 
 def test_joints_move_by_their_covariance_until_limbs_have_their_lengths() -> None:
     given = bodies(0.03)
-    place = given.place.copy()
+    place = given.position_covariance.copy()
     place[0, NAMES.index("right_shoulder")] /= 100
-    given = replace(given, place=place)
+    given = replace(given, position_covariance=place)
     known = Lengths(np.array([1]), np.array([[[0.30, 0.25], [0.42, 0.42]]]), np.full((1, 2, 2), 1e-6))
     found = constrained(known, NAMES, given)
     for side in ("left", "right"):
@@ -82,7 +82,7 @@ def test_joints_move_by_their_covariance_until_limbs_have_their_lengths() -> Non
     moved = np.linalg.norm(found.xyz - given.xyz, axis=-1)[0]
     assert moved[NAMES.index("right_shoulder")] < 0.1 * moved[NAMES.index("right_elbow")]
     np.testing.assert_array_equal(found.xyz[0, NAMES.index("nose")], given.xyz[0, NAMES.index("nose")])
-    elbow = found.place[0, NAMES.index("left_elbow")]
+    elbow = found.position_covariance[0, NAMES.index("left_elbow")]
     assert elbow[2, 2] < 0.8 * 0.03**2  # surer along the arm
     assert elbow[0, 0] == pytest.approx(0.03**2)  # and not across
 

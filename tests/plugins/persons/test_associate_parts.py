@@ -72,10 +72,10 @@ def test_two_steps_of_motion_are_one_step_of_their_sum() -> None:
     a, b, both = (step(seconds, sigma, memory) for seconds in (0.1, 0.25, 0.35))
     assert both.fade == pytest.approx(a.fade * b.fade)
     assert both.reach == pytest.approx(a.reach + a.fade * b.reach)
-    place = a.place + 2 * b.reach * a.both + b.reach**2 * a.speed + b.place
-    assert both.place == pytest.approx(place)
-    assert both.both == pytest.approx(b.fade * (a.both + b.reach * a.speed) + b.both)
-    assert both.speed == pytest.approx(b.fade**2 * a.speed + b.speed)
+    place = a.position + 2 * b.reach * a.cross + b.reach**2 * a.velocity + b.position
+    assert both.position == pytest.approx(place)
+    assert both.cross == pytest.approx(b.fade * (a.cross + b.reach * a.velocity) + b.cross)
+    assert both.velocity == pytest.approx(b.fade**2 * a.velocity + b.velocity)
 
 
 def test_joints_are_where_views_agree_as_exactly_as_their_covariance_says() -> None:
