@@ -24,12 +24,12 @@ from followspot_persons.likelihood.occlusion import Shades
 from followspot_persons.likelihood.walkable import Walkable
 from followspot_persons.panorama import turn_of
 from followspot_persons.particles.girth import girths_of
-from followspot_persons.slow_instance.acquaintance import Acquaintance, missed
 from followspot_persons.slow_instance.appearance_params import AppearanceParams
 from followspot_persons.slow_instance.bodies import Bodies
 from followspot_persons.slow_instance.box_assignment import BoxAssignment
 from followspot_persons.slow_instance.foreground_box import STEP, shares, without_others
 from followspot_persons.slow_instance.foreground_people import completed
+from followspot_persons.slow_instance.known_person import KnownPerson, missed
 from followspot_persons.slow_instance.observation import Observation
 from followspot_persons.slow_instance.person_update import PersonUpdate
 from followspot_persons.slow_instance.recognition import Recognition
@@ -69,7 +69,7 @@ class Appearance(Stage):
         )
         self.background = Background(turn_of(self.camera))
         self.illumination = Illumination()
-        self.people: list[Acquaintance] = []
+        self.people: list[KnownPerson] = []
         self.numbers = 0
         self.time = -1
         self.pixels = np.empty((0, 0, 3), np.uint8)
@@ -124,13 +124,13 @@ class Appearance(Stage):
         )
 
     def with_boxes(
-        self, present: Sequence[Acquaintance], pairs: list[tuple[int, int]], seen: Observation
-    ) -> tuple[dict[int, Acquaintance | None], Shades]:
+        self, present: Sequence[KnownPerson], pairs: list[tuple[int, int]], seen: Observation
+    ) -> tuple[dict[int, KnownPerson | None], Shades]:
         """The people that have boxes, by row, None if the box was none; and what they hide.
 
         Nearest first, because the nearer ones hide the others. pairs: rows of people and boxes.
         """
-        shades, known = Shades(seen.picture, seen.picture), dict[int, Acquaintance | None]()
+        shades, known = Shades(seen.picture, seen.picture), dict[int, KnownPerson | None]()
         for i, box in sorted(pairs, key=lambda pair: self.bodies.distance(present[pair[0]])):
             person, taken = present[i], [j for k, j in pairs if known.get(k)]
             known[i] = None
@@ -147,12 +147,12 @@ class Appearance(Stage):
 
     def without_boxes(
         self,
-        present: Sequence[Acquaintance],
+        present: Sequence[KnownPerson],
         pairs: list[tuple[int, int]],
-        boxed: Sequence[Acquaintance],
+        boxed: Sequence[KnownPerson],
         shades: Shades,
         seen: Observation,
-    ) -> tuple[list[Acquaintance], list[Acquaintance]]:
+    ) -> tuple[list[KnownPerson], list[KnownPerson]]:
         """The people without boxes that the foreground shows, and all of them that remain.
 
         pairs: rows of people and boxes; boxed: the people that have them.
@@ -160,7 +160,7 @@ class Appearance(Stage):
         known = {person for person, _ in pairs}
         free_box = np.ones(len(seen.boxes.box), bool)
         free_box[[box for _, box in pairs]] = False
-        covered, shown, rest = self.bodies.boxes(boxed), list[Acquaintance](), list[Acquaintance]()
+        covered, shown, rest = self.bodies.boxes(boxed), list[KnownPerson](), list[KnownPerson]()
         for i in sorted(set(range(len(present))) - known):
             after, left = None, False
             if seen.mask is not None:
@@ -179,10 +179,10 @@ class Appearance(Stage):
     def newcomers(
         self,
         pairs: list[tuple[int, int]],
-        kept: Sequence[Acquaintance],
-        unboxed: Sequence[Acquaintance],
+        kept: Sequence[KnownPerson],
+        unboxed: Sequence[KnownPerson],
         seen: Observation,
-    ) -> list[Acquaintance]:
+    ) -> list[KnownPerson]:
         """Tentative people at boxes that belong to no known person.
 
         A box that shows a part of a known person initiates nobody. unboxed: people that only the foreground
@@ -206,7 +206,7 @@ class Appearance(Stage):
         return to_plain({**told, "time": self.time})
 
     def restore(self, state: Any) -> None:
-        self.people = from_plain(list[Acquaintance], state["people"])
+        self.people = from_plain(list[KnownPerson], state["people"])
         self.numbers, self.time = int(state["numbers"]), int(state["time"])
         self.illumination = from_plain(Illumination, state["illumination"])
 

@@ -18,7 +18,7 @@ from followspot_persons.color.model import ColorModel
 from followspot_persons.likelihood.certainty import certainties
 from followspot_persons.likelihood.fitness import Detection, Picture, sampled
 from followspot_persons.panorama import turn_of
-from followspot_persons.slow_instance.acquaintance import Acquaintance
+from followspot_persons.slow_instance.known_person import KnownPerson
 
 NEAR, FAR = 0.5, 1.5
 """Distance between the boxes of a person at which they may belong together, in heights: at once, and more for
@@ -29,7 +29,7 @@ far away at once; a person who seemed far away, by boxes of the head alone, can 
 """
 COLOR_SHARE = 0.3
 """Weight of minus log F^C against the distance, relative to this limit, when boxes are given to persons."""
-STRANGE = 2.0
+MAXIMUM_MISMATCH = 2.0
 """Minus log F^C of a person with other clothes."""
 
 
@@ -52,7 +52,7 @@ class BoxAssignment:
 
     def pairs(
         self,
-        people: list[Acquaintance],
+        people: list[KnownPerson],
         detections: list[Detection],
         still: Array,
         upright: Array,
@@ -68,7 +68,7 @@ class BoxAssignment:
         if not people or not detections:
             return []
         boxes = np.array([d.box for d in detections])
-        limit = 1 + COLOR_SHARE * STRANGE
+        limit = 1 + COLOR_SHARE * MAXIMUM_MISMATCH
         cost = np.empty((len(people), len(boxes)))
         for i, person in enumerate(people):
             age = (now - person.seen) * NANOSECOND
@@ -80,28 +80,30 @@ class BoxAssignment:
             cost[i] = np.hypot(shift[0] / reach, change)
             cost[i, (change >= 1) | (still & person.comparable)] = np.inf
             for j in np.flatnonzero(cost[i] < limit):
-                cost[i, j] += COLOR_SHARE * self.strangeness(person, seen, boxes[j], picture)
-                if (self.specific or upright[j]) and self.stranger(person, seen, boxes[j], picture):
+                cost[i, j] += COLOR_SHARE * self.color_mismatch(person, seen, boxes[j], picture)
+                if (self.specific or upright[j]) and self.fits_average_better(
+                    person, seen, boxes[j], picture
+                ):
                     cost[i, j] = np.inf
         tentative = np.array([p.number == 0 for p in people])
         found = matched(np.where(tentative[:, None], np.inf, cost), limit)
         cost[:, [box for _, box in found]] = np.inf
         return found + matched(np.where(tentative[:, None], cost, np.inf), limit)
 
-    def strangeness(self, person: Acquaintance, seen: BodyView, box: Array, picture: Picture) -> float:
+    def color_mismatch(self, person: KnownPerson, seen: BodyView, box: Array, picture: Picture) -> float:
         """Minus log F^C of a person, standing in a box as in the last picture; 0 if no colour is known."""
         if person.colors.evidence.sum() == 0:
             return 0.0
-        return self._strangeness(completed(person.colors, self.relations), seen, box, picture)
+        return self._color_mismatch(completed(person.colors, self.relations), seen, box, picture)
 
-    def stranger(self, person: Acquaintance, seen: BodyView, box: Array, picture: Picture) -> bool:
-        """Whether a box shows people at large rather than this person: specific colours beat generic ones."""
+    def fits_average_better(self, person: KnownPerson, seen: BodyView, box: Array, picture: Picture) -> bool:
+        """Whether the average colours of people fit a box better than those of this person."""
         if person.colors.evidence.sum() == 0:
             return False
-        generic = self._strangeness(at_large(self.relations), seen, box, picture)
-        return self.strangeness(person, seen, box, picture) > generic
+        generic = self._color_mismatch(at_large(self.relations), seen, box, picture)
+        return self.color_mismatch(person, seen, box, picture) > generic
 
-    def _strangeness(self, model: ColorModel, seen: BodyView, box: Array, picture: Picture) -> float:
+    def _color_mismatch(self, model: ColorModel, seen: BodyView, box: Array, picture: Picture) -> float:
         """Minus log F^C of a model, standing in a box as in the last picture."""
         placed = replace(seen, surface=carried(seen.surface[0], seen.box[0], box)[None])
         colors, inside = sampled(picture, placed)

@@ -9,15 +9,15 @@ from followspot_persons.color.difference import ColorRelations
 from followspot_persons.color.hsi import plane
 from followspot_persons.color.model import ColorModel
 
-LIGHT = np.array([0.05, 0.05, 0.10])
+LIGHT_SIGMA = np.array([0.05, 0.05, 0.10])
 """Sigma of the change of a feature's mean colour with light and pose, in the plane of `hsi.plane`."""
 STATURE_SIGMA = 0.04
 """One sigma of the difference between two measured heights of one person, m."""
 POPULATION_SIGMA = 0.13
 """The same of two different people, m."""
-INDEPENDENT = 0.25
+INDEPENDENT_SHARE = 0.25
 """Share of the features that speak independently: neighbours wear the same."""
-MISPLACED = 0.1
+MISPLACED_SHARE = 0.1
 """Share of the features that show something else: an arm, a bag, the background."""
 
 
@@ -29,11 +29,11 @@ def same_person(
     Each feature seen in both counts by its evidence, and may be misplaced; statures: m, of a and b.
     """
     weight = np.minimum(a.evidence, b.evidence)
-    weight = INDEPENDENT * weight / np.maximum(weight + 1.0, 1e-9)
+    weight = INDEPENDENT_SHARE * weight / np.maximum(weight + 1.0, 1e-9)
     difference = plane(a.mean) - plane(b.mean)
     own = np.column_stack([np.diag(relations.chroma)] * 2 + [np.diag(relations.intensity)])
-    ratio = _log_ratio(difference, LIGHT**2, LIGHT**2 + 2 * own).sum(axis=1)
-    colors = (weight * np.logaddexp(np.log(1 - MISPLACED) + ratio, np.log(MISPLACED))).sum()
+    ratio = _log_ratio(difference, LIGHT_SIGMA**2, LIGHT_SIGMA**2 + 2 * own).sum(axis=1)
+    colors = (weight * np.logaddexp(np.log(1 - MISPLACED_SHARE) + ratio, np.log(MISPLACED_SHARE))).sum()
     height = _log_ratio(
         np.array(statures[0] - statures[1]), np.array(STATURE_SIGMA**2), np.array(POPULATION_SIGMA**2)
     )

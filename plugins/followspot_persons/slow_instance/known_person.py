@@ -1,4 +1,4 @@
-"""What the slow instance knows of one person."""
+"""A person that the slow instance knows: its track, colours, stature and life cycle."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from followspot_persons.body.stature import Stature
 from followspot_persons.color.model import ColorModel
 from followspot_persons.particles.track import Track, coasted
 
-MISS = 1.5
+MISSED_COST = 1.5
 """Loss of a person's trust per picture without a box."""
 
 
 @dataclass(frozen=True, eq=False)
-class Acquaintance:
+class KnownPerson:
     """A person of the slow instance: tentative, with number 0, until enough boxes confirm it.
 
     initiated, seen: ns, times of the first and of the last box; hits: number of boxes; trust: sum of their
@@ -58,7 +58,7 @@ class Acquaintance:
         comparable: bool,
         contact: Contact | None,
         first: Array | None = None,
-    ) -> Acquaintance:
+    ) -> KnownPerson:
         """A person after one box, at one of these places (N, 6); no colour of so many features is known."""
         return cls(
             number=0,
@@ -73,23 +73,23 @@ class Acquaintance:
             first=first,
         )
 
-    def contact_after(self, told: Contact | None, seconds: float) -> Contact | None:
-        """Where the person stands some seconds later: as told, or vaguely as before while feet are hidden.
+    def contact_after(self, measured: Contact | None, seconds: float) -> Contact | None:
+        """The floor contact some seconds later: as measured, or vaguely as before while the feet are hidden.
 
         Feet that the person could not have reached in this time are those of another person.
         """
         before = self.contact.later(seconds) if self.contact else None
-        return told if before is None or (told is not None and told.agrees(before)) else before
+        return measured if before is None or (measured is not None and measured.agrees(before)) else before
 
 
 def missed(
-    person: Acquaintance, seconds: float, now: int, longest: float, *, left: bool
-) -> Acquaintance | None:
+    person: KnownPerson, seconds: float, now: int, longest: float, *, left: bool
+) -> KnownPerson | None:
     """The person after a picture without a box; None deletes a tentative person.
 
     seconds: since the last picture; now: ns; longest: time without a box until a person is absent, s.
     """
-    trust = person.trust - MISS
+    trust = person.trust - MISSED_COST
     if person.number == 0 and trust <= 0:
         return None
     absent = trust <= 0 or (now - person.seen) * NANOSECOND > longest

@@ -1,4 +1,4 @@
-"""What one picture shows to the slow instance."""
+"""One picture with its boxes, as the slow instance uses it."""
 
 from __future__ import annotations
 

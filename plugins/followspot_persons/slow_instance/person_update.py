@@ -29,11 +29,11 @@ from followspot_persons.likelihood.walkable import Walkable
 from followspot_persons.particles.condensation import Search
 from followspot_persons.particles.spawning import spawned
 from followspot_persons.particles.track import MINIMUM_SHOWN, Track, coasted, updated
-from followspot_persons.slow_instance.acquaintance import Acquaintance, missed
 from followspot_persons.slow_instance.appearance_params import AppearanceParams
 from followspot_persons.slow_instance.bodies import Bodies
 from followspot_persons.slow_instance.box_assignment import FAR, NEAR, BoxAssignment
 from followspot_persons.slow_instance.foreground_box import foreground_box, shares
+from followspot_persons.slow_instance.known_person import KnownPerson, missed
 from followspot_persons.slow_instance.observation import Observation
 from followspot_persons.slow_instance.part_box import Stood, by_size, stood
 
@@ -69,7 +69,7 @@ class PersonUpdate:
 
     def initiated(
         self, detection: Detection, score: float, others: Array, seen: Observation
-    ) -> Acquaintance | None:
+    ) -> KnownPerson | None:
         """A tentative person from one box; None if the box lies outside the limits of space.
 
         others: (K, 4) px, upper bodies of known people.
@@ -80,7 +80,7 @@ class PersonUpdate:
             particles = spawned(self.camera, known.detection, self.params.particles, self.random())
         if self.walkable is not None and self.walkable.excludes(particles[:, :2]):
             return None
-        return Acquaintance.tentative(
+        return KnownPerson.tentative(
             particles,
             len(self.shape.names),
             score,
@@ -92,13 +92,13 @@ class PersonUpdate:
 
     def after_box(
         self,
-        person: Acquaintance,
+        person: KnownPerson,
         detection: Detection,
         score: float,
         picture: Picture,
         others: Array,
         seen: Observation,
-    ) -> Acquaintance | None:
+    ) -> KnownPerson | None:
         """The person after a box: pose by edges, box and feet, colours by the pose; None if it was none.
 
         picture: with the occlusions by nearer people; others: (K, 4) px, their upper bodies. A box on a
@@ -139,12 +139,12 @@ class PersonUpdate:
 
     def after_foreground(
         self,
-        person: Acquaintance,
+        person: KnownPerson,
         mask: Array,
         picture: Picture,
         others: Array,
         seen: Observation,
-    ) -> Acquaintance | None:
+    ) -> KnownPerson | None:
         """The person after a picture without a box, at the foreground that it must be; None if there is none.
 
         mask: of :func:`foreground_box`, without people that have boxes; others: (K, 4) px, upper bodies of
@@ -154,7 +154,7 @@ class PersonUpdate:
             return None
         there, box = self._unboxed(person, mask, seen)
         body_seen = view(self.camera, self.shape, there.pose[None])
-        if box is None or self.assignment.stranger(person, body_seen, box, picture):
+        if box is None or self.assignment.fits_average_better(person, body_seen, box, picture):
             return None
         detection = Detection(box, np.zeros(0), np.zeros(0))
         known = stood(seen.scene, detection, there.pose, person.stature.estimate[0], others)
@@ -164,7 +164,7 @@ class PersonUpdate:
         track = replace(track, stature=stature.estimate)
         return replace(person, track=track, stature=stature, contact=contact, seen=seen.now, left=False)
 
-    def after_part(self, person: Acquaintance, free: Array, seen: Observation) -> Acquaintance | None:
+    def after_part(self, person: KnownPerson, free: Array, seen: Observation) -> KnownPerson | None:
         """The person, held in place, after a picture that shows a part of the body; None if it shows none.
 
         free: (N,) bool, unassigned boxes.
@@ -176,7 +176,7 @@ class PersonUpdate:
             return None
         return replace(person, track=replace(person.track, velocity=np.zeros(2)), seen=seen.now, left=False)
 
-    def left(self, person: Acquaintance, mask: Array, free: Array, seen: Observation) -> bool:
+    def left(self, person: KnownPerson, mask: Array, free: Array, seen: Observation) -> bool:
         """Whether a person left: background at the expected place, and no other foreground near it.
 
         mask, free: of :func:`foreground_box`, with and without the people that have boxes.
@@ -186,7 +186,7 @@ class PersonUpdate:
         return person.comparable and box is None and bool(shares(self.camera, mask, expected)[0] < STILL)
 
     def _updated(
-        self, person: Acquaintance, known: Stood, picture: Picture, seen: Observation, *, joined: bool
+        self, person: KnownPerson, known: Stood, picture: Picture, seen: Observation, *, joined: bool
     ) -> tuple[Track, Contact | None]:
         """The person's track after the picture of a detection, and where the person stands.
 
@@ -198,7 +198,7 @@ class PersonUpdate:
         before = self._joined(person.track, known.detection) if joined else person.track
         return updated(before, seen.seconds, fitness, self.girths, search, self.random()), contact
 
-    def _boxed_lately(self, person: Acquaintance, seen: Observation) -> bool:
+    def _boxed_lately(self, person: KnownPerson, seen: Observation) -> bool:
         """Whether somebody is known, and had a box not long ago: what is no upper body may prolong this."""
         unboxed = (seen.now - person.boxed) * NANOSECOND
         return bool(person.number) and unboxed <= self.params.maximum_unboxed_time
@@ -213,7 +213,7 @@ class PersonUpdate:
         return learnt(model, colors[0].astype(float), weight, self.params.color_averaging_frames)
 
     def _unchanged(
-        self, person: Acquaintance, stirring: Stirring, pose: Array, others: Array, seen: Observation
+        self, person: KnownPerson, stirring: Stirring, pose: Array, others: Array, seen: Observation
     ) -> Array | None:
         """The picture of the first box if the person looks as in it to this day, else None."""
         first = None if stirring.most >= RIGID else person.first
@@ -232,7 +232,7 @@ class PersonUpdate:
             picture, self.shape, self.weights, detection=detection, contact=contact, walkable=self.walkable
         )
 
-    def _unboxed(self, person: Acquaintance, mask: Array, seen: Observation) -> tuple[Track, Array | None]:
+    def _unboxed(self, person: KnownPerson, mask: Array, seen: Observation) -> tuple[Track, Array | None]:
         """Where a person is expected, and the upper body (4,) px in the foreground near there, if any."""
         there = coasted(person.track, seen.seconds)
         expected = self.bodies.boxes([replace(person, track=there)])[0]

@@ -1,4 +1,4 @@
-"""What the slow instance tells the fast one of the people that it knows."""
+"""The message of the slow instance to the fast one about the people that it knows."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 from followspot.people import Appearances
 from followspot_persons.background.illumination import Illumination
 from followspot_persons.color.difference import ColorRelations, completed
-from followspot_persons.slow_instance.acquaintance import Acquaintance
+from followspot_persons.slow_instance.known_person import KnownPerson
 
 
 def reported(
-    people: Sequence[Acquaintance],
+    people: Sequence[KnownPerson],
     camera: str,
     features: int,
     relations: ColorRelations | None,

@@ -29,7 +29,7 @@ from followspot_persons.appearance import Appearance
 from followspot_persons.body.shape import read_shape, with_girth
 from followspot_persons.body.view import view
 from followspot_persons.color.hsi import hsi
-from followspot_persons.slow_instance.acquaintance import MISS
+from followspot_persons.slow_instance.known_person import MISSED_COST
 from followspot_persons.slow_instance.person_update import SHARP_VISIBILITY, TRUSTED
 
 GREEN = (60, 150, 50)
@@ -111,7 +111,7 @@ def test_however_often_a_person_was_seen_some_pictures_without_a_box_make_it_abs
     show = Show(maximum_missed_time=99.0)
     for _ in range(4):
         show.see(standing(2.5), score=6.0)
-    show.leave(round(TRUSTED / MISS) - 1)
+    show.leave(round(TRUSTED / MISSED_COST) - 1)
     assert not show.stage.people[0].absent
     show.leave(1)
     assert show.stage.people[0].absent

@@ -36,7 +36,7 @@ from followspot_persons.background.scene import Scene
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.view import view
 from followspot_persons.likelihood.fitness import Detection
-from followspot_persons.slow_instance.acquaintance import Acquaintance
+from followspot_persons.slow_instance.known_person import KnownPerson
 from followspot_persons.slow_instance.part_box import stood
 
 NOBODY, NONE = np.empty((0, 4)), np.empty(0)
@@ -296,7 +296,7 @@ def test_nothing_that_stirred_once_is_furniture():
 
 
 def test_hidden_feet_leave_the_distance_of_before_ever_more_vague():
-    new = Acquaintance.tentative(np.tile(standing(3.0), (4, 1)), 45, 1.0, 0, comparable=True, contact=None)
+    new = KnownPerson.tentative(np.tile(standing(3.0), (4, 1)), 45, 1.0, 0, comparable=True, contact=None)
     assert new.contact_after(None, 1.0) is None
     stands = replace(new, contact=Contact(3.0, 0.1))
     assert stands.contact_after(None, 1.0) == Contact(3.0, float(np.hypot(0.1, WALK)))

@@ -36,10 +36,10 @@ from followspot_persons.color.model import ColorModel
 from followspot_persons.fast_instance.pose_history import propagated_detection
 from followspot_persons.likelihood.fitness import Detection, pictured
 from followspot_persons.particles.track import Track
-from followspot_persons.slow_instance.acquaintance import Acquaintance
 from followspot_persons.slow_instance.box_assignment import BoxAssignment
 from followspot_persons.slow_instance.identity import same_person
-from followspot_persons.slow_instance.recognition import DOUBT, LONGEST_WAIT, Recognition
+from followspot_persons.slow_instance.known_person import KnownPerson
+from followspot_persons.slow_instance.recognition import LIKENESS_MARGIN, MAXIMUM_WAIT, Recognition
 from followspot_sim.actor.landmarks import NAMES
 
 
@@ -112,13 +112,13 @@ def test_a_level_face_has_no_tilt_and_a_raised_one_has() -> None:
     assert raised == pytest.approx(0.4, abs=0.03)
 
 
-def acquaintance(number: int, initiated: int, seen: int) -> Acquaintance:
+def acquaintance(number: int, initiated: int, seen: int) -> KnownPerson:
     """Somebody in usual clothes."""
     relations = read_relations()
     features = len(relations.mean)
     model = ColorModel(relations.mean, np.full((features, 3), 0.01), np.full(features, 20.0))
     track = Track.initiated(np.tile(standing(2.0), (10, 1)))
-    known = Acquaintance(number, track, model, initiated, seen, 9, 99.0, absent=number > 0)
+    known = KnownPerson(number, track, model, initiated, seen, 9, 99.0, absent=number > 0)
     stature = Stature()
     for _ in range(20):
         stature = stature.sized(1.75, 1.2)
@@ -134,7 +134,12 @@ def test_who_was_seen_beside_a_newcomer_is_somebody_else(left: int, number: int)
 
 @pytest.mark.parametrize(
     ("missing", "waited", "number"),
-    [(0.0, 0.1, 1), (0.5 * DOUBT, 0.1, 0), (0.5 * DOUBT, LONGEST_WAIT, 2), (1.5 * DOUBT, 0.1, 2)],
+    [
+        (0.0, 0.1, 1),
+        (0.5 * LIKENESS_MARGIN, 0.1, 0),
+        (0.5 * LIKENESS_MARGIN, MAXIMUM_WAIT, 2),
+        (1.5 * LIKENESS_MARGIN, 0.1, 2),
+    ],
     ids=["known", "waits", "has waited", "somebody else"],
 )
 def test_who_may_be_a_lost_person_waits_for_a_number(missing: float, waited: float, number: int) -> None:

@@ -36,8 +36,8 @@ from followspot_persons.particles.spawning import farthest, spawned
 from followspot_persons.particles.track import Track
 from followspot_persons.pose_fusion.pose_table import fused_pose, pose_table
 from followspot_persons.pose_tracker import PoseTracker
-from followspot_persons.slow_instance.acquaintance import Acquaintance
 from followspot_persons.slow_instance.identity import same_person
+from followspot_persons.slow_instance.known_person import KnownPerson
 
 FACING = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0.0]])
 SECOND = 1_000_000_000
@@ -143,7 +143,7 @@ def test_a_distance_by_the_feet_becomes_vague_with_its_age():
 
 
 def test_feet_where_nobody_walks_to_in_this_time_are_somebody_elses():
-    person = Acquaintance.tentative(
+    person = KnownPerson.tentative(
         standing(3.0)[None], 45, 1.0, 0, comparable=True, contact=Contact(4.4, STRIDE_SIGMA)
     )
     near = Contact(4.0, STRIDE_SIGMA)
