@@ -1,6 +1,7 @@
 """A run on the host of an agent, and the file from which a restarted agent resumes it if it is detached.
 
-The resumed workers have higher incarnation numbers than those of the earlier agent, and no checkpoints.
+The resumed workers have higher incarnation numbers than those of the earlier agent, and carry on from the
+checkpoints that it left.
 """
 
 from __future__ import annotations

@@ -21,6 +21,7 @@ from followspot.control.swap import ChangeOrder, ChangeStatus
 from followspot.control.worker_orders import RELAYED, SetClock
 from followspot.graph.plan import MAX_NEW_EDGES, Plan
 from followspot.graph.plan_data import plan_from_data
+from followspot.host.checkpoint_file import CheckpointFile
 from followspot.host.clocks.host import HostClock, reference
 from followspot.host.hot_swap import HostSwaps
 from followspot.host.ledger_file import ledger_memory
@@ -71,6 +72,8 @@ class LocalHost:
         self.news: list[str] = []
         self._moves: deque[MoveOrder] = deque()
         self._swaps: HostSwaps | None = None
+        self._checkpoints: CheckpointFile | None = None
+        """None if the run dies with this process."""
         self._clock_warnings = ClockWarnings()
 
     @property
@@ -91,7 +94,8 @@ class LocalHost:
     def prepare(self, order: RunOrder, ledger: Path | None = None) -> None:
         """Start all workers that have not ended; they wait for `start`. Raises FollowspotError, OSError.
 
-        ledger: file that keeps the counts if this process dies; None if the run dies with it.
+        ledger: file that keeps the counts if this process dies, and beside it the checkpoints of stages; None
+        if the run dies with it.
         """
         self.out = str(Path(order.out or ".").resolve())
         plan = plan_from_data(order.plan)
@@ -101,6 +105,9 @@ class LocalHost:
         self.ledger = Ledger(edges, memoryview(mmap.mmap(memory, size)).cast("q"))
         order = replace(order, out=self.out)
         self.pool = WorkerPool(self.name, order, memory, self.network, self.hub, self.log, self._in_process)
+        if ledger is not None:
+            self._checkpoints = CheckpointFile(ledger.with_name(".checkpoints"))
+            self.pool.states.update(self._checkpoints.left(plan))
         self.supervisor = Supervisor(self.pool, self.clock, self.report_event)
         self._swaps = HostSwaps(self.pool)
         self.ask = self._dispatcher(self._swaps).dispatch
@@ -142,6 +149,8 @@ class LocalHost:
             self.supervisor.rearrange(self._moves.popleft())
             self._follow_clock()
         self._attend_clock()
+        if self._checkpoints is not None:
+            self._checkpoints.keep(self.pool.states, self.plan, time.monotonic())
 
     def status(self) -> HostStatus:
         """The newest status. Safe from any thread."""
