@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from threading import Event, Thread
+from threading import Event, Thread, current_thread, main_thread
 
 from followspot.cli.agent_options import network_of
 from followspot.errors import FollowspotError
@@ -27,8 +28,10 @@ _FAULTS = 3
 def run_with_notices(args: argparse.Namespace) -> Iterator[RunHandle]:
     """The run that the options name, as `connected_run` finds it, with notices while the block waits.
 
-    Raises FollowspotError if there is no such run, or several.
+    A signal that ends the command, or its terminal, is a Ctrl-C for it: under agents the command leads the
+    change itself, and undoes it then. Raises FollowspotError if there is no such run, or several.
     """
+    _end_as_on_ctrl_c()
     found: list[RunHandle] = []
 
     def what() -> str:
@@ -36,7 +39,20 @@ def run_with_notices(args: argparse.Namespace) -> Iterator[RunHandle]:
 
     with wait_notices(what), connected_run(args.run, network_of(args)) as run:
         found.append(run)
-        yield run
+        try:
+            yield run
+        except KeyboardInterrupt:
+            if run.pid is not None:
+                line = f"{run.label} still does what it was asked to; followspot top shows it"
+                print(f"\nfollowspot: {line}", file=sys.stderr)
+            raise
+
+
+def _end_as_on_ctrl_c() -> None:
+    """Take SIGTERM and the end of the terminal for Ctrl-C, unless they are ignored, as below nohup."""
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) == signal.SIG_DFL and current_thread() is main_thread():
+            signal.signal(number, signal.default_int_handler)
 
 
 @contextmanager

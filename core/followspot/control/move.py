@@ -6,6 +6,9 @@ from typing import Any, ClassVar
 
 from followspot.control.dispatch import Role, RunRequest
 
+MOVE_TIMEOUT = 60.0
+"""Seconds after which workers that left for a move are started again, because nobody ends it."""
+
 
 class MoveOrder(RunRequest):
     """One step of a move on a host.

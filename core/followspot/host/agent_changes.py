@@ -51,14 +51,14 @@ class AgentChanges:
     def move(self, order: MoveOrder) -> None:
         """One step of a move of stages to or from this host. Raises FollowspotError."""
         agent_run = self._runs.agent_run(order.run)
-        if order.plan is not None:
-            plan = self._options.unpacked(order.plan)
-            if order.trial:
-                return
+        if order.plan is None:
+            agent_run.run.ask(order)
+            return
+        plan = self._options.unpacked(order.plan)
+        agent_run.run.ask(order.model_copy(update={"plan": plan}))
+        if not order.trial:
             agent_run.order = replace(agent_run.order, plan=order.plan)
-            order = order.model_copy(update={"plan": plan})
             self._log_line(f"run {order.run[:8]} of {agent_run.graph}: stages moved")
-        agent_run.run.ask(order)
 
     def _rewire(self, order: ChangeOrder, data: dict[str, Any], agent_run: AgentRun) -> None:
         """One step of a change in which stages of a worker here come or go. Raises FollowspotError."""

@@ -19,6 +19,7 @@ from followspot.control.move import MoveOrder
 from followspot.control.observation import GetHostStatus, GetLog, GetStates
 from followspot.control.swap import ChangeOrder, ChangeStatus
 from followspot.control.worker_orders import RELAYED, SetClock
+from followspot.errors import FollowspotError
 from followspot.graph.plan import MAX_NEW_EDGES, Plan
 from followspot.graph.plan_data import plan_from_data
 from followspot.host.checkpoint_file import CheckpointFile
@@ -136,6 +137,8 @@ class LocalHost:
         """One step of a move; the next `attend` does it. Raises FollowspotError."""
         if order.plan is not None:
             self.pool.check_rows(order.plan)
+        if order.plan is not None and self.supervisor.move_given_up and not (order.trial or order.back):
+            raise FollowspotError("the move took too long: the workers are at their old places again")
         if not order.trial:
             self._moves.append(order)
 
@@ -145,7 +148,7 @@ class LocalHost:
         self._swaps.attend(self.pool.receive(timeout))
         self.supervisor.check(time.monotonic())
         self._swaps.attend_deaths()
-        while self._moves:
+        while self._moves and (self._moves[0].plan is None or self.supervisor.gone()):
             self.supervisor.rearrange(self._moves.popleft())
             self._follow_clock()
         self._attend_clock()

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from followspot.control.lifecycle import StopRun
-from followspot.control.move import MoveOrder
+from followspot.control.move import MOVE_TIMEOUT, MoveOrder
 from followspot.control.worker_orders import LeaveRun, SendStates
 from followspot.control.worker_report import WorkerReport
 from followspot.host.clocks.host import HostClock
@@ -38,6 +38,10 @@ class Supervisor:
         self._running = self._stopping = False
         self._leaving: set[str] = set()
         """Workers that have left for a move, or are about to, until the pool is rearranged."""
+        self._back_at: float | None = None
+        """When they come back if the pool is not rearranged, monotonic, s."""
+        self.move_given_up = False
+        """True if workers came back from the newest move because it was not ended."""
         self._latest = 0
         """Highest incarnation that a move has given."""
         self._dead: set[str] = set()
@@ -85,6 +89,8 @@ class Supervisor:
             self._kill_silent(now)
             for name in self._restarts.due(now):
                 self._spawn_again(name, self._pool.workers[name].incarnation + 1)
+            if self._back_at is not None and now >= self._back_at:
+                self._bring_back()
             if now >= self._checkpoint_at:
                 self._checkpoint_at = now + _CHECKPOINT_PERIOD
                 self._request_checkpoints()
@@ -98,6 +104,10 @@ class Supervisor:
         """Do one step of a move: let workers leave, or start those that a new plan needs."""
         leaving = [name for name in order.leaving if name in self._pool.workers]
         self._leaving.update(leaving)
+        if order.leaving:
+            self.move_given_up = False
+        if leaving:
+            self._back_at = time.monotonic() + MOVE_TIMEOUT
         for name in leaving:
             self._restarts.call_off(name)
             self._pool.workers[name].channel.send_if_open(LeaveRun())
@@ -108,6 +118,24 @@ class Supervisor:
         for name in self._pool.rearrange(order.plan, order.states, self._leaving):
             self._spawn_again(name, self._latest)
         self._leaving.clear()
+        self._back_at = None
+
+    def gone(self) -> bool:
+        """True if no worker that is to leave is still at work."""
+        workers = self._pool.workers
+        return all(workers[name].phase in ("absent", "over") for name in self._leaving if name in workers)
+
+    def _bring_back(self) -> None:
+        """Let workers that left for a move begin at their old places: nobody ends the move."""
+        back, self._back_at = sorted(self._leaving), None
+        self._leaving.clear()
+        self.move_given_up = True
+        line = f"worker {', '.join(back)} begins again at its old place: the move was not ended"
+        self._report_event("warning", f"{line} within {MOVE_TIMEOUT:.0f} s", back[0])
+        for name in back:
+            worker = self._pool.workers[name]
+            if worker.phase == "absent":
+                self._spawn_again(name, worker.incarnation + 1)
 
     def _restarting(self) -> bool:
         """True if the supervisor restarts workers that die now."""

@@ -141,9 +141,18 @@ class WorkerPool:
     """A host whose workers leave and start at once, except for one that cannot start."""
 
     def __init__(
-        self, name: str, plan: Plan, *, refuses: bool = False, unable: str = "", silent_from: str = ""
+        self,
+        name: str,
+        plan: Plan,
+        *,
+        refuses: bool = False,
+        unable: str = "",
+        silent_from: str = "",
+        returns: bool = True,
     ) -> None:
-        """silent_from: kind of the first order that finds the host silent; it answers again at a way back."""
+        """silent_from: kind of the first order that finds the host silent; it answers again at a way back,
+        unless not `returns`."""
+        self.returns = returns
         self.name = name
         self.silent_from, self.silent = silent_from, False
         self.later: list[MoveOrder] = []
@@ -187,7 +196,7 @@ class WorkerPool:
         self.workers = there
 
     def status(self) -> HostStatus:
-        if self.silent and len(self.later) == 2:
+        if self.silent and self.returns and len(self.later) == 2:
             self.silent, self.silent_from = False, ""
             for order in self.later:
                 self._move(order)
@@ -229,6 +238,21 @@ def test_a_host_that_falls_silent_during_a_move_keeps_nobody_from_going_back(
         move_hosts(plan, moved(plan, ["b"], "pc-right"), pools)  # type: ignore[arg-type]
     assert {worker.phase for pool in pools for worker in pool.workers.values()} == {"running"}
     assert [pool.began[-1:] for pool in pools] == [["main"], ["left"], ["right"]]
+
+
+def test_whoever_gives_up_waiting_for_a_silent_host_hears_who_undoes_the_move(tmp_path: Path) -> None:
+    plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
+    silent = WorkerPool("pc-right", plan, silent_from="plan", returns=False)
+    pools = [WorkerPool("", plan), WorkerPool("pc-left", plan), silent]
+    there = r"host pc-right does not answer: what ran there begins again at its old place within 60 s"
+    with pytest.raises(FollowspotError, match=rf"on the way back: interrupted\n    {there}"):
+        move_hosts(
+            plan,
+            moved(plan, ["b"], "pc-right"),
+            pools,  # type: ignore[arg-type]
+            interrupt("worker right to begin at its old place"),
+        )
+    assert [pool.began[-1:] for pool in pools] == [["main"], ["left"], []]
 
 
 def test_a_move_says_what_it_waits_for(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from followspot.control.host import Host, HostLost, WorkerStatus
-from followspot.control.move import MoveOrder
+from followspot.control.move import MOVE_TIMEOUT, MoveOrder
 from followspot.control.observation import GetStates
 from followspot.errors import FollowspotError
 from followspot.graph.change.move import moved, restarted_workers
@@ -58,21 +58,25 @@ def move_hosts(old: Plan, new: Plan, hosts: Sequence[Host], on_wait: OnWait = no
     try:
         _replace(new, hosts, leaving, on_wait)
     except GIVEN_UP as error:
-        _go_back(old, hosts, leaving, on_wait, error)
+        if left := _go_back(old, hosts, leaving, on_wait):
+            raise FollowspotError("\n    ".join([str(error) or "interrupted", *left])) from None
         raise
 
 
-def _go_back(
-    old: Plan, hosts: Sequence[Host], leaving: set[str], on_wait: OnWait, error: BaseException
-) -> None:
-    """Bring all workers back to their old places. error: why the move failed.
+def _go_back(old: Plan, hosts: Sequence[Host], leaving: set[str], on_wait: OnWait) -> list[str]:
+    """Bring all workers back to their old places; those of a silent host begin there when it answers.
 
-    Raises FollowspotError if they do not begin there; those of a silent host do when it answers.
+    Returns what is left to be done, a line each.
     """
+    left = []
     try:
         _replace(old, hosts, leaving, on_wait, back=True)
-    except FollowspotError as after:
-        raise FollowspotError(f"{str(error) or 'interrupted'}\n    on the way back: {after}") from None
+    except GIVEN_UP as error:
+        left.append(f"on the way back: {str(error) or 'interrupted'}")
+    if silent := [host.name for host in hosts if (host.status().age_s or 0.0) > SILENCE]:
+        line = f"{named(silent)} does not answer: what ran there begins again at its old place"
+        left.append(f"{line} within {MOVE_TIMEOUT:.0f} s of its return")
+    return left
 
 
 def _replace(
