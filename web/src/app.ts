@@ -127,12 +127,19 @@ function takeScene(scene: Scene): void {
 function takeRun(run: Run): void {
   header.update(run, player.update(run.stages));
   faults.take(run.faults);
-  news.replaceChildren(...[...clocks(run), ...run.news.slice(-NEWS)].map((line) => make("li", line)));
+  news.replaceChildren(
+    ...[...change(run), ...clocks(run), ...run.news.slice(-NEWS)].map((line) => make("li", line)),
+  );
   pipeline.update(run);
   timeline.take(run, views.all());
   tiles.update(run.stages);
   sensors.update(run.stages);
   look();
+}
+
+// What the change of the run that is under way waits for.
+function change(run: Run): string[] {
+  return run.change_awaits ? [`a change waits for ${run.change_awaits}`] : [];
 }
 
 // Hosts whose clocks are so far off that the run warns.

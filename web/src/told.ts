@@ -196,6 +196,7 @@ export interface Run {
   type: "run";
   age_s: number;
   faults: string[];
+  change_awaits: string; // what the change under way waits for
   fired: number;
   expected: number | null;
   rate: number | null;

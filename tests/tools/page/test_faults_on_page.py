@@ -80,6 +80,10 @@ def test_a_dead_host_and_a_silent_run_are_seen_at_once_in_a_browser(tmp_path: Pa
         send(page, 40)
         chromium.wait("document.querySelectorAll('figure:not(.dark)').length === 1")
 
+        page.status = replace(page.status, change_awaits="host pc-left to build the new stages")
+        waits = "a change waits for host pc-left to build the new stages"
+        chromium.wait(f"document.querySelector('#news').innerText === {waits!r}")
+
         page.status = gone(page.status)
         chromium.wait("document.querySelectorAll('figure.absent').length === 6")
         assert chromium.ask("document.querySelector('#faults').innerText").startswith(

@@ -20,6 +20,7 @@ def test_the_clock_of_each_host_is_shown_and_one_that_is_off_is_named() -> None:
         "paths": [],
         "news": [],
         "faults": [],
+        "change_awaits": "",
     }
     lines = text({"graph": "g", "run": "0123456789", **empty, "clocks": clocks}).splitlines()
     (desk,) = (line.split() for line in lines if "this host" in line)

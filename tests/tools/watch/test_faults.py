@@ -141,6 +141,13 @@ def test_top_marks_what_is_wrong_and_a_terminal_shows_it_red() -> None:
     assert "!" not in well
 
 
+def test_top_says_what_a_change_waits_for() -> None:
+    waiting = replace(WELL, change_awaits="host pc-left to build the new stages")
+    line = "a change waits for host pc-left to build the new stages"
+    told = [{"run": "12345678", "graph": "g", **picture(status).data()} for status in (WELL, waiting)]
+    assert [line in text(data).splitlines() for data in told] == [False, True]
+
+
 def test_hz_has_no_rate_of_a_port_whose_stage_is_absent_or_that_is_silent(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -112,7 +112,7 @@ class RunMonitor:
     def data(self) -> dict[str, Any]:
         """In JSON types; rates in 1/s, load as a share of one processor; both null if unknown.
 
-        age_s: seconds since the run, or the worker, answered last.
+        age_s: seconds since the run, or the worker, answered last; change_awaits: see `RunStatus`.
         """
         status, stages = self.status, self.stages()
         rates = self._rates()
@@ -123,6 +123,7 @@ class RunMonitor:
             "type": "run",
             "age_s": round(self.age_s, 1),
             "faults": list(self.faults()),
+            "change_awaits": status.change_awaits if status else "",
             "fired": status.fired if status else 0,
             "expected": status.expected if status else None,
             "rate": max((rates.get(f"fired {name}", 0.0) for name in known), default=None),

@@ -84,9 +84,10 @@ def report(data: dict[str, Any], most: int | None = None) -> RenderableType:
     expected = f" of {data['expected']}" if data["expected"] else ""
     head = f"{data['graph']} ({data['run'][:8]}): {data['fired']}{expected} frames, {_rate(data)} per second"
     errors = [f"  {s['stage']}: {s['error'].splitlines()[0][:_ERROR]}" for s in data["stages"] if s["error"]]
+    change = [line(f"a change waits for {data['change_awaits']}")] if data["change_awaits"] else []
     clocks = [line("clocks, offset added to the times of each host"), _clocks(data["clocks"])]
     return blocks(
-        [line(head), *(line(fault, bad=True) for fault in data["faults"])],
+        [line(head), *(line(fault, bad=True) for fault in data["faults"]), *change],
         [_stages(data["stages"][:most])],
         [_edges(data["edges"][:most])],
         _lost_at_source(data["edges"]),
