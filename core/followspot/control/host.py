@@ -31,8 +31,9 @@ class RunOrder:
     run: unique name; plan: as `plan_to_data` gives it; frames: of each camera, None for all; out: folder
     for outputs, None if the host chooses one; restart: whether hosts restart workers that die; detached:
     whether the run goes on without an operator; incarnations: of workers that ran under an earlier agent;
-    over: workers of any host that have ended for good; reference: the run's reference host, which stays the
-    same when hosts join or leave, "" if the run began without agents; operator: its process.
+    fired: frames that they did there; over: workers of any host that have ended for good; reference: the
+    run's reference host, which stays the same when hosts join or leave, "" if the run began without agents;
+    operator: its process.
     """
 
     run: str
@@ -42,6 +43,7 @@ class RunOrder:
     restart: bool = False
     detached: bool = False
     incarnations: dict[str, Incarnation] = field(default_factory=dict)
+    fired: dict[str, Count] = field(default_factory=dict)
     over: tuple[str, ...] = ()
     reference: str = ""
     operator: ProcessIdentity = ProcessIdentity()
@@ -55,9 +57,10 @@ class RunOrder:
 class WorkerStatus:
     """The status of one worker.
 
-    phase: see `WorkerPhase`; fired: frames done; expected: frames to be done, None if unknown; restarts: how
-    often the worker was restarted; report: None until it has ended; stages, paths: their newest statuses;
-    age_s: time since its last message, s, None if there was none; host: its host, "" for the operator's own.
+    phase: see `WorkerPhase`; fired: frames done, also before restarts; expected: frames to be done, None if
+    unknown; restarts: how often the worker was restarted; report: None until it has ended; stages, paths:
+    their newest statuses; age_s: time since its last message, s, None if there was none; host: its host, ""
+    for the operator's own.
     """
 
     name: str

@@ -71,7 +71,8 @@ class AgentRun:
         workers = self.run.status().workers
         over = {*self.order.over, *(worker.name for worker in workers if worker.phase == "over")}
         incarnations = {worker.name: worker.restarts + _RESTART_MARGIN for worker in workers}
-        return replace(self.order, incarnations=incarnations, over=tuple(sorted(over)))
+        fired = {worker.name: worker.fired for worker in workers}
+        return replace(self.order, incarnations=incarnations, fired=fired, over=tuple(sorted(over)))
 
 
 class KeptRuns:

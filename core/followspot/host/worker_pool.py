@@ -77,8 +77,10 @@ class WorkerPool:
 
         correction: offsets to add to its clocks, ns; again: True if other workers may be running already.
         """
+        before = self.workers.get(name)
+        fired = self.order.fired.get(name, 0) if before is None else before.status().fired
         worker = self.workers[name] = WorkerProcess(
-            name, incarnation, self._starts.start, self._handlers(name)
+            name, incarnation, self._starts.start, self._handlers(name), fired
         )
         self._selector.register(worker.channel, selectors.EVENT_READ, worker)
         if again:

@@ -64,8 +64,12 @@ class WorkerProcess:
         incarnation: int,
         start: Start,
         handlers: Handlers = MappingProxyType({}),
+        fired_before: int = 0,
     ) -> None:
-        """Start the worker, which waits for its plan. handlers: of further messages. Raises OSError."""
+        """Start the worker, which waits for its plan. Raises OSError.
+
+        handlers: of further messages; fired_before: frames done by its earlier incarnations.
+        """
         ours, theirs = socket.socketpair()
         with theirs:
             self.process = start(name, theirs)
@@ -77,6 +81,8 @@ class WorkerProcess:
         """True while the control channel is open."""
         self.phase: WorkerPhase = "starting"
         self.fired = 0
+        """Frames done by this incarnation."""
+        self._fired_before = fired_before
         self.time = -1
         self.expected: int | None = None
         self.last_times: dict[str, int] = {}
@@ -156,7 +162,7 @@ class WorkerProcess:
         return WorkerStatus(
             name=self.name,
             phase=self.phase,
-            fired=self.fired,
+            fired=self._fired_before + self.fired,
             time=self.time,
             expected=self.expected,
             restarts=self.incarnation,

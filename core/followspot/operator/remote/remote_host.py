@@ -187,7 +187,9 @@ class RemoteHost:
             self._end_if_not_resumed()
             return
         self._old_news = (*self._status.news, f"{lost}: its workers start again")[-_MAX_NEWS:]
+        workers = self._status.workers
+        incarnations = {worker.name: worker.restarts + _RESTART_MARGIN for worker in workers}
         try:
-            self._orders.resume({w.name: w.restarts + _RESTART_MARGIN for w in self._status.workers})
+            self._orders.resume(incarnations, {worker.name: worker.fired for worker in workers})
         except HostRefused as error:
             self._missing = f"{error}; it cannot resume the run"

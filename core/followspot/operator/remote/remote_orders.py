@@ -75,16 +75,17 @@ class RemoteOrders:
         self.order = replace(order, plan=plan, out=None)
         self.ask(PrepareRun(order=self.order), _PREPARE_TIMEOUT)
 
-    def resume(self, incarnations: Mapping[str, int]) -> None:
+    def resume(self, incarnations: Mapping[str, int], fired: Mapping[str, int]) -> None:
         """Prepare the run again, with an agent that has lost it. Raises HostRefused, HostLost.
 
-        incarnations: of its workers. The link may be cut at any moment, so the later orders are queued until
-        the agent answers.
+        incarnations, fired: of its workers, see `RunOrder`. The link may be cut at any moment, so the later
+        orders are queued until the agent answers.
         """
         assert self.order is not None
         after: list[RunRequest] = [*self._standing, StartRun(run=self.run)]
         self._undelivered.extendleft(each for each in reversed(after) if each not in self._undelivered)
-        self.ask(PrepareRun(order=replace(self.order, incarnations=dict(incarnations))), _PREPARE_TIMEOUT)
+        order = replace(self.order, incarnations=dict(incarnations), fired=dict(fired))
+        self.ask(PrepareRun(order=order), _PREPARE_TIMEOUT)
 
     def deliver(self) -> None:
         """Send the undelivered orders. Raises HostLost."""

@@ -99,8 +99,13 @@ class HostReporter:
 
 
 def _progress(scheduler: Scheduler) -> Progress:
-    """How far the worker has come: its sinks that still have inputs, else its sources."""
+    """How far the worker has come: its sinks that still have inputs, else its stages that nobody reads, else
+    its sources.
+    """
     sources = scheduler.sources.all
-    fired = [runner.count.fired for runner in scheduler.runners if runner.is_sink and runner.join.members]
+    fed = [runner for runner in scheduler.runners if runner.join.members]
+    unread = [runner for runner in fed if not any(output.all_rows for _, output in runner.outputs)]
+    ends = [runner for runner in fed if runner.is_sink] or unread
+    fired = [runner.count.fired for runner in ends]
     counted = fired or [source.yielded for source in sources if not source.accompanying]
     return Progress(fired=min(counted, default=0), time=max((s.watermark for s in sources), default=-1))

@@ -1,9 +1,10 @@
-"""A move that nobody ends: its workers begin again where they were, and a late end of it is refused."""
+"""A live run on one host: moves that nobody ends, and frames that are counted through deaths."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,7 +17,7 @@ from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_to_data
 from followspot.host.local_host import LocalHost
-from followspot.operator.coordinator import order_of
+from followspot.operator.new_order import new_order
 from followspot.worker.wiring import RunOptions
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
@@ -38,7 +39,7 @@ def plan(tmp_path: Path) -> Plan:
 @pytest.fixture
 def host(tmp_path: Path, plan: Plan) -> Iterator[LocalHost]:
     made = LocalHost("")
-    made.prepare(order_of(plan, RunOptions(tmp_path), restart=True))
+    made.prepare(new_order(plan, RunOptions(tmp_path), restart=True))
     attend(made, lambda: made.status().all("ready"))
     made.ask(StartRun())
     attend(made, lambda: made.status().all("running"))
@@ -55,6 +56,30 @@ def attend(host: LocalHost, until: Callable[[], bool]) -> None:
 
 def phases(host: LocalHost) -> dict[str, str]:
     return {worker.name: worker.phase for worker in host.status().workers}
+
+
+def frames(host: LocalHost) -> dict[str, int]:
+    return {worker.name: worker.fired for worker in host.status().workers}
+
+
+def test_the_frames_of_a_worker_are_counted_through_its_deaths(host: LocalHost, tmp_path: Path) -> None:
+    for _ in range(2):
+        before = frames(host)["c"]
+        attend(host, lambda: frames(host)["c"] > before + 5)  # noqa: B023  # of this round
+        before = frames(host)["c"]
+        host.workers["c"].process.kill()
+        attend(host, lambda: phases(host)["c"] == "absent")
+        assert frames(host)["c"] >= before
+        attend(host, lambda: phases(host)["c"] == "running")
+        assert frames(host)["c"] >= before
+
+
+def test_a_host_whose_agent_is_started_again_counts_on(plan: Plan, tmp_path: Path) -> None:
+    order = replace(new_order(plan, RunOptions(tmp_path), restart=True), fired={"c": 70})
+    host = LocalHost("")
+    host.prepare(order)
+    assert frames(host) == {"a": 0, "b": 0, "c": 70}
+    host.close()
 
 
 def test_workers_that_left_for_a_move_come_back_if_it_is_not_ended(host: LocalHost, plan: Plan) -> None:
