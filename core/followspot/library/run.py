@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Unpack
@@ -63,7 +64,7 @@ def run(
     messages, which are counted. set: parameters and stages, ``{"fuse.uses": "balls.mean"}``; out: folder for
     outputs, by default a new one below ``runs``; frames: of each source; keep: a flight recorder holds so
     many seconds (``"30s"``), and `OwnRun.mark` saves them; the others: as the options of `followspot run`.
-    Raises InputError with every mistake.
+    Issues the warnings of `check` in Python. Raises InputError with every mistake.
     """
     ports = (ports,) if isinstance(ports, str) else ports
     frames = whole_number("frames", frames, 1, "give a whole number from 1, or nothing for all")
@@ -78,6 +79,8 @@ def run(
         plugin_files=plugin_files,
         edges=edges,
     )
+    for mistake in plan.warnings:
+        warnings.warn(str(mistake), stacklevel=2)
     subscribed = SubscriptionSinks(plan, ports)
     kept = keeping(subscribed.plan, keep)
     folder = Path(out or Path("runs") / f"{plan.graph}-{time.strftime('%Y%m%d-%H%M%S')}")

@@ -1,4 +1,4 @@
-"""What a script is told at the end of a run, as warnings of Python."""
+"""What a script is told at the beginning and the end of a run, as warnings of Python."""
 
 from __future__ import annotations
 
@@ -35,6 +35,27 @@ class Single(fs.Stage):
         return replace(tracks, xyz=tracks.xyz.astype(np.float32))
 
 
+UNREAD = 'no stage reads what stage "low"'
+
+
+def after_the_start(recwarn: pytest.WarningsRecorder) -> list[str]:
+    """The warnings but for that of the check."""
+    told = [str(warning.message) for warning in recwarn]
+    assert UNREAD in told[0]
+    return told[1:]
+
+
+def test_a_script_is_warned_at_the_start_of_what_the_check_warns_of(
+    tmp_path: Path, recwarn: pytest.WarningsRecorder
+) -> None:
+    run = fs.run(composed(), frames=1, out=tmp_path)
+    (warning,) = recwarn.list
+    assert UNREAD in str(warning.message)
+    assert "or remove it" in str(warning.message), "the remedy"
+    assert warning.filename == __file__, "the line of the script"
+    run.close()
+
+
 @pytest.mark.parametrize(
     ("kind", "said"),
     [
@@ -50,7 +71,7 @@ def test_a_script_is_warned_of_what_the_report_warns_of(
     graph.add("last", kind, tracks=graph.port("track.tracks"))
     with fs.run(graph, frames=6, out=tmp_path, ports="last") as run:
         assert len(list(run["last"])) == (0 if said else 6)
-    told = [str(warning.message) for warning in recwarn]
+    told = after_the_start(recwarn)
     assert len(told) == len(said)
     assert all(text in one for text, one in zip(said, told, strict=True))
 
@@ -60,7 +81,7 @@ def test_a_run_that_was_left_early_does_not_say_who_gave_nothing(
 ) -> None:
     with fs.run(composed(), out=tmp_path, ports="track.tracks") as run:
         next(iter(run["track.tracks"]))
-    assert not recwarn.list
+    assert not after_the_start(recwarn)
 
 
 def test_a_loop_behind_the_block_is_told_that_nothing_comes(tmp_path: Path) -> None:
