@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
 from pythonosc.osc_message_builder import OscMessageBuilder
 
 from followspot import Field
+from followspot.frame_times import SECOND
 from followspot.people import Poses, Skeletons
+from followspot.plain_values import from_plain, to_plain
 from followspot.tracking import Tracks
 from followspot_sinks.datagrams import DatagramSink
 from followspot_sinks.slots import FARTHEST, PersonSlotParams, PersonSlots, Slots, with_tracks
 
 _NOT_IN_ADDRESS = re.compile(r"[^\w.-]")
+_TOLD = 3 * SECOND
+"""For how long it is told that a person is not tracked any more, ns: the network may lose a datagram."""
 
 
 class OscSink(DatagramSink):
@@ -77,24 +82,44 @@ class OscPoses(OscSink):
 class OscSkeletons(OscSink):
     """Send a bundle with the joints of each person: `/followspot/1/joint/left_wrist` x y z (m).
 
-    1 is the person's number. Joints whose place is not known are not sent.
+    1 is the person's number. Joints whose place is not known are not sent. `/followspot/1/tracked` is 1 while
+    one is known, and 0 for 3 s after that.
     """
+
+    def setup(self) -> None:
+        """Open the socket. Raises InputError if the host is unknown."""
+        super().setup()
+        self.seen: dict[int, int] = {}
 
     def process(self, skeletons: Skeletons) -> None:
         """Send one frame."""
+        time = skeletons.header.time
+        known = skeletons.where(np.asarray((np.abs(skeletons.xyz) <= FARTHEST).all(axis=1)))
+        told = {person: seen for person, seen in self.seen.items() if time - seen <= _TOLD}
+        self.seen = told | dict.fromkeys(np.unique(known.person).tolist(), time)
         if self.network is not None:
-            for person in np.unique(skeletons.person):
-                own = skeletons.where(skeletons.person == person)
-                self.network.send(joint_bundle(self.params.prefix, own))
+            for person in sorted(self.seen):
+                own = known.where(known.person == person)
+                self.network.send(joint_bundle(self.params.prefix, person, own))
+
+    def state(self) -> Any:
+        """When each person was seen last, ns: who leaves meanwhile is told of, too."""
+        return to_plain(self.seen)
+
+    def restore(self, state: Any) -> None:
+        """Carry on from this state."""
+        self.seen = from_plain(dict[int, int], state)
 
 
-def joint_bundle(prefix: str, skeletons: Skeletons) -> bytes:
-    """One OSC bundle with a message for each joint; characters that an address cannot have become _."""
+def joint_bundle(prefix: str, person: int, joints: Skeletons) -> bytes:
+    """One OSC bundle: whether a person is tracked, and a message for each joint.
+
+    joints: of the person, none if it is not tracked; characters that an address cannot have become _.
+    """
     build = OscBundleBuilder(IMMEDIATELY)
-    names = [_NOT_IN_ADDRESS.sub("_", name) for name in skeletons.labels]
-    known = (np.abs(skeletons.xyz) <= FARTHEST).all(axis=1)
-    rows = zip(skeletons.person[known], skeletons.label[known], skeletons.xyz[known], strict=True)
-    for person, label, xyz in rows:
+    names = [_NOT_IN_ADDRESS.sub("_", name) for name in joints.labels]
+    _add(build, f"{prefix}/{person}/tracked", [float(len(joints.person) > 0)])
+    for label, xyz in zip(joints.label, joints.xyz, strict=True):
         _add(build, f"{prefix}/{person}/joint/{names[label]}", xyz.tolist())
     return build.build().dgram
 

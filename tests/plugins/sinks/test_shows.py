@@ -22,7 +22,7 @@ from followspot.messages import stamped
 from followspot.people import Poses, Skeletons
 from followspot.rotation import from_rotation_vector
 from followspot.tracking import Tracks
-from followspot_sinks.osc import Osc, OscPoses, joint_bundle
+from followspot_sinks.osc import Osc, OscPoses, OscSkeletons
 from followspot_sinks.psn.stage import Psn, PsnPoses
 from followspot_sinks.slots import PersonSlots
 from followspot_sinks.udp_json import UdpJson
@@ -68,7 +68,9 @@ def receiver() -> Iterator[socket.socket]:
 
 
 def received(
-    sink: Osc | OscPoses | Psn | PsnPoses | UdpJson, messages: list[Message], own: socket.socket
+    sink: Osc | OscPoses | OscSkeletons | Psn | PsnPoses | UdpJson,
+    messages: list[Message],
+    own: socket.socket,
 ) -> list[bytes]:
     """The datagrams that the sink sends for these messages."""
     sink.setup()
@@ -295,17 +297,55 @@ def test_orientations_in_json_datagrams(receiver: socket.socket) -> None:
     assert unknown["qw"] is None
 
 
-def test_joints_of_a_person_have_an_address_each() -> None:
-    skeletons = Skeletons(
+def skeletons(seconds: float, *persons: int) -> Skeletons:
+    """Each person has a wrist, one whose name no address can have, and a nose whose place is not known."""
+    count = len(persons)
+    message = Skeletons(
         labels=("left_wrist", "right/wrist", "nose"),
-        person=np.array([3, 3, 3], "i4"),
-        label=np.array([0, 1, 2], "i4"),
-        xyz=np.array([[1.0, 2.0, 0.5], [1.5, 2.0, 0.5], [np.nan, 0.0, 0.0]]),
-        covariance=np.zeros((3, 3, 3)),
-        views=np.ones(3, "i4"),
+        person=np.repeat(persons, 3).astype("i4"),
+        label=np.tile([0, 1, 2], count).astype("i4"),
+        xyz=np.tile([[1.0, 2.0, 0.5], [1.5, 2.0, 0.5], [np.nan, 0.0, 0.0]], (count, 1)),
+        covariance=np.zeros((3 * count, 3, 3)),
+        views=np.ones(3 * count, "i4"),
     )
-    told = OscPacket(joint_bundle("/followspot", skeletons)).messages
-    assert [(m.message.address, m.message.params) for m in told] == [
+    return stamped(message, Header("pose", 0, round(seconds * 1e9)))
+
+
+def told(packets: list[bytes]) -> list[tuple[str, list[float]]]:
+    found = [(m.message.address, m.message.params) for packet in packets for m in OscPacket(packet).messages]
+    return [(address, list(values)) for address, values in found]
+
+
+def test_joints_of_a_person_have_an_address_each(receiver: socket.socket) -> None:
+    sink = OscSkeletons(port=receiver.getsockname()[1])
+    assert told(received(sink, [skeletons(0.0, 3)], receiver)) == [
+        ("/followspot/3/tracked", [1.0]),
         ("/followspot/3/joint/left_wrist", [1.0, 2.0, 0.5]),
         ("/followspot/3/joint/right_wrist", [1.5, 2.0, 0.5]),
     ]
+
+
+def test_it_is_told_for_a_while_that_a_person_has_left(receiver: socket.socket) -> None:
+    """The network may lose a datagram, and the worker may be started again meanwhile."""
+    sink = OscSkeletons(port=receiver.getsockname()[1])
+    frames = [skeletons(0.0, 3, 4), skeletons(1.0, 4), skeletons(3.5, 4), skeletons(4.0, 3, 4)]
+    packets = [told([packet]) for packet in received(sink, list(frames), receiver)]
+    assert [packet[0] for packet in packets] == [
+        ("/followspot/3/tracked", [1.0]),
+        ("/followspot/4/tracked", [1.0]),
+        ("/followspot/3/tracked", [0.0]),
+        ("/followspot/4/tracked", [1.0]),
+        ("/followspot/4/tracked", [1.0]),
+        ("/followspot/3/tracked", [1.0]),
+        ("/followspot/4/tracked", [1.0]),
+    ]
+    assert [len(packet) for packet in packets] == [3, 3, 1, 3, 3, 3, 3]
+    second = OscSkeletons(port=receiver.getsockname()[1])
+    second.setup()
+    second.restore(sink.state())
+    second.process(skeletons(5.0))
+    assert told([receiver.recv(65536) for _ in range(2)]) == [
+        ("/followspot/3/tracked", [0.0]),
+        ("/followspot/4/tracked", [0.0]),
+    ]
+    second.close()
