@@ -16,7 +16,7 @@ from followspot.people import Poses, Skeletons
 from followspot.plain_values import from_plain, to_plain
 from followspot.tracking import Tracks
 from followspot_sinks.datagrams import DatagramSink
-from followspot_sinks.slots import FARTHEST, PersonSlotParams, PersonSlots, Slots, with_tracks
+from followspot_sinks.slots import FARTHEST, KeepsSlots, PersonSlotParams, PersonSlots, Slots, TargetSlots
 
 _NOT_IN_ADDRESS = re.compile(r"[^\w.-]")
 _TOLD = 3 * SECOND
@@ -39,7 +39,7 @@ class OscSink(DatagramSink):
             self.network.send(bundle(self.params.prefix, slots, heading))
 
 
-class Osc(OscSink):
+class Osc(KeepsSlots[TargetSlots], OscSink):
     """Send each target of the room to slot 1, 2, ... in the order of the room file.
 
     `/followspot/1/tracked` 1 or 0, while its place is known `/followspot/1/position` x y z (m) and
@@ -50,15 +50,14 @@ class Osc(OscSink):
     def setup(self) -> None:
         """Open the socket. Raises InputError if the host is unknown."""
         super().setup()
-        self.slots = Slots.free(len(self.room.targets))
+        self.keeper = TargetSlots(tuple(self.room.targets))
 
     def process(self, tracks: Tracks) -> None:
         """Send one frame."""
-        self.slots = with_tracks(self.slots, tracks)
-        self.send(self.slots, heading=False)
+        self.send(self.keeper.after(tracks), heading=False)
 
 
-class OscPoses(OscSink):
+class OscPoses(KeepsSlots[PersonSlots], OscSink):
     """Send each person in a slot of its own: position of the head's top, velocity, heading.
 
     As `sinks.osc`, and `/followspot/1/heading` (rad, counter-clockwise from the room's x axis).
@@ -72,11 +71,11 @@ class OscPoses(OscSink):
     def setup(self) -> None:
         """Open the socket. Raises InputError if the host is unknown."""
         super().setup()
-        self.persons = PersonSlots(self.params.slots, self.params.hold_time)
+        self.keeper = PersonSlots(self.params.slots, self.params.hold_time)
 
     def process(self, poses: Poses) -> None:
         """Send one frame."""
-        self.send(self.persons.after(poses), heading=True)
+        self.send(self.keeper.after(poses), heading=True)
 
 
 class OscSkeletons(OscSink):

@@ -7,7 +7,8 @@ the room file gives a target its slot; a person gets the lowest free slot, and k
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from followspot.frame_times import SECOND
 from followspot.inertial import PosedTracks
 from followspot.messages import Array
 from followspot.people import Poses
+from followspot.plain_values import from_plain, to_plain
 from followspot.rotation import canonical, rotation_vector
 from followspot.tracking import Tracks
 
@@ -46,6 +48,17 @@ class Slots:
         """Free slots."""
         zeros, unknown = np.zeros((count, 3)), np.full((count, 4), np.nan)
         return Slots(("",) * count, np.zeros(count, bool), zeros, zeros, np.zeros(count), unknown)
+
+    @staticmethod
+    def carried(state: Any, count: int) -> Slots:
+        """The first `count` slots of a state that `to_plain` made; those beyond it are free."""
+        old, free = from_plain(Slots, state), Slots.free(count)
+        kept = min(count, len(old.names))
+        columns = ("known", "position", "velocity", "heading", "quaternion")
+        parts = {
+            name: np.concatenate([getattr(old, name)[:kept], getattr(free, name)[kept:]]) for name in columns
+        }
+        return Slots((*old.names[:kept], *free.names[kept:]), **parts)
 
     @property
     def oriented(self) -> Array:
@@ -86,6 +99,27 @@ def _turned(quaternion: Array, tracks: PosedTracks) -> Array:
 def _meant(numbers: Array) -> Array:
     """Rows with sendable numbers only: (N, K) -> (N,) bool."""
     return np.asarray((np.abs(numbers) <= FARTHEST).all(axis=1))  # NaN is not
+
+
+class TargetSlots:
+    """The slots of a room's targets. names: of all targets, in the order of the room file."""
+
+    def __init__(self, names: tuple[str, ...]) -> None:
+        self.slots = replace(Slots.free(len(names)), names=names)
+
+    def after(self, tracks: Tracks) -> Slots:
+        """The slots after one frame of targets."""
+        self.slots = with_tracks(self.slots, tracks)
+        return self.slots
+
+    def state(self) -> Any:
+        """Where each target is, or was last."""
+        return to_plain(self.slots)
+
+    def restore(self, state: Any) -> None:
+        """Carry on from this state."""
+        names = self.slots.names
+        self.slots = replace(Slots.carried(state, len(names)), names=names)
 
 
 class PersonSlotParams(StageParams):
@@ -141,6 +175,19 @@ class PersonSlots:
         self.slots = Slots(tuple(names), known, position, velocity, heading, before.quaternion)
         return self.slots
 
+    def state(self) -> Any:
+        """Who has which slot, for `restore`: lights are patched to numbers, whatever happens to a worker."""
+        return {"slots": to_plain(self.slots), "row": to_plain(self._row), "seen": self._seen}
+
+    def restore(self, state: Any) -> None:
+        """Carry on from this state; who has a slot beyond those that there are now loses it."""
+        count = len(self._seen)
+        self.slots = Slots.carried(state["slots"], count)
+        rows = from_plain(dict[int, int], state["row"])
+        self._row = {person: row for person, row in rows.items() if row < count}
+        kept = min(count, len(state["seen"]))
+        self._seen[:kept] = state["seen"][:kept]
+
     def _release(self, oldest: int, present: Collection[int]) -> None:
         """Free the slots of persons that were last seen before this time, ns, and are not present now."""
         self._row = {
@@ -155,3 +202,20 @@ class PersonSlots:
                 return False
             self._row[person] = min(free)
         return True
+
+
+Keeper = TypeVar("Keeper", TargetSlots, PersonSlots)
+
+
+class KeepsSlots(Generic[Keeper]):
+    """Lets a sink carry on with its slots when its worker is started again; `keeper` has them."""
+
+    keeper: Keeper
+
+    def state(self) -> Any:
+        """The slots."""
+        return self.keeper.state()
+
+    def restore(self, state: Any) -> None:
+        """Carry on from this state."""
+        self.keeper.restore(state)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from pydantic import field_validator
 
 from followspot import Field, OutputHost
@@ -13,7 +11,7 @@ from followspot.rotation import signed_axes
 from followspot.tracking import Tracks
 from followspot_sinks.datagrams import DatagramSink
 from followspot_sinks.psn.packets import data_packets, info_packets
-from followspot_sinks.slots import PersonSlotParams, PersonSlots, Slots, with_tracks
+from followspot_sinks.slots import KeepsSlots, PersonSlotParams, PersonSlots, Slots, TargetSlots
 
 
 class PsnSink(DatagramSink):
@@ -63,7 +61,7 @@ class PsnSink(DatagramSink):
         self.frame += 1
 
 
-class Psn(PsnSink):
+class Psn(KeepsSlots[TargetSlots], PsnSink):
     """Send each target as tracker 1, 2, ... in the order of the room file; status 1: its place is known.
 
     Its orientation is sent if the tracks have one.
@@ -72,16 +70,14 @@ class Psn(PsnSink):
     def setup(self) -> None:
         """Open the socket. Raises InputError if the host is unknown."""
         super().setup()
-        free = Slots.free(len(self.room.targets))
-        self.slots = replace(free, names=tuple(self.room.targets))
+        self.keeper = TargetSlots(tuple(self.room.targets))
 
     def process(self, tracks: Tracks) -> None:
         """Send one frame."""
-        self.slots = with_tracks(self.slots, tracks)
-        self.send(self.slots, tracks.header.time)
+        self.send(self.keeper.after(tracks), tracks.header.time)
 
 
-class PsnPoses(PsnSink):
+class PsnPoses(KeepsSlots[PersonSlots], PsnSink):
     """Send each person as a tracker of its own: the head's top, and the heading."""
 
     class Params(PsnSink.Params, PersonSlotParams):
@@ -92,8 +88,8 @@ class PsnPoses(PsnSink):
     def setup(self) -> None:
         """Open the socket. Raises InputError if the host is unknown."""
         super().setup()
-        self.persons = PersonSlots(self.params.slots, self.params.hold_time)
+        self.keeper = PersonSlots(self.params.slots, self.params.hold_time)
 
     def process(self, poses: Poses) -> None:
         """Send one frame."""
-        self.send(self.persons.after(poses), poses.header.time)
+        self.send(self.keeper.after(poses), poses.header.time)

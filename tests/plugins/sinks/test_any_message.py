@@ -177,5 +177,5 @@ def test_a_target_that_the_room_does_not_have_has_no_slot() -> None:
     place = np.zeros((2, 3))
     sink.setup()
     sink.process(Tracks(np.array([7, 0], "i4"), np.ones(2, "u1"), place, place, place))
-    assert sink.slots.known.tolist() == [True]
+    assert sink.keeper.slots.known.tolist() == [True]
     sink.close()
