@@ -44,12 +44,12 @@ def problem(site: Path, name: str) -> str:
 def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A folder of packages, first on the import path."""
     monkeypatch.syspath_prepend(str(tmp_path))
-    before = set(sys.modules)
     catalogue.cache_clear()
     yield tmp_path
     catalogue.cache_clear()
-    for name in set(sys.modules) - before:
-        del sys.modules[name]
+    for name, module in list(sys.modules.items()):
+        if str(getattr(module, "__file__", None) or "").startswith(str(tmp_path)):
+            del sys.modules[name]
 
 
 def test_every_stage_of_followspot_itself_is_well() -> None:
