@@ -31,21 +31,21 @@ class Targets:
 
     def __init__(self, room: Room, monotonic: Callable[[], float] = time.monotonic) -> None:
         self.names = tuple(room.targets)
-        self._told: dict[str, tuple[float, Mapping[str, str]]] = {}
+        self._received: dict[str, tuple[float, Mapping[str, str]]] = {}
         """Of each port when it was heard last, s, and its states."""
         self._clock = monotonic
 
     @property
     def age_s(self) -> float | None:
         """Seconds since the last message about targets; None if there was none."""
-        return self._clock() - max(taken for taken, _ in self._told.values()) if self._told else None
+        return self._clock() - max(taken for taken, _ in self._received.values()) if self._received else None
 
     @property
     def state(self) -> Mapping[str, str]:
         """The state of each target, "old" without a recent message."""
-        if not self._told:
+        if not self._received:
             return {}
-        recent = [states for taken, states in self._told.values() if self._clock() - taken <= SILENCE]
+        recent = [states for taken, states in self._received.values() if self._clock() - taken <= SILENCE]
         return {name: max((s[name] for s in recent), key=_BEST.index, default="old") for name in self.names}
 
     def take(self, port: str, message: Message) -> None:
@@ -54,7 +54,7 @@ class Targets:
             return
         known = [(int(t), STATES[s]) for t, s in zip(message.target, message.state, strict=True)]
         found = {self.names[target]: state for target, state in known if target < len(self.names)}
-        self._told[port] = self._clock(), dict.fromkeys(self.names, "lost") | found
+        self._received[port] = self._clock(), dict.fromkeys(self.names, "lost") | found
 
 
 def text(

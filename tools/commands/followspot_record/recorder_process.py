@@ -53,7 +53,7 @@ class RecorderProcess:
         self._local = LocalReceiver(order.listen, self._consume)
         self._remote = _remote(order, self._consume)
 
-    def told(self, state: str) -> dict[str, Any]:
+    def status(self, state: str) -> dict[str, Any]:
         """The present state; seconds since the beginning, bytes of the file."""
         size = self.path.stat().st_size if self.path.exists() else 0
         seconds = round(time.monotonic() - self._began, 1)
@@ -126,7 +126,7 @@ def main() -> int:
     try:
         recorder = RecorderProcess(Order.model_validate_json(sys.stdin.readline()))
     except (FollowspotError, OSError) as error:
-        _tell({"state": "failed", "error": str(error)})
+        _print_state({"state": "failed", "error": str(error)})
         return 1
     heard: list[str] = []
     over = threading.Event()
@@ -136,15 +136,15 @@ def main() -> int:
         over.set()
 
     threading.Thread(target=listen, daemon=True).start()
-    _tell(recorder.told("on"))
+    _print_state(recorder.status("on"))
     while not (over.wait(_PERIOD) or recorder.error):
-        _tell(recorder.told("on"))
+        _print_state(recorder.status("on"))
     recorder.close(at_once=bool(recorder.error or "".join(heard).strip()))
-    _tell(recorder.told("failed" if recorder.error else "over"))
+    _print_state(recorder.status("failed" if recorder.error else "over"))
     return 1 if recorder.error else 0
 
 
-def _tell(about: dict[str, Any]) -> None:
+def _print_state(about: dict[str, Any]) -> None:
     with suppress(BrokenPipeError):  # the page is gone; the file is completed all the same
         print(json.dumps(about), flush=True)
 

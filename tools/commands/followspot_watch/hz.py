@@ -146,8 +146,8 @@ def report(paces: Sequence[Pace], faults: Sequence[str] = (), most: int | None =
 
 def _row(pace: Pace) -> tuple[str, ...]:
     r = pace.rhythm
-    told = (pace.unheard, f"silent for {pace.silent_s:.0f} s" if pace.silent_s >= SILENCE else "")
-    silent = ", ".join(word for word in told if word)
+    problems = (pace.unheard, f"silent for {pace.silent_s:.0f} s" if pace.silent_s >= SILENCE else "")
+    silent = ", ".join(word for word in problems if word)
     if r is None:
         return (pace.port, *("-",) * 5, "0", str(pace.dropped), silent)
     gaps = (r.mean_ms, r.jitter_ms, r.p95_ms, r.worst_ms)

@@ -91,14 +91,14 @@ class RunMonitor:
         latest = sorted(
             workers.values(), key=lambda worker: worker.phase != "over"
         )  # a moved stage is known to two workers
-        told = {stage.stage: (worker, stage) for worker in latest for stage in worker.stages}
+        reported = {stage.stage: (worker, stage) for worker in latest for stage in worker.stages}
         found = []
         for planned in self.plan.stages:
-            if planned.name in told:
-                found.append(told.pop(planned.name))
+            if planned.name in reported:
+                found.append(reported.pop(planned.name))
             elif planned.worker in workers:  # else another operator runs it
                 found.append((workers[planned.worker], StageStatus(planned.name, "starting")))
-        found += told.values()  # the plan may be older than a move
+        found += reported.values()  # the plan may be older than a move
         return [(worker, replace(stage, state=_state(worker, stage))) for worker, stage in found]
 
     def edges(self) -> list[tuple[PlannedEdge, EdgeCount]]:
@@ -140,10 +140,10 @@ class RunMonitor:
         """All counters by name. now: when the status was taken; those of stages are older."""
         found = {edge.name: _Count(float(count.sent), now) for edge, count in status.edges(self.plan)}
         for worker in status.workers:
-            told = now - (worker.stages_age_s or 0.0)
+            reported = now - (worker.stages_age_s or 0.0)
             for stage in worker.stages:
-                found[f"fired {stage.stage}"] = _Count(float(stage.fired), told)
-                found[f"busy {stage.stage}"] = _Count(stage.busy_ms, told)
+                found[f"fired {stage.stage}"] = _Count(float(stage.fired), reported)
+                found[f"busy {stage.stage}"] = _Count(stage.busy_ms, reported)
         return found
 
     def _rates(self) -> Mapping[str, float]:
@@ -161,7 +161,7 @@ class _Count(NamedTuple):
     at: float
 
     def rate_since(self, before: _Count) -> float:
-        """Growth, 1/s; 0 for a counter that nobody has told anew, or that began again."""
+        """Growth, 1/s; 0 for a counter without a new report, or that began again."""
         seconds = self.at - before.at
         return max(0.0, self.value - before.value) / seconds if seconds > 0.0 else 0.0
 

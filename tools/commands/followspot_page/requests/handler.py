@@ -105,10 +105,10 @@ class Requests:
         except FollowspotError as error:
             raise FollowspotError(sentence(str(error))) from error
         self._page.show(await plan_of(run))
-        told = dict.fromkeys(
+        lines = dict.fromkeys(
             stage.text.partition(": ")[2] for stage in answer.stages
         )  # once, not once a camera
-        return "; ".join(told) or "it is so already"
+        return "; ".join(lines) or "it is so already"
 
 
 async def _hold(run: RunHandle, asked: Hold) -> str:
