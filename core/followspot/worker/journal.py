@@ -7,7 +7,6 @@ which parameters processed them. So no clock and no other stage is needed to rep
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from threading import Lock
 from typing import NamedTuple
 
 import numpy as np
@@ -20,10 +19,10 @@ from followspot.worker.inputs.join_input import JoinInput
 from followspot.worker.inputs.sampled_input import NearestInput, NewestInput, WindowInput
 from followspot.worker.output_port import OutputPort
 from followspot.worker.stage_checkpoint import Journaled, checkpoint_of, edges_into
+from followspot.worker.tap_point import TapPoint
 
 _INTERVAL = 1_000_000_000
 """Capture time between two checkpoints, ns."""
-_TAPPING = Lock()
 
 
 class _Note(NamedTuple):
@@ -33,14 +32,14 @@ class _Note(NamedTuple):
     taken: Sequence[Sequence[tuple[int, int]]]
 
 
-class Journal:
+class Journal(TapPoint):
     """Notes the firings of a stage for its taps and for a recording; without both it costs nothing.
 
     output: leads to the recording; None without one.
     """
 
     def __init__(self, output: OutputPort | None = None) -> None:
-        self.taps: tuple[Callable[[Message], None], ...] = ()
+        super().__init__()
         self._output = output
         self._number = 0
         self._newest: int | None = None
@@ -51,15 +50,9 @@ class Journal:
         """The join at the newest checkpoint; a swap of the stage or of its edges replaces the join."""
 
     def tap(self, by: Callable[[Message], None]) -> None:
-        """Call `by` with every firing from now on. Safe from any thread."""
-        with _TAPPING:
-            self._newest = None
-            self.taps = (*self.taps, by)
-
-    def untap(self, by: Callable[[Message], None]) -> None:
-        """Call `by` no more. Safe from any thread."""
-        with _TAPPING:
-            self.taps = tuple(tap for tap in self.taps if tap is not by)
+        """See `TapPoint.tap`. The next firing begins with a checkpoint."""
+        self._newest = None
+        super().tap(by)
 
     @property
     def read(self) -> bool:

@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from threading import Lock
-
 from followspot.context import SourceLoss
 from followspot.messages import Header, InvalidMessage, Message, stamped
 from followspot.sealing import seal
 from followspot.transport.token import ABSENT, END, UNKNOWN, Watermark
 from followspot.worker.ledger import AWAY, OVERRUN, PRODUCED, REFUSED, SOURCE_LOSSES
 from followspot.worker.port_edges import PortEdges
-
-_TAPPING = Lock()
-"""Guards the taps of all ports: any thread adds taps, the worker's thread removes them."""
 
 
 class OutputPort(PortEdges):
@@ -22,7 +16,7 @@ class OutputPort(PortEdges):
     type: of its messages; lateness: see `InputQueue`.
     """
 
-    __slots__ = ("counts", "lateness", "taps", "type", "watermark")
+    __slots__ = ("counts", "lateness", "type", "watermark")
 
     def __init__(self, kind: type[Message], words: memoryview, *, lateness: int) -> None:
         super().__init__(words)
@@ -30,8 +24,6 @@ class OutputPort(PortEdges):
         self.lateness = lateness
         self.counts = True
         """Whether `send` counts messages as produced; a live source counts them in its thread."""
-        self.taps: tuple[Callable[[Message], None], ...] = ()
-        """Called with every message; see `followspot.worker.taps.port_taps`."""
         self.watermark = -END
 
     def send(self, message: Message, header: Header, following: int = UNKNOWN) -> None:
@@ -124,16 +116,6 @@ class OutputPort(PortEdges):
         """Count frames that a device made and its source never had; called in the source's thread."""
         for row in self.all_rows:
             self.words[row + SOURCE_LOSSES[kind]] += number
-
-    def tap(self, by: Callable[[Message], None]) -> None:
-        """Call `by` with every message from now on. Safe from any thread."""
-        with _TAPPING:
-            self.taps = (*self.taps, by)
-
-    def untap(self, by: Callable[[Message], None]) -> None:
-        """Call `by` no more. Safe from any thread."""
-        with _TAPPING:
-            self.taps = tuple(tap for tap in self.taps if tap is not by)
 
     def _present(self) -> list[int]:
         """Ledger rows of every edge whose reader is present."""

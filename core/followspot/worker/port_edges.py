@@ -11,13 +11,14 @@ from followspot.transport.edge import PortWriter
 from followspot.transport.token import END, Watermark
 from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.ledger import FILLED, LOST, PRODUCED, REFUSED, SHED
+from followspot.worker.tap_point import TapPoint
 
 _NONE = -1
 """Stands for the row of an edge that has left the graph: its reader keeps its index in the writer."""
 
 
-class PortEdges:
-    """Edges of one output port, which come and go while the graph runs.
+class PortEdges(TapPoint):
+    """Edges and taps of one output port, which come and go while the graph runs.
 
     queues: readers in the same worker; writers: one for each kind of edge to other workers;
     rows: ledger rows of the edges behind each writer; words: of the ledger.
@@ -40,6 +41,7 @@ class PortEdges:
     )
 
     def __init__(self, words: memoryview) -> None:
+        super().__init__()
         self.words = words
         self.queues: list[InputQueue] = []
         self.writers: list[PortWriter] = []
@@ -128,7 +130,7 @@ class PortEdges:
     def update_readers(self) -> None:
         """Take note of which readers are away: messages count as away until those are back.
 
-        Messages that were on their way to a dead reader count as lost. A reader that is back is told the
+        Messages that were on their way to a dead reader count as lost. A reader that is back gets the
         watermark.
         """
         for writer, rows in zip(self.writers, self.rows, strict=True):
@@ -153,7 +155,7 @@ class PortEdges:
             self._away += [row for index, row in enumerate(rows) if index in gone]
 
     def returned(self, writer: PortWriter) -> None:
-        """Tell a reader that is back the watermark."""
+        """Send the watermark to the readers of a writer: one of them is back."""
         if writer in self.writers and -END < self.announced < END:
             writer.send(Watermark(self.announced))
 

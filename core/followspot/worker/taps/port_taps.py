@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from typing import Protocol
 
 from followspot.context import Post
 from followspot.control.tapping import Tapping
@@ -17,24 +16,13 @@ from followspot.plugins.registry import load_stage
 from followspot.stage import Stage
 from followspot.worker.runners.stage_runner import StageRunner
 from followspot.worker.scheduler import Scheduler
-
-
-class Tapped(Protocol):
-    """What can be tapped: an output port, or the journal of a stage."""
-
-    taps: tuple[Callable[[Message], None], ...]
-
-    def tap(self, by: Callable[[Message], None]) -> None:
-        """Call `by` with every message from now on. Safe from any thread."""
-
-    def untap(self, by: Callable[[Message], None]) -> None:
-        """Call `by` no more. Safe from any thread."""
+from followspot.worker.tap_point import TapPoint
 
 
 class Tap:
     """One sink at one output port; a sink that raises EOFError has lost its receiver."""
 
-    def __init__(self, tapping: Tapping, tapped: Tapped, stage: Stage) -> None:
+    def __init__(self, tapping: Tapping, tapped: TapPoint, stage: Stage) -> None:
         self.tapping = tapping
         self._tapped = tapped
         self._stage = stage
@@ -73,9 +61,9 @@ def taps_at(runner: StageRunner) -> Iterator[Tap]:
         yield from (found for found in tapped.taps if isinstance(found, Tap))
 
 
-def _tapped(runner: StageRunner) -> dict[str, Tapped]:
+def _tapped(runner: StageRunner) -> dict[str, TapPoint]:
     """What can be tapped of a stage, by name."""
-    found: dict[str, Tapped] = {f"{runner.name}.{port}": output for port, output in runner.outputs}
+    found: dict[str, TapPoint] = {f"{runner.name}.{port}": output for port, output in runner.outputs}
     return {**found, firings_of(runner.name): runner.journal}  # which has taps of its own
 
 
