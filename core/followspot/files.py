@@ -42,7 +42,7 @@ def open_regular(path: str | Path, most: int | None = TABLE) -> BinaryIO:
 
 
 def open_text(path: str | Path, most: int | None = TABLE, *, errors: str = "strict") -> TextIOWrapper:
-    """The same as UTF-8 text, with or without a byte order mark; line ends stay. Raises OSError."""
+    """Open a file as UTF-8 text, with or without a byte order mark; line ends stay. Raises OSError."""
     return TextIOWrapper(open_regular(path, most), "utf-8-sig", errors, newline="")
 
 
@@ -56,7 +56,7 @@ def read_bytes(path: str | Path, most: int = DATA) -> bytes:
 
 
 def read_text(path: str | Path, most: int = DATA, *, errors: str = "strict") -> str:
-    """The same as UTF-8 text. Raises OSError, UnicodeDecodeError."""
+    """Read a file as UTF-8 text. Raises OSError, UnicodeDecodeError."""
     return read_bytes(path, most).decode("utf-8-sig", errors)
 
 

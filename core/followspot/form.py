@@ -204,7 +204,7 @@ def kind_of(node: Node) -> str:
 
 
 def _leaves(node: Node) -> Iterator[Node]:
-    """What is no list, within lists."""
+    """The nodes within nested lists that are no lists themselves."""
     if not isinstance(node.value, tuple):
         yield node
         return
@@ -213,7 +213,7 @@ def _leaves(node: Node) -> Iterator[Node]:
 
 
 def _within(node: Node) -> Iterator[Node]:
-    """What is neither a list nor a mapping, within both."""
+    """The scalars within nested lists and mappings."""
     for leaf in _leaves(node):
         if isinstance(leaf.value, Mapping):
             for inner in leaf.value.values():

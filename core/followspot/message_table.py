@@ -34,7 +34,7 @@ def table_of(message: Message, room: Room) -> Table:
 
 
 def rows_of(table: Table) -> Iterator[tuple[Any, ...]]:
-    """Its rows in plain Python values; a number that is not known is None."""
+    """The rows of a table in plain Python values; an unknown number is None."""
     return zip(*(plain(cells.values) for cells in table), strict=True)
 
 
@@ -84,7 +84,7 @@ def named_columns(kind: type[Message]) -> dict[str, tuple[Column, int]]:
 
 
 class _Layout(NamedTuple):
-    """What the declaration of a type says of its table.
+    """The layout of the table of a message type, from its declaration.
 
     single: fields without rows that are columns; by_target: whether row i is target i; columns: each with the
     names of its table columns, or with none if a row of it is a text or a list.

@@ -162,9 +162,9 @@ class Message:
         return dataclasses.replace(self, **kept)  # type: ignore[type-var]
 
     def as_table(self, room: Any) -> list[TableColumn] | None:
-        """Its table in a `followspot.room.Room`, for a type whose declaration does not say it; else None.
+        """The table of the message, for a type that makes its own; None if it follows from the declaration.
 
-        Without rows, the columns have the same names.
+        room: a `followspot.room.Room`, for names. Without rows, the columns have the same names.
         """
         return None
 

@@ -23,7 +23,7 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def grid(head: Sequence[str], rows: Sequence[Sequence[str]], bad: Sequence[bool] = ()) -> Table:
-    """The same table for rich to draw. bad: whether each row reports a fault."""
+    """The table as an object of rich. bad: whether each row reports a fault."""
     from rich.table import Table
 
     drawn = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="")
@@ -50,7 +50,7 @@ def blocks(*parts: Sequence[RenderableType]) -> Group:
 
 
 def plain(part: RenderableType) -> str:
-    """What rich draws, without escape codes and without wrapped lines."""
+    """An object of rich as text, without escape codes and wrapped lines."""
     console = literal_console(width=WIDEST, color_system=None)
     with console.capture() as capture:
         console.print(part)

@@ -128,7 +128,7 @@ class Dispatcher:
         return handler(request, *beside)
 
     def dispatch_wire(self, data: Any) -> Any:
-        """As `dispatch`, with request and answer in JSON types. Raises ValueError for an invalid request."""
+        """Dispatch a request in JSON types; returns JSON types. Raises ValueError if it is invalid."""
         request = from_wire(self.kinds, data)
         return answer_to_wire(type(request), self.dispatch(request))
 

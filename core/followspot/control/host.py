@@ -81,7 +81,7 @@ class WorkerStatus:
     """Capture times, ns, of the last frames of a limited run, by source, as far as sources know them."""
 
     def later(self, seconds: float) -> WorkerStatus:
-        """The same status, older by `seconds`."""
+        """The status as it is `seconds` later."""
         heard = None if self.age_s is None else self.age_s + seconds
         told = None if self.stages_age_s is None else self.stages_age_s + seconds
         return replace(self, age_s=heard, stages_age_s=told)

@@ -41,7 +41,7 @@ class Override:
     tune: bool = False
 
     def below(self, subgraph: str) -> Override:
-        """The same for a stage of a sub-graph of the present one."""
+        """The override, named from within a sub-graph."""
         within = f"{self.within}/{subgraph}" if self.within else subgraph
         return replace(self, stage=self.stage.removeprefix(f"{subgraph}/"), within=within)
 

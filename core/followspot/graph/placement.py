@@ -155,8 +155,10 @@ def _carrier(member: Member | None) -> str:
 
 
 def _listed(workers: Mapping[str, Node], expanded: Expanded, mistakes: list[Mistake]) -> Placed:
-    """As listed; an instance's own name counts first, then its stage, its sub-graphs from the innermost on,
-    and its camera or sensor.
+    """Place each instance in the worker that lists it.
+
+    The instance's own name counts first, then its stage, its sub-graphs from the innermost on, and its camera
+    or sensor.
     """
     hosts: dict[str, str] = {}
     scheduled: dict[str, Scheduling] = {}

@@ -50,7 +50,7 @@ def sampled_cycles(links: Iterable[FlowEdge]) -> list[Mistake]:
 
 
 def plan_sampled_cycles(plan: Plan) -> list[Mistake]:
-    """The same of the instances of a plan; the mistakes have no place."""
+    """The mistakes of sampled inputs among the instances of a plan; they have no place."""
     group = {stage.name: stage.group for stage in plan.stages}
     known = {stage.name: ports(load_stage(stage.uses)) for stage in plan.stages}
     links = [

@@ -18,7 +18,7 @@ REALTIME = 1, 99
 
 @dataclass(frozen=True)
 class Scheduling:
-    """What a worker asks of its host; the default asks for nothing."""
+    """The scheduling that a worker asks of its host; the default asks for nothing."""
 
     cores: tuple[Annotated[int, Field(ge=0, le=MAX_CORE)], ...] = ()
     """Cores that it may run on; empty for all."""
@@ -35,7 +35,7 @@ class Scheduling:
 
 
 def read_scheduling(form: Form) -> Scheduling:
-    """What a worker of a placement file asks for; notes mistakes."""
+    """The scheduling that a placement file gives a worker; notes mistakes."""
     nice = form.whole("nice", least=NICE[0], most=NICE[1])
     realtime = form.whole("realtime", least=REALTIME[0], most=REALTIME[1])
     if nice is not None and realtime is not None:

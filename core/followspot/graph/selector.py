@@ -118,7 +118,7 @@ def read_selector(node: Node, mistakes: list[Mistake], key: str = "each") -> Sel
 
 
 def intersection(first: Selector, second: Selector) -> Selector:
-    """What both select, at the place of the first. Raises ValueError if their sets differ."""
+    """The selector of what both select, at the place of the first. Raises ValueError if their sets differ."""
     if first.set != second.set:
         raise ValueError(f"{first.set} and {second.set} are different sets")
     conditions = list(first.conditions)

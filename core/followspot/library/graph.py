@@ -157,6 +157,6 @@ def _placed(mistakes: Sequence[Mistake], path: Path, name: str, text: str) -> tu
 
 
 def _inputs(stage: type[Stage], names: Collection[str]) -> set[str]:
-    """Those names that mean inputs of the stage."""
+    """The names that mean inputs of the stage."""
     found, taken = ports(stage), stage.Params.model_fields
     return {name for name in names if name not in taken and found.input(name) is not None}

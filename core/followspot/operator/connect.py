@@ -30,7 +30,10 @@ def connected_run(wanted: str | None = None, network: Network | None = None) -> 
 
 
 def run_here(wanted: str | None = None) -> RunHandle:
-    """The same among the runs of this machine. Raises FollowspotError if there is no such run, or several."""
+    """A handle on a run of this machine, found as by `connected_run`.
+
+    Raises FollowspotError if there is no such run, or several.
+    """
     return _answering(chosen(runs_here(wanted), wanted, "on this machine"))
 
 

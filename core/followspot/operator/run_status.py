@@ -47,7 +47,7 @@ class RunStatus:
     change_awaits: str = ""
 
     def later(self, seconds: float) -> RunStatus:
-        """The same status, older by `seconds`."""
+        """The status as it is `seconds` later."""
         workers = (w.later(seconds) for w in self.workers)
         hosts = (h if h.age_s is None else replace(h, age_s=h.age_s + seconds) for h in self.hosts)
         return replace(self, workers=tuple(workers), hosts=tuple(hosts))

@@ -22,7 +22,7 @@ _SIGNS = {
 
 
 def describe(name: str, stage: type[Stage]) -> dict[str, Any]:
-    """Its description, inputs, outputs, parameters and a line for a graph file, in JSON types."""
+    """Text, inputs, outputs, parameters and a line for a graph file, of a stage, in JSON types."""
     found = ports(stage)
     return {
         "name": name,

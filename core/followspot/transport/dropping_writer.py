@@ -43,12 +43,12 @@ class DroppingWriter:
 
     @property
     def lost(self) -> frozenset[int]:
-        """That of the inner writer."""
+        """See `PortWriter`; the inner writer answers."""
         return self.inner.lost
 
     @property
     def rejected(self) -> int:
-        """That of the inner writer."""
+        """See `PortWriter`; the inner writer answers."""
         return self.inner.rejected
 
     def newly_dead(self) -> list[tuple[int, int]]:
@@ -56,7 +56,7 @@ class DroppingWriter:
         return self.inner.newly_dead()
 
     def matched(self) -> bool:
-        """That of the inner writer."""
+        """See `PortWriter`; the inner writer answers."""
         return self.inner.matched()
 
     def credit(self) -> int:
@@ -90,7 +90,7 @@ class DroppingWriter:
 
     @property
     def all_taken(self) -> bool:
-        """That of the inner writer."""
+        """See `PortWriter`; the inner writer answers."""
         return self.inner.all_taken
 
     def dismiss(self, index: int) -> None:
@@ -98,7 +98,7 @@ class DroppingWriter:
         self.inner.dismiss(index)
 
     def filenos(self) -> list[int]:
-        """Those of the inner writer."""
+        """See `PortWriter`; the inner writer answers."""
         return self.inner.filenos()
 
     def want_credit(self) -> None:

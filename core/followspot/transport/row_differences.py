@@ -89,7 +89,7 @@ def _pictures(data: bytes | memoryview) -> Iterator[tuple[int, tuple[int, int], 
 
 
 def _dtype_and_shape(column: Any) -> tuple[np.dtype[Any], tuple[int, ...]]:
-    """Of a column in a head. Raises InvalidMessage."""
+    """Type and shape of a column in a head. Raises InvalidMessage."""
     if type(column) is not list or len(column) != 3 or type(column[2]) is not list:
         raise InvalidMessage(f"{str(column)[:80]} is no column")
     if any(type(size) is not int or not 0 <= size <= MAX_BYTES for size in column[2]):

@@ -204,7 +204,7 @@ class Builder:
         self.words[self.ledger.row(number) + LOST] += self.ledger.count(number).in_flight
 
     def way(self, number: int) -> str:
-        """What the edges of a port must have in common to share a writer; an edge that drops has its own.
+        """The properties that edges of a port must share to have one writer; an edge that drops has its own.
 
         Edges over the network must also have come with the same change of the graph: they share a key, and
         the stream of a key has one beginning.

@@ -113,7 +113,7 @@ class BuiltWorker:
         self.scheduler.close()
 
     def _rewiring(self, data: dict[str, Any]) -> Rewiring:
-        """What a new plan, in JSON types, adds to the worker. Raises FollowspotError."""
+        """Build the change of this worker to a new plan, in JSON types. Raises FollowspotError."""
         links = self.links.for_plan(plan_from_data(data))
         rewired = partial(self._rewired, links)
         wiring = Wiring(links.plan)

@@ -102,6 +102,6 @@ class PathLatencies(dict[str, LatencyHistogram]):
         path.add(now - header.entered, header.source, header.seq)
 
     def add_budgeted(self, header: Header, now: int) -> None:
-        """As `add`, of a stage that is no sink: only paths with a budget count."""
+        """Like `add`, for a stage that is no sink: only paths with a budget count."""
         if self.groups.get(header.source, header.source) in self.limits:
             self.add(header, now)

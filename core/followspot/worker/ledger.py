@@ -35,7 +35,7 @@ COUNTS = ("produced", "away", "sent", "delivered", *LOSSES, "in_flight")
 
 @dataclass(frozen=True)
 class EdgeCount:
-    """What became of the messages of one edge. No column is negative."""
+    """The fate of all messages of one edge. No column is negative."""
 
     produced: int
     """Messages that the stage made: sent + away."""

@@ -13,7 +13,7 @@ REST_TIMEOUT = 20.0
 
 
 class Rest(NamedTuple):
-    """What to do once a worker is at rest.
+    """An action for the moment when a worker is at rest.
 
     act: called with whether it is at rest; deadline: s, monotonic, when to act anyway; calm: whether
     nothing waits here for what live sources or other workers have yet to give.

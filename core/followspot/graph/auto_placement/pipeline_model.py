@@ -29,7 +29,7 @@ _ALONE = 4
 
 @dataclass(frozen=True)
 class Timing:
-    """What the model says. period, latency: of a frame set, ms; latency is that of a set alone."""
+    """The prediction of the model. period, latency: of a frame set, ms; latency is that of a set alone."""
 
     period: float
     latency: float
@@ -81,7 +81,10 @@ class PipelineModel:
 
 
 class _Wait(NamedTuple):
-    """What a firing waits for. name: of the other instance; delay: frames; hop: ms after that is done."""
+    """One event that a firing waits for: the end of another firing, and `hop` ms.
+
+    name: of the other instance; delay: frames.
+    """
 
     name: str
     delay: int

@@ -162,6 +162,6 @@ def _worker(number: int) -> str:
 
 
 def _renumbered(numbers: tuple[int, ...]) -> tuple[int, ...]:
-    """The same placement with workers numbered in the order in which they come."""
+    """The placement with workers numbered in the order in which they come."""
     names: dict[int, int] = {}
     return tuple(names.setdefault(number, len(names)) for number in numbers)

@@ -39,7 +39,7 @@ def mismatches(old: PlannedStage, present: type[Stage], stage: type[Stage], plan
 
 
 def _inputs(old: PlannedStage, before: Ports, after: Ports, plan: Plan) -> Iterator[Misfit]:
-    """What does not fit at the inputs."""
+    """Reasons why the inputs do not fit."""
     fed = _fed(old, plan)
     one_each = len(before.inputs) == len(after.inputs) == 1
     for name, types in fed.items():
@@ -80,7 +80,7 @@ def _like(port: InputSpec, new: InputSpec, edges: int) -> bool:
 
 
 def _outputs(old: PlannedStage, before: Ports, after: Ports, plan: Plan) -> Iterator[Misfit]:
-    """What does not fit at the outputs that others read."""
+    """Reasons why the outputs that others read do not fit."""
     read = {edge.from_port for edge in plan.edges if edge.from_stage == old.name}
     for port in before.outputs:
         new = after.output(port.name)

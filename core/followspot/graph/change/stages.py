@@ -80,7 +80,7 @@ def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change
 
 
 def _present(origins: Mapping[str, ParameterOrigin], stage: PlannedStage) -> Mapping[str, ParameterOrigin]:
-    """Those of the parameters that the stage has."""
+    """The origins of those parameters that the stage has."""
     return {name: origin for name, origin in origins.items() if name in stage.params}
 
 

@@ -27,7 +27,7 @@ _Edge = tuple[str, str, str, str, int]
 
 @dataclass(frozen=True)
 class StageChange:
-    """What an instance becomes: the plugin stage and the parameters that differ."""
+    """The change of one instance: the plugin stage and the parameters that differ."""
 
     name: str
     uses: str

@@ -16,7 +16,7 @@ from followspot.room import Member, Room
 
 @dataclass(frozen=True)
 class UseContext:
-    """What a graph file is used in.
+    """The surroundings of a use of a graph file.
 
     room: None if it has mistakes; named: whether the graph names a room; prefix: full name of the sub-graph
     around the use, "" for the graph itself; limits: of that sub-graph.

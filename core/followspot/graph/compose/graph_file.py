@@ -27,7 +27,7 @@ _KEYS = ("graph", "extends", "room", "seed", *_INTERFACE, "stages")
 
 @dataclass(frozen=True)
 class GraphFile:
-    """What a graph file says, the files that it extends included.
+    """The content of a graph file, merged with the files that it extends.
 
     place: where it begins; params, inputs, outputs: its interface, by name; removed: stages of extended
     files that it removes, with the places that say so; paths: real paths of the files that lead to this one

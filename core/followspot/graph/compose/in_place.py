@@ -100,7 +100,7 @@ def _entry(file: Node, use: SubgraphUse, given: Mapping[str, Node]) -> Node:
 
 
 def _known(file: Node, use: SubgraphUse, changed: Mapping[str, Node]) -> dict[str, Node]:
-    """Those of the values that the interface of the file passes on to stages that stay in it."""
+    """The values that the interface of the file passes on to stages that stay in it."""
     read = GraphFiles([], []).used(file, "graph", (), file.key)
     if read is None:
         return {}

@@ -37,7 +37,7 @@ class InterfaceTarget:
 
 @dataclass(frozen=True)
 class Interface:
-    """What each name of the interface stands for inside; nothing if a mistake was noted."""
+    """The targets inside of each name of the interface; none if a mistake was noted."""
 
     params: Mapping[str, tuple[InterfaceTarget, ...]]
     inputs: Mapping[str, tuple[InterfaceTarget, ...]]

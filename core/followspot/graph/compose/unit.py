@@ -14,7 +14,7 @@ from followspot.graph.compose.narrowing import Limit
 
 @dataclass(frozen=True)
 class Wired:
-    """What feeds an input; unit: in whose names the feeds are written."""
+    """The feeds of an input. unit: the feeds name stages of this unit."""
 
     unit: Unit
     feeds: Node

@@ -148,7 +148,7 @@ def _await_running(
 
 
 def _await_back(workers: set[str], hosts: Sequence[Host], before: Mapping[str, int], on_wait: OnWait) -> None:
-    """The same at their old places, where a worker that dies is started again."""
+    """Wait until the workers run at their old places, where one that dies is started again."""
     for _ in _polls("workers did not begin at their old places"):
         fresh = (w for w in _workers(hosts) if w.restarts > before.get(w.name, -1) and w.phase == "running")
         behind = sorted(workers - {worker.name for worker in fresh})

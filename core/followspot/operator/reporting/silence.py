@@ -50,7 +50,7 @@ class Silence:
         return text + (f". So {_quoted(self.sinks)} got nothing" if self.sinks else "")
 
     def _given(self) -> str:
-        """What became of the messages that it gave."""
+        """The fate of the messages that a stage gave."""
         refused = (
             f"; {self.refused} that it gave broke their contract, see the warnings" if self.refused else ""
         )

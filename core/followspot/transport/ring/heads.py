@@ -65,7 +65,7 @@ class HeadPacker:
 
 
 class Head(NamedTuple):
-    """What a head says. shapes, spans: of each array, and its size in bytes."""
+    """The content of a head. shapes, spans: of each array, and its size in bytes."""
 
     source: str
     scalars: dict[str, Any]

@@ -20,7 +20,10 @@ from followspot.transport.zenoh.terms import CREDIT, WINDOW, chunks, is_incarnat
 
 @dataclass(eq=False)
 class ReaderRecord:
-    """What a writer knows of one reader; name: percent-encoded; host: the only one that may speak for it."""
+    """The state of one reader at its writer.
+
+    name: percent-encoded; host: of the reader, reports from others do not count.
+    """
 
     name: str
     host: str
@@ -53,7 +56,7 @@ class ReaderRecord:
 
 
 class _Change(NamedTuple):
-    """What became of an incarnation of a reader, as its liveliness tokens say.
+    """One change of an incarnation of a reader, as its liveliness tokens say.
 
     missing: it came, it does not report, and it has no token.
     """

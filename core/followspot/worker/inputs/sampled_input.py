@@ -146,7 +146,7 @@ class NearestInput(SampledInput):
         return found
 
     def _around(self, time: int) -> list[Message]:
-        """What can be the nearest, in order: the last before, and the first at or after this time."""
+        """The candidates for the nearest message, in order: the last before this time, and the next."""
         found = [] if self.held is None else [self.held]
         for message in self.queue.messages:
             found.append(message)

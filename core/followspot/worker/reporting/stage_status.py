@@ -32,7 +32,7 @@ class Idleness:
         self._since: dict[str, tuple[int, float]] = {}
 
     def noted(self, stages: Iterable[StageStatus]) -> Iterator[StageStatus]:
-        """The same statuses, with the time for which each stage has not fired."""
+        """The statuses, with the time for which each stage has not fired."""
         now = self._clock()
         for stage in stages:
             fired, since = self._since.get(stage.stage, (-1, now))

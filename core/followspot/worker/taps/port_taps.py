@@ -62,7 +62,7 @@ def taps_at(runner: StageRunner) -> Iterator[Tap]:
 
 
 def _tapped(runner: StageRunner) -> dict[str, TapPoint]:
-    """What can be tapped of a stage, by name."""
+    """The places of a stage that can be tapped, by name."""
     found: dict[str, TapPoint] = {f"{runner.name}.{port}": output for port, output in runner.outputs}
     return {**found, firings_of(runner.name): runner.journal}  # which has taps of its own
 
