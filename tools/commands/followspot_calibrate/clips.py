@@ -29,7 +29,7 @@ def read_frames(recording: Path, camera: Camera, most: int) -> list[Array]:
 
 
 def frames_of(recording: Path, camera: Camera, most: int) -> Iterator[Array]:
-    """The same one by one, for clips that are too long to be held at once."""
+    """The frames of a clip one by one, for clips that are too long to be held at once."""
     stage = (Images if recording.is_dir() else Video)(
         Context.serving(camera, name=str(recording)), path=recording, frames=most
     )

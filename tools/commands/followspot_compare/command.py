@@ -54,7 +54,7 @@ def compare(args: argparse.Namespace) -> int:
 
 
 def comparable(trials: Sequence[Trial], variants: int) -> tuple[Trial, ...]:
-    """Those of the rooms in which all variants ran; without such a room, those of the only one begun."""
+    """The trials of rooms in which all variants ran; without such a room, those of the only one begun."""
     ran = Counter(trial.room for trial in trials)
     complete = [trial for trial in trials if ran[trial.room] == variants]
     return tuple(complete or trials)

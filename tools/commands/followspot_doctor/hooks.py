@@ -40,7 +40,7 @@ def _run(args: argparse.Namespace) -> int:
 
     The command examines this computer (memory, open files, shared memory, disk, clock), its network
     (loopback, multicast, ports), libraries and plugins. With --room it takes a picture from each camera;
-    with --cameras it watches the live ones together and tells how far apart they take their pictures.
+    with --cameras it watches the live ones together and says how far apart they take their pictures.
     With --connect it asks the agents of other hosts for their clocks, with --certificates it examines the
     certificates. The exit code is 1 if there is a problem; warnings do not count.
 

@@ -157,7 +157,7 @@ def request_of(text: str) -> Wish:
 
 
 def sentence(error: str) -> str:
-    """What is wrong, for beside the field: without the place in the command, and without the stage."""
+    """The text of a mistake beside its field: without the place in the command, and without the stage."""
     first = error.splitlines()[0] if error else ""
     return _STAGE.sub("", _PLACE.sub("", first))
 

@@ -38,7 +38,7 @@ class Connections:
     def __init__(self) -> None:
         self.refused: Counter[str] = Counter()
         self._waiting: dict[asyncio.Protocol, asyncio.Transport] = {}
-        """Idle connections, the one that waited longest first."""
+        """Idle connections, longest wait first."""
 
     def enter(self, who: asyncio.Protocol, transport: asyncio.Transport) -> None:
         """Add an idle connection; the oldest makes room if there are too many."""

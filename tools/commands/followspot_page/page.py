@@ -66,7 +66,7 @@ class Page:
         self.scrub: Scrub | None = None
         """The recording that is shown instead of a run."""
         self.runs: RunList | None = None
-        """The runs in reach; None if this page tells nothing of others."""
+        """The runs in reach; None if this page shows no others."""
         self._browsers: Counter[str] = Counter()
         """Number of browsers by address."""
         self._deserted = asyncio.Event()

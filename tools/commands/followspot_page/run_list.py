@@ -64,7 +64,7 @@ def pages() -> dict[str, str]:
 
 
 class RunList:
-    """What a page tells of the runs in reach. order: of this page; run: the one that it shows."""
+    """The runs in reach, as a page lists them. order: of this page; run: the one that it shows."""
 
     def __init__(self, order: PageOrder, run: str) -> None:
         self._order = order

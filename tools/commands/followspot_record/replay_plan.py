@@ -19,7 +19,7 @@ _PREFIX = "recording."
 NAMES = {type_name(kind): _PREFIX + name for name, kind in REPLAYS.items()}
 """The stage that replays a message type, by the type's full name."""
 _ANY = f"{_PREFIX}port"
-"""The one that replays any other, with the port that sent it in brackets."""
+"""The stage that replays any other type, with the port that sent it in brackets."""
 
 
 @dataclass(frozen=True)

@@ -23,8 +23,8 @@ _WORD = 8
 
 @dataclass(frozen=True)
 class Listed:
-    """A run in the list. process: of its operator, None under agents; frames, age_s, folder: None if nobody
-    says so; keeps_s: seconds that its flight recorder is to hold, None without one; owner: who started
+    """A run in the list. process: of its operator, None under agents; frames, age_s, folder: None if
+    unknown; keeps_s: seconds that its flight recorder is to hold, None without one; owner: who started
     it, and the host of the operator if it is another.
     """
 

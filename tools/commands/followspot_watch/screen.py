@@ -23,7 +23,7 @@ class Fitted:
     draw: Draw
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        """What rich calls."""
+        """Render for rich."""
         height = options.max_height
         wide = options.update(width=WIDEST, height=None)
         lines = console.render_lines(self.draw(height + 1), wide, pad=False)

@@ -27,7 +27,7 @@ Progress = Callable[[str, float], None]
 
 @dataclass(frozen=True, eq=False)
 class Adjusted:
-    """What an adjustment found: points (N, 3) m; residual (N, C) px, NaN if not seen; steps taken."""
+    """The result of an adjustment: points (N, 3) m; residual (N, C) px, NaN if not seen; steps taken."""
 
     cameras: tuple[Camera, ...]
     points: Array

@@ -60,7 +60,7 @@ def exchanged(cameras: Sequence[Camera], pair: tuple[int, int]) -> list[Camera]:
 
 
 def exchange_error(cameras: Sequence[Camera], pair: tuple[int, int]) -> FollowspotError:
-    """What is wrong, and what to do."""
+    """The error for exchanged recordings, with its remedy."""
     one, other = (cameras[number].name for number in pair)
     return FollowspotError(
         f"the recordings of {one} and {other} are exchanged: each shows the board through the lens that the "

@@ -58,7 +58,7 @@ def camera_rows(one: Agreement) -> list[tuple[str, ...]]:
 
 
 def camera_figures(one: Agreement) -> list[dict[str, Any]]:
-    """The same as JSON types; None if unknown. Gross errors count in the median only."""
+    """The figures of cameras in JSON types; None if unknown. Gross errors count in the median only."""
     rows = []
     for number, camera in enumerate(one.cameras):
         length, inliers = one.length[:, number], one.inlier_residual[:, number]

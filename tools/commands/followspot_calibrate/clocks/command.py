@@ -131,7 +131,7 @@ def text(room: Room, found: Offsets) -> str:
 
 
 def as_json(room: Room, found: Offsets) -> str:
-    """The same as one JSON object, in seconds."""
+    """The offsets as one JSON object, in seconds."""
     columns = (each.tolist() for each in (found.offset, found.sigma, found.sightings))
     cameras = {
         name: {"clock_offset": round(offset, DECIMALS), "sigma": sigma, "sightings": count}

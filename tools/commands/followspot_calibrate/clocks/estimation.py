@@ -50,7 +50,7 @@ class Offsets:
         return np.asarray(np.sqrt(np.diagonal(self.covariance)))
 
     def relative_to(self, camera: int) -> Offsets:
-        """The same, with the offset of that camera as zero."""
+        """The offsets, with that of one camera as zero."""
         change = np.eye(len(self.offset))
         change[:, camera] -= 1.0
         return replace(self, offset=change @ self.offset, covariance=change @ self.covariance @ change.T)

@@ -152,6 +152,6 @@ def _project_pinhole(
 def _project_fisheye(
     points: Array, turn: Array, shift: Array, K: Array, lens: Array
 ) -> tuple[Array, Array, Array]:
-    """The same of a fisheye, by fx fy cx cy k1 k2 k3 k4."""
+    """Project through a fisheye lens, by fx fy cx cy k1 k2 k3 k4."""
     pixel, J = cv2.fisheye.projectPoints(points[:, None], turn, shift, K, lens)
     return pixel.reshape(-1, 2), J[:, :8], J[:, 8:14]

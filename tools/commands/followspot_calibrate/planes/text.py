@@ -37,7 +37,7 @@ def summary(fits: Sequence[FittedPlane], planes: Mapping[str, Array], floor: str
 def as_json(
     fits: Sequence[FittedPlane], planes: Mapping[str, Array], floor: str | None, warnings: Sequence[str]
 ) -> str:
-    """The same for scripts."""
+    """The fitted planes as JSON, for scripts."""
     measured: dict[str, dict[str, Any]] = {
         fit.name: {
             "plane": planes[fit.name].tolist(),

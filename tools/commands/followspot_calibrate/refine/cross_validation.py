@@ -42,7 +42,7 @@ class Comparison:
 
     @property
     def best(self) -> float:
-        """Of the refined cameras that are chosen."""
+        """The error of the refined cameras that are chosen, px."""
         return self.clips if self.clips is not None and self.use_clips else self.alone
 
     @property

@@ -33,7 +33,7 @@ def rows(found: Refinement) -> Iterator[tuple[str, float, float, float, int, flo
 
 
 def cells(found: Refinement) -> list[tuple[str, ...]]:
-    """The same as text."""
+    """The cells of a row as text."""
     return [
         (name, f"{mm:.1f}", f"{turn:.3f}", f"{focal:+.2f}", str(n), f"{old:.2f}", f"{new:.2f}")
         for name, mm, turn, focal, n, old, new in rows(found)
@@ -79,7 +79,7 @@ def as_text(found: Refinement) -> str:
 
 
 def as_json(found: Refinement) -> dict[str, Any]:
-    """The same for scripts."""
+    """The result as JSON, for scripts."""
     keys = ("moved_mm", "turned_degrees", "focal_percent", "sightings", "before_px", "after_px")
     cameras = {name: dict(zip(keys, values, strict=True)) for name, *values in rows(found)}
     planes = {name: plane.tolist() for name, plane in found.planes.items()}

@@ -64,7 +64,7 @@ def write_room(file: Path, targets: Mapping[str, Target], correction: Refinement
 
 
 def learn_with_progress(folder: Path, room: Room) -> list[Learnt]:
-    """What all cameras learn of one target, with progress and warnings on the way."""
+    """Let all cameras learn one target, with progress and warnings on the way."""
     found = []
     for number, one in enumerate(learn(folder, room), 1):
         found.append(one)

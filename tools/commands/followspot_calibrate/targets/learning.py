@@ -19,7 +19,7 @@ from followspot_cameras.recordings import find_recordings
 
 @dataclass(frozen=True)
 class Learnt:
-    """What was learnt from one clip: the template's parts for this camera, or why there are none.
+    """The result of learning from one clip: the template's parts for this camera, or why there are none.
 
     spots: the target in each frame, if the camera shows colour.
     """
@@ -34,7 +34,7 @@ class Learnt:
 
 
 def learn(clips: Path, room: Room) -> Iterator[Learnt]:
-    """What each camera of the room learns from the clips of one target."""
+    """Learn one target from the clips of each camera of the room."""
     recordings = find_recordings(clips, room.cameras)
     for name, camera in room.cameras.items():
         if name in recordings:

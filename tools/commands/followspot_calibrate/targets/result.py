@@ -12,7 +12,7 @@ from followspot_calibrate.targets.separability import Separability
 
 @dataclass(frozen=True, eq=False)
 class TargetsResult:
-    """What was learnt by target, separability in colour cameras, and corrections of the cameras."""
+    """The templates learnt by target, separability in colour cameras, and corrections of the cameras."""
 
     learnt: Mapping[str, Sequence[Learnt]]
     apart: Sequence[Separability]

@@ -33,7 +33,7 @@ def summary(outcome: TargetsResult) -> str:
 
 
 def as_json(outcome: TargetsResult) -> str:
-    """The same for scripts."""
+    """The learnt templates as JSON, for scripts."""
     correction = outcome.agreement.correction
     return json.dumps(
         {
@@ -63,7 +63,7 @@ def accepted_rows(one: Separability) -> list[tuple[str, ...]]:
 
 
 def template_row(name: str, one: Learnt) -> Sequence[str]:
-    """What a camera has learnt of a target, in the order of `HEAD`."""
+    """One row for a camera and a target, in the order of `HEAD`."""
     area = f"{one.area[0]:.0f}-{one.area[1]:.0f} px" if one.area else "-"
     template = "nothing learnt"
     if one.hue_histogram is not None:

@@ -78,7 +78,7 @@ def shared_points(result: Calibrated) -> list[tuple[str, ...]]:
 
 
 def as_json(result: Calibrated) -> str:
-    """The same for scripts."""
+    """The result as JSON, for scripts."""
     names, distance = list(result.cameras), result.solved.adjusted.distance
     rms, lengths = result.alignment.rms, result.lengths
     return json.dumps(

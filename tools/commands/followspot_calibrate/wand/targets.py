@@ -85,7 +85,7 @@ def _unknown(solved: Solved) -> tuple[Free, Middle | None]:
 
 
 def _in_room(adjusted: RobustAdjustment, transform: Similarity) -> RobustAdjustment:
-    """The same, moved to the room's frame."""
+    """The cameras and points, moved to the room's frame."""
     cameras = tuple(transform.camera(camera) for camera in adjusted.cameras)
     return replace(adjusted, cameras=cameras, points=transform.points(adjusted.points))
 

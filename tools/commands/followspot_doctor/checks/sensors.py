@@ -35,13 +35,13 @@ class Readings:
 
     @property
     def rate(self) -> float | None:
-        """Readings a second, 1/s; None if it cannot be told from so few."""
+        """Rate of readings, 1/s; None if they are too few."""
         span = self.times[-1] - self.times[0] if len(self.times) > 1 else 0
         return (len(self.times) - 1) * 1e9 / span if span > 0 else None
 
 
 def sensors(path: str) -> Iterator[Finding]:
-    """A finding a sensor; a room that cannot be read is told with its cameras."""
+    """One finding for each sensor; a room that cannot be read is reported with its cameras."""
     try:
         room = load(path)
     except InputError:

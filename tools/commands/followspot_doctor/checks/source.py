@@ -39,7 +39,7 @@ class Tried(Generic[T]):
 def tried(
     device: Camera | Sensor, room: Room, take: Take[T], example: str, timeout: float = TIMEOUT
 ) -> Tried[T]:
-    """What the source of a camera or sensor gives. example: a source, for one that has none; timeout: s."""
+    """Run the source of a camera or sensor. example: a source, if it has none; timeout: s."""
     if device.host:
         return Tried(fine(device.name, f"is on {device.host}: run followspot doctor there"))
     use = device.source
@@ -72,7 +72,7 @@ def tried(
 
 
 def _taken(source: Stage, take: Take[T], timeout: float) -> T | None:
-    """What was taken, the error of the stage, or None after a while; the stage is closed either way."""
+    """The messages that came, the error of the stage, or None after a while; closes the stage."""
     result: list[Any] = []
 
     def work() -> None:

@@ -40,7 +40,7 @@ def timing(path: str, seconds: float = SECONDS) -> Iterator[Finding]:
     try:
         room = load(path)
     except InputError:
-        return  # the check of the cameras tells it
+        return  # the check of the cameras reports it
     room = by_clocks(room)
     cameras = [camera for camera in room.cameras.values() if _is_live(camera)]
     if len(cameras) < 2:
@@ -113,7 +113,7 @@ class Watch:
 
 
 def _watched(camera: Camera, room: Room, watch: Watch) -> Array:
-    """Capture times, (N,) int64 ns, with the camera's offset; times of arrival if it tells none."""
+    """Capture times, (N,) int64 ns, with the camera's offset; times of arrival if it gives none."""
     offset = to_ns(camera.clock_offset)
 
     def take(messages: Iterator[Message]) -> Sequence[int]:

@@ -59,7 +59,7 @@ class Curves:
             self._sort()
 
     def take(self, port: str, message: Message) -> None:
-        """Take a message of a port; one of a port that nobody plots has no effect."""
+        """Take a message of a port; without a plot of the port it has no effect."""
         curves = self._by_port.get(port)
         if curves is not None:
             found = values_of(message, curves, self._room)

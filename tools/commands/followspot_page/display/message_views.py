@@ -18,7 +18,7 @@ from followspot_page.display.readings import inertial_view, table_view
 SHOWN: tuple[type[Message], ...] = (
     Frame, DepthImage, Blobs, Tracks, Forecast, Poses, Skeletons, Boxes, ImageTracks,
 )  # fmt: skip
-"""Message types that the page can show whoever sends them; others are shown as readings of a sensor."""
+"""Message types that the page can show from any port; others are shown as readings of a sensor."""
 SMOOTH: tuple[type[Message], ...] = (Tracks, Poses, Skeletons, Inertial)
 """Types that are shown more often than pictures."""
 _HEAD, _CHEST, _ARROW = 0.115, 0.26, 0.4

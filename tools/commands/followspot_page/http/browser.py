@@ -96,7 +96,7 @@ class Browser:
 async def serve_browser(page: Page, socket: WebSocket) -> None:
     """Serve one browser until it leaves or stops taking messages, or say why there is no room."""
     address = socket.client.host if socket.client is not None else ""
-    await socket.accept()  # a browser is told nothing about a handshake that fails
+    await socket.accept()  # a browser learns nothing about a handshake that fails
     if reason := page.full(address):
         page.connections.refused["crowded"] += 1
         await socket.close(_LATER, reason)

@@ -22,7 +22,7 @@ from followspot_recording.records import Recorded
 _REACHES = (0.15, 1.5)
 """Seconds before a moment in which a port's last message is looked for; older ones are not shown."""
 _RENEWED = 1.0
-"""Seconds after which browsers are told again what stands still: else it would be called old."""
+"""Seconds after which a position that stays the same is sent again: else browsers call it old."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Scrub:
 
     @property
     def problems(self) -> list[str]:
-        """What is wrong with the recording, as far as it was read: it is cut short, damaged, or malformed."""
+        """Problems of the recording, as far as it was read: it is cut short, damaged, or malformed."""
         broken = [f"{port} cannot be read: {why}" for port, why in self._malformed.items()]
         return [self._recording.problem, *broken] if self._recording.problem else broken
 

@@ -52,7 +52,7 @@ class Learnt:
 
 
 class Learning:
-    """What one browser learns: its newest still picture, and the newest target that was learnt from it."""
+    """The learning of one browser: the newest still picture, and the newest target learnt from it."""
 
     def __init__(self) -> None:
         self._still: Frame | None = None
@@ -111,7 +111,7 @@ def learnt_target(room: Room, learnt: Learnt) -> Target:
 
 
 def described(learnt: Learnt, room: Room) -> dict[str, Any]:
-    """What was learnt, for the browser, and what will be written. Raises FollowspotError.
+    """The learnt target for the browser, and what will be written. Raises FollowspotError.
 
     hue: degrees; share: of its pixels that have this hue; radius: px; alike: similarity with the templates of
     other targets in this camera, the worst first, and whether the detector would confuse them.

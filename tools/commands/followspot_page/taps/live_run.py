@@ -102,7 +102,7 @@ async def follow(
                 status = await asyncio.to_thread(run.status, _ANSWER)
                 take(status)
                 if run.pid is None and all(worker.phase == "over" for worker in status.workers):
-                    return  # a run under agents, whose end no operator tells
+                    return  # a run under agents, whose end no operator reports
                 keep(await _kept(run))
                 if turn % _PLAN_EVERY == 0:
                     plan = await plan_of(run)

@@ -10,7 +10,7 @@ from followspot_page.taps.shown_ports import ShownPort
 
 
 def sensors(room: Room, readings: Iterable[ShownPort]) -> list[dict[str, Any]]:
-    """Those of the room, then sources that are no sensor of it; readings: ports of sensors."""
+    """The sensors of the room, then sources that are no sensor of it; readings: ports of sensors."""
     names = dict.fromkeys([*room.sensors, *(port.sensor for port in readings)])
     return [
         _sensor(name, room.sensors.get(name), [port.name for port in readings if port.sensor == name])

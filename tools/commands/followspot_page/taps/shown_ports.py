@@ -91,7 +91,7 @@ def shown_ports(plan: Plan) -> tuple[ShownPort, ...]:
 
 
 def plotted_ports(plan: Plan, names: Collection[str]) -> tuple[ShownPort, ...]:
-    """Those of these ports that are not shown anyway."""
+    """The ports among these that are not shown anyway."""
     shown = {port.name for port in shown_ports(plan)}
     return tuple(
         ShownPort(name, kind, plan.host_of_stage(name.rpartition(".")[0]), source=False, plotted=True)

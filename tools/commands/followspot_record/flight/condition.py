@@ -56,7 +56,7 @@ class Condition:
         self._need(self._root, "truth")
 
     def holds(self, message: Message | None, losses: Mapping[str, int]) -> bool:
-        """Whether it holds, of any row. losses: messages lost since the last look at the ledger, by column.
+        """Whether it holds, of any row. losses: messages lost since the last check, by column.
 
         message: may be None for a condition that speaks of the ledger alone.
         """

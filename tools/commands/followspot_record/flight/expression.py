@@ -138,7 +138,7 @@ class _Parser:
         return Expression(token.kind, token)
 
     def _closed(self) -> Expression:
-        """What stands before a closing bracket."""
+        """The expression before a closing bracket."""
         self._deeper()
         found = self.either()
         if self.now.text != ")":

@@ -6,7 +6,7 @@ from followspot.library.handle import RunStatus
 
 
 class FaultWatch:
-    """Tells what is newly wrong between two looks at a run: a stage that failed or was restarted, a worker
+    """Finds new faults between two statuses of a run: a stage that failed or was restarted, a worker
     or host that is silent.
     """
 

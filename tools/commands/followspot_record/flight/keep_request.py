@@ -23,7 +23,7 @@ from followspot_record.record import graph_files
 
 
 def keep_of(args: argparse.Namespace) -> Keep:
-    """What the options ask for. Raises InputError."""
+    """The request that the options make. Raises InputError."""
     if args.keep is None:
         raise InputError.of("--keep-ports, --keep-memory and --mark-when need --keep", "--keep 30s")
     if getattr(args, "detach", False):

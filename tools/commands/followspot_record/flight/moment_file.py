@@ -26,7 +26,7 @@ from followspot_recording.sink import RecordingSink
 RESERVE = 256 << 20
 """Bytes of the disk that are left free."""
 _CHECKED = 16 << 20
-"""Bytes after which the disk is looked at again."""
+"""Bytes after which the free space of the disk is checked again."""
 _MOST_WAITING = 1.5
 """Share of the limit from which messages are lost."""
 _Job = Callable[[], None]
@@ -59,7 +59,7 @@ class MomentFile:
         self._messages = self._lost = self._waiting = 0
         self._begin = self._end = 0
         self._unchecked = 0
-        """Bytes that were written since the disk was looked at."""
+        """Bytes that were written since the last check."""
         self._sinks: dict[str, RecordingSink] = {}
         self._jobs: deque[tuple[_Job | None, int]] = deque()
         self._changed = threading.Condition()
@@ -69,7 +69,7 @@ class MomentFile:
 
     @property
     def moment(self) -> Moment:
-        """What the file holds by now."""
+        """The present content of the file."""
         state = self._state  # first, for a complete file does not change any more
         size = self.path.stat().st_size if self.path.exists() else 0
         return Moment(
@@ -97,7 +97,7 @@ class MomentFile:
 
     @property
     def gone(self) -> bool:
-        """Whether somebody has removed or moved the file since it was complete."""
+        """Whether the file was removed or moved since it was complete."""
         return self._completed > 0 and not self.path.exists()
 
     def mark(self, number: int, note: str, time: int) -> None:

@@ -37,7 +37,7 @@ _START_POLL_INTERVAL = 0.05
 _PERIOD = 0.2
 """Seconds between two exchanges with the run."""
 _LOOK = 0.4
-"""Seconds between two looks at its faults."""
+"""Seconds between two checks for faults."""
 _LEAVING = 3.0
 """Seconds for the last messages of a run to arrive."""
 _LEAST_FREE = 1 << 30
@@ -197,7 +197,7 @@ def main() -> int:
         print("nothing is kept: the run was over before its flight recorder had begun", flush=True)
         return 0
     process.watch(over)
-    over.wait(_LEAVING)  # the run's process tells how it ended
+    over.wait(_LEAVING)  # the run's process says how it ended
     for line in process.close(ends[0].errors if ends else ()):
         print(line, flush=True)
     return 0

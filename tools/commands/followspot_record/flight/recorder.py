@@ -13,7 +13,7 @@ from followspot_record.flight.moment_file import MomentFile
 from followspot_record.flight.moment_span import MomentSpan
 
 _MOST_TOLD = 50
-"""Files of which the run is told."""
+"""Files that are reported to the run."""
 
 
 class FlightRecorder:
@@ -94,7 +94,7 @@ class FlightRecorder:
                 self._leave()
 
     def kept(self) -> RecorderState:
-        """What is held, and the files."""
+        """The messages that are held, in numbers, and the files."""
         with self._guard:
             held = self._held
             present = [] if self._file is None else [self._file.moment]

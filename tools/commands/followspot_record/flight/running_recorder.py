@@ -18,7 +18,7 @@ _WRITING = 300.0
 
 
 class RunningRecorder:
-    """A flight recorder at work. lines: what it says at its end, a line for each file."""
+    """A flight recorder at work. lines: its output at the end, a line for each file."""
 
     def __init__(self) -> None:
         self.lines: tuple[str, ...] = ()
@@ -30,7 +30,7 @@ class RunningRecorder:
 
     @property
     def end(self) -> FlightEnd:
-        """What the process is told at the end of the run."""
+        """The order that ends the process, at the end of the run."""
         return FlightEnd(errors=self._errors)
 
 
