@@ -24,7 +24,7 @@ import cv2
 import numpy as np
 
 from followspot import Array
-from followspot_persons.hog.model import HogModel, judge
+from followspot_persons.hog.model import HogModel, classify
 from followspot_persons.hog.stage import Hog
 from followspot_persons.hog.whole import raised
 from followspot_persons.hog.whole_model import WholeModel
@@ -69,11 +69,11 @@ def tried(number: int, material: Material, split: Split, rng: np.random.Generato
     for column, (name, share) in enumerate(SHARES.items()):
         score = [
             raised(whole, share, person.pixels, person.box[None], np.array([said]))[0]
-            for person, said in zip(strangers, trial.judgement.score, strict=True)
+            for person, said in zip(strangers, trial.classification.score, strict=True)
         ]
         of_share = replace(
             trial,
-            judgement=replace(trial.judgement, score=np.array(score)),
+            classification=replace(trial.classification, score=np.array(score)),
             backgrounds=folders(held, [columns[column] for columns in scores]),
         )
         rates = (figures.RATE, figures.THRESHOLD_RATE)
@@ -94,7 +94,9 @@ def scored(model: HogModel, whole: WholeModel, background: Background) -> list[A
     """Scores of the windows that are proposed in a background, for each share."""
     box = places(background.pixels, model.linear)
     parts = np.array_split(box, len(box) // AT_ONCE + 1)
-    score = np.concatenate([judge(model, [cut(background.pixels, b) for b in part]).score for part in parts])
+    score = np.concatenate(
+        [classify(model, [cut(background.pixels, b) for b in part]).score for part in parts]
+    )
     return [raised(whole, share, background.pixels, box, score) for share in SHARES.values()]
 
 

@@ -19,7 +19,9 @@ HEAD = (slice(2, 34), slice(16, 48))
 """Rows and columns of the head in the window, px."""
 COARSE, FINE = (WIDTH // 8, HEIGHT // 8), (8, 8)
 """Cells across and down."""
-LOOKS = 9 * (COARSE[0] * COARSE[1] + FINE[0] * FINE[1]) + 2 * (COARSE[0] * COARSE[1] + FINE[0] * FINE[1])
+CELL_FEATURES = 9 * (COARSE[0] * COARSE[1] + FINE[0] * FINE[1]) + 2 * (
+    COARSE[0] * COARSE[1] + FINE[0] * FINE[1]
+)
 """Number of features of a window."""
 LOGARITHM = np.log(np.arange(256, dtype=np.float32) + 8)
 """Offset of the logarithm of grey levels, which suppresses noise in the dark."""
@@ -27,9 +29,9 @@ SKIN = ((0.35, 0.2), (0.2, 0.15))
 """log(red / green) and log(green / blue) of skin, light to dark: mean and standard deviation."""
 
 
-def looks(windows: Array | Sequence[Array]) -> Array:
-    """Features of windows: (N, HEIGHT, WIDTH, 3) u8 -> (N, LOOKS) f4."""
-    described = np.empty((len(windows), LOOKS), np.float32)
+def cell_features(windows: Array | Sequence[Array]) -> Array:
+    """Features of windows: (N, HEIGHT, WIDTH, 3) u8 -> (N, CELL_FEATURES) f4."""
+    described = np.empty((len(windows), CELL_FEATURES), np.float32)
     for row, window in zip(described, windows, strict=True):
         row[:] = np.concatenate([*_edges(window), *_coloured_cells(window)])
     return described

@@ -1,4 +1,4 @@
-"""The trained weights: a linear detector that proposes windows, a small network and trees that judge them."""
+"""Trained weights: a linear detector that proposes windows, a small network and trees that classify them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from followspot import Array
 from followspot.array_files import read_arrays
 from followspot.errors import InputError, Mistake
-from followspot_persons.hog.cells import LOOKS, looks
+from followspot_persons.hog.cells import CELL_FEATURES, cell_features
 from followspot_persons.hog.channels import CHANNELS, channels
 from followspot_persons.hog.network import Network, outputs
 from followspot_persons.hog.network import check as check_network
@@ -26,7 +26,7 @@ DIRECTIONS = 16
 """Number of headings with a likelihood; direction i is 2 pi i / 16, 0 faces the camera."""
 OUTPUTS = 1 + 2 * DIRECTIONS
 UNLIKELY = -6.0
-"""Log-odds of the network below which the trees are not asked."""
+"""Log-odds of the network below which the trees are not evaluated."""
 TREES = 0.3
 """Share of the trees in a score: half finds no more people in streets, and more false ones in rooms."""
 OPTIONAL: Mapping[str, Array] = {
@@ -43,9 +43,9 @@ class HogModel:
     """Weights, f4. `followspot train hog` makes them."""
 
     linear: Array
-    """(FEATURES + 1,) of the proposing detector, the bias last; a window above 0 is worth a look."""
+    """(FEATURES + 1,) of the proposing detector, the bias last; windows above 0 are classified."""
     hidden: Array
-    """(LOOKS, K) first layer of the network."""
+    """(CELL_FEATURES, K) first layer of the network."""
     hidden_bias: Array
     """(K,)"""
     output: Array
@@ -55,7 +55,7 @@ class HogModel:
     trust: Array
     """(2, 2) for torso and head: the factor of the log-likelihoods, and the share of sheer mistakes."""
     tree_feature: Array
-    """(T, 3) intp, of looks and channels: see :class:`Trees`, as for the next two."""
+    """(T, 3) intp, of features of cells and channels: see :class:`Trees`, as for the next two."""
     tree_threshold: Array
     """(T, 3)"""
     tree_leaf: Array
@@ -77,8 +77,8 @@ NAMES = [field.name for field in fields(HogModel) if field.name not in OPTIONAL]
 
 
 @dataclass(frozen=True, eq=False)
-class Judgement:
-    """What network and trees say of N windows."""
+class Classification:
+    """Score and headings of N windows by network and trees."""
 
     score: Array
     """(N,) log-odds of an upper body, 0 at the threshold."""
@@ -87,31 +87,38 @@ class Judgement:
     head: Array
 
 
-def judge(model: HogModel, windows: Array | Sequence[Array]) -> Judgement:
+def classify(model: HogModel, windows: Array | Sequence[Array]) -> Classification:
     """Score and headings of windows (N, HEIGHT, WIDTH, 3) u8."""
-    return judge_described(model, looks(windows), lambda rows: channels([windows[row] for row in rows]))
+    return classify_features(
+        model, cell_features(windows), lambda rows: channels([windows[row] for row in rows])
+    )
 
 
-def judge_described(model: HogModel, looks: Array, channels: Callable[[Array], Array]) -> Judgement:
-    """Score and headings of windows from their looks (N, LOOKS), and the channels of the rows that are given.
+def classify_features(
+    model: HogModel, cell_features: Array, channels: Callable[[Array], Array]
+) -> Classification:
+    """Score and headings of windows from their features of cells, (N, CELL_FEATURES), and the channels of
+    rows of them.
 
     The score is the calibrated mean of what network and trees say, weighted by `TREES`; where the network
     says that a person is unlikely, or without trees, it is the network's.
     """
-    out = outputs(model.network, looks).astype(float)
+    out = outputs(model.network, cell_features).astype(float)
     torso, head = out[:, 1 : 1 + DIRECTIONS], out[:, 1 + DIRECTIONS :]
     score = out[:, 0].copy()
     if len(model.tree_leaf):
         likely = np.flatnonzero(score > UNLIKELY)
-        features = np.hstack([looks[likely], channels(likely)])
+        features = np.hstack([cell_features[likely], channels(likely)])
         score[likely] += TREES * (log_odds(model.trees, features) - score[likely])
     factor, offset = model.calibration.astype(float)
-    return Judgement(factor * score + offset, trusted(torso, *model.trust[0]), trusted(head, *model.trust[1]))
+    return Classification(
+        factor * score + offset, trusted(torso, *model.trust[0]), trusted(head, *model.trust[1])
+    )
 
 
-def joined(parts: Sequence[Judgement]) -> Judgement:
+def joined(parts: Sequence[Classification]) -> Classification:
     """All rows of all parts."""
-    return Judgement(*(np.concatenate(c) for c in zip(*(vars(p).values() for p in parts), strict=True)))
+    return Classification(*(np.concatenate(c) for c in zip(*(vars(p).values() for p in parts), strict=True)))
 
 
 def trusted(logits: Array, factor: float, mistaken: float) -> Array:
@@ -156,7 +163,7 @@ def save(model: HogModel, path: Path) -> None:
 
 def _check(model: HogModel) -> None:
     """Raises ValueError if a shape is wrong or a number is not finite."""
-    check_network(model.network, LOOKS, OUTPUTS)
+    check_network(model.network, CELL_FEATURES, OUTPUTS)
     for name, shape in {"linear": (FEATURES + 1,), "trust": (2, 2), "calibration": (2,)}.items():
         array = getattr(model, name)
         if array.shape != shape:
@@ -165,4 +172,4 @@ def _check(model: HogModel) -> None:
             raise ValueError(f"{name} holds numbers that are not finite")
     if model.calibration[0] <= 0:
         raise ValueError("calibration has a factor that is not above 0")
-    check_trees(model.trees, LOOKS + CHANNELS)
+    check_trees(model.trees, CELL_FEATURES + CHANNELS)

@@ -16,10 +16,10 @@ from followspot_persons.hog.model import (
     DIRECTIONS,
     SHIPPED,
     SHIPPED_ABOVE,
+    Classification,
     HogModel,
-    Judgement,
+    classify,
     joined,
-    judge,
     load,
 )
 from followspot_persons.hog.search import Level, groups, levels, outermost, plausible, proposals
@@ -55,7 +55,7 @@ class Search:
 class Hog(Stage):
     """Find upper bodies of any orientation where people may stand, with the headings of torso and head.
 
-    A linear detector proposes windows; a small network and boosted trees, if the weights have them, judge
+    A linear detector proposes windows; a small network and boosted trees, if the weights have them, classify
     them. Where they are in doubt, legs below an upper body speak for it. It is slow: run it every few frames.
     """
 
@@ -103,7 +103,7 @@ class Hog(Stage):
             ge=1,
             le=5000,
             unit="1",
-            description="windows that are judged, best first; raising it costs time",
+            description="windows that are classified, best first; raising it costs time",
         )
         weights: InputPath = Field(SHIPPED, description="weights, as `followspot train hog` makes them")
         weights_above: InputPath = Field(
@@ -113,7 +113,7 @@ class Hog(Stage):
         )
         weights_whole: InputPath = Field(
             SHIPPED_WHOLE,
-            description="weights that judge whole bodies, as `followspot train whole` makes them",
+            description="weights that classify whole bodies, as `followspot train whole` makes them",
         )
         whole_share: float = Field(
             0.5,
@@ -148,11 +148,14 @@ class Hog(Stage):
         box, share = np.concatenate(proposed), self.params.whole_share
         pixels, placed = self.around(pixels, box)
         of_search = np.split(placed, np.cumsum([len(part) for part in proposed])[:-1])
-        said = joined(
-            [judged(pixels, part, s.model) for s, part in zip(self.searches, of_search, strict=True)]
+        found = joined(
+            [
+                classified_boxes(pixels, part, s.model)
+                for s, part in zip(self.searches, of_search, strict=True)
+            ]
         )
-        score = raised(self.whole, share, pixels, placed, said.score) if share else said.score
-        return self.boxes(box, said, score)
+        score = raised(self.whole, share, pixels, placed, found.score) if share else found.score
+        return self.boxes(box, found, score)
 
     def proposed(self, pixels: Array, search: Search) -> Array:
         """Proposed boxes, (N, 4) px."""
@@ -170,7 +173,7 @@ class Hog(Stage):
         wider = cv2.copyMakeBorder(pixels, 0, 0, margin, margin, cv2.BORDER_WRAP)
         return np.asarray(wider), box + np.array([margin, 0, margin, 0])
 
-    def boxes(self, box: Array, judgement: Judgement, score: Array) -> Boxes:
+    def boxes(self, box: Array, classification: Classification, score: Array) -> Boxes:
         """One box for each body: the mean of the windows that show it, weighted by their odds.
 
         Its odds are the sum over the windows, whole bodies included, over the usual number of windows. Legs
@@ -178,8 +181,8 @@ class Hog(Stage):
         score: (N,) log-odds of somebody, with the whole bodies.
         """
         shown = score > FAINT
-        box, odds, upper = box[shown], np.exp(score[shown]), np.exp(judgement.score[shown])
-        torso, head = judgement.torso[shown], judgement.head[shown]
+        box, odds, upper = box[shown], np.exp(score[shown]), np.exp(classification.score[shown])
+        torso, head = classification.torso[shown], classification.head[shown]
         found = groups(box, odds, SAME, self.turn)
         means, angles = np.empty((len(found), 4)), np.empty((2, len(found), DIRECTIONS))
         for number, rows in enumerate(found):
@@ -207,6 +210,8 @@ class Hog(Stage):
         return np.asarray(box - turns * self.turn * [1, 0, 1, 0])
 
 
-def judged(pixels: Array, box: Array, model: HogModel) -> Judgement:
+def classified_boxes(pixels: Array, box: Array, model: HogModel) -> Classification:
     """What the model says of the contents of boxes (N, 4) px."""
-    return judge(model, np.array([cut(pixels, one) for one in box], np.uint8).reshape(-1, HEIGHT, WIDTH, 3))
+    return classify(
+        model, np.array([cut(pixels, one) for one in box], np.uint8).reshape(-1, HEIGHT, WIDTH, 3)
+    )

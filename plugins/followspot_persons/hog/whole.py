@@ -10,7 +10,7 @@ import numpy as np
 
 from followspot import Array
 from followspot_persons.hog.search import nesting
-from followspot_persons.hog.whole_model import LAYOUT, WholeModel, judged
+from followspot_persons.hog.whole_model import LAYOUT, WholeModel, whole_log_odds
 from followspot_persons.hog.window import cut
 
 FEET = 120.0
@@ -26,7 +26,7 @@ def raised(model: WholeModel, share: float, pixels: Array, box: Array, score: Ar
     """
     rows, out = np.flatnonzero((score > DOUBT) & within(box, pixels.shape)), score.copy()
     if len(rows):
-        said = judged(model, windows(pixels, box[rows]))
+        said = whole_log_odds(model, windows(pixels, box[rows]))
         out[rows] += share * np.maximum(said - score[rows], 0)
     return out
 

@@ -36,7 +36,7 @@ class WholeModel:
     trees: Trees
 
 
-def judged(model: WholeModel, windows: Sequence[Array]) -> Array:
+def whole_log_odds(model: WholeModel, windows: Sequence[Array]) -> Array:
     """Log-odds (N,) of a whole person in one or more windows of the size of the layout, (H, W, 3) u8."""
     described = channels(windows)
     alone = network.outputs(model.network, described)[:, 0]

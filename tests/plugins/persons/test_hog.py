@@ -14,9 +14,9 @@ from followspot.context import Context
 from followspot.files import DATA
 from followspot.messages import Header, stamped
 from followspot.tracking import Frame
-from followspot_persons.hog.cells import LOOKS, looks
+from followspot_persons.hog.cells import CELL_FEATURES, cell_features
 from followspot_persons.hog.channels import CHANNELS
-from followspot_persons.hog.model import DIRECTIONS, SHIPPED, judge, load, save, trusted
+from followspot_persons.hog.model import DIRECTIONS, SHIPPED, classify, load, save, trusted
 from followspot_persons.hog.search import groups, nesting, outermost, overlap
 from followspot_persons.hog.stage import Hog
 from followspot_persons.hog.window import BODY, HEIGHT, WIDTH, cut
@@ -71,8 +71,8 @@ def test_beyond_the_picture_its_border_goes_on():
 
 def test_looks_do_not_depend_on_the_exposure():
     window = np.random.default_rng(1).integers(40, 120, (1, HEIGHT, WIDTH, 3), np.uint8)
-    dark, bright = looks(window), looks(2 * window)
-    assert dark.shape == (1, LOOKS)
+    dark, bright = cell_features(window), cell_features(2 * window)
+    assert dark.shape == (1, CELL_FEATURES)
     brightness = slice(9 * 144, 9 * 144 + 80)
     assert np.abs(dark[0, brightness] - bright[0, brightness]).max() < 0.1
 
@@ -111,7 +111,7 @@ def test_weights_come_back_as_they_were_written(tmp_path):
     save(model, tmp_path / "again.npz")
     again = load(tmp_path / "again.npz")
     window = np.random.default_rng(2).integers(0, 256, (3, HEIGHT, WIDTH, 3), np.uint8)
-    assert np.array_equal(judge(model, window).score, judge(again, window).score)
+    assert np.array_equal(classify(model, window).score, classify(again, window).score)
     assert SHIPPED.stat().st_size < 300_000
 
 
@@ -129,16 +129,16 @@ def test_weights_without_trees_are_those_of_a_network_alone(tmp_path):
         np.savez(tmp_path / "old.npz", **{n: a for n, a in stored.items() if not n.startswith("tree_")})
     window = np.random.default_rng(2).integers(0, 256, (3, HEIGHT, WIDTH, 3), np.uint8)
     model = load(tmp_path / "old.npz")
-    hidden = np.maximum(looks(window) @ model.hidden + model.hidden_bias, 0)
+    hidden = np.maximum(cell_features(window) @ model.hidden + model.hidden_bias, 0)
     np.testing.assert_allclose(
-        judge(model, window).score, hidden @ model.output[:, 0] + model.output_bias[0], rtol=1e-4
+        classify(model, window).score, hidden @ model.output[:, 0] + model.output_bias[0], rtol=1e-4
     )
 
 
 def test_scores_are_calibrated():
     model, window = load(SHIPPED), np.random.default_rng(2).integers(0, 256, (3, HEIGHT, WIDTH, 3), np.uint8)
-    before = judge(model, window)
-    after = judge(replace(model, calibration=np.array([2.0, -1.5])), window)
+    before = classify(model, window)
+    after = classify(replace(model, calibration=np.array([2.0, -1.5])), window)
     np.testing.assert_allclose(after.score, 2 * before.score - 1.5, rtol=1e-6)
     assert np.array_equal(after.torso, before.torso)
 
@@ -166,7 +166,9 @@ def test_files_that_hold_no_weights_are_refused(tmp_path):
         broken("short.npz", linear=np.zeros(7)): "linear has shape",
         broken("leaves.npz", tree_leaf=np.zeros((7, 4))): "tree_feature has shape",
         broken("leaf.npz", tree_leaf=np.zeros(())): "has shape",
-        broken("beyond.npz", **tree(LOOKS + CHANNELS)): "tree_feature holds numbers of features beyond",
+        broken(
+            "beyond.npz", **tree(CELL_FEATURES + CHANNELS)
+        ): "tree_feature holds numbers of features beyond",
         broken("half.npz", calibration=np.ones(3)): "calibration has shape",
         broken("turned.npz", calibration=np.array([-1.0, 0.0])): "a factor that is not above 0",
         broken("nan.npz", output_bias=np.full(33, np.nan)): "not finite",

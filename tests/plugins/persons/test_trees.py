@@ -1,13 +1,13 @@
-"""Channels of windows, and the boosted trees that judge them."""
+"""Channels of windows, and the boosted trees that classify them."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from followspot_persons.hog.cells import LOOKS
+from followspot_persons.hog.cells import CELL_FEATURES
 from followspot_persons.hog.channels import CELLS, CHANNELS, ORIENTATIONS, channels
-from followspot_persons.hog.model import SHIPPED, TREES, UNLIKELY, judge_described, load
+from followspot_persons.hog.model import SHIPPED, TREES, UNLIKELY, classify_features, load
 from followspot_persons.hog.trees import ROWS, Trees, log_odds
 from followspot_persons.hog.window import HEIGHT, WIDTH
 
@@ -84,7 +84,7 @@ def test_trees_are_asked_only_where_the_network_sees_a_chance():
         tree_threshold=np.zeros((4, 3), np.float32),
         tree_leaf=np.zeros((4, 4), np.float32),
     )
-    looks = RNG.normal(size=(40, LOOKS)).astype(np.float32)
+    cell_features = RNG.normal(size=(40, CELL_FEATURES)).astype(np.float32)
     asked = []
 
     def described(rows):
@@ -92,12 +92,12 @@ def test_trees_are_asked_only_where_the_network_sees_a_chance():
         return np.zeros((len(rows), CHANNELS), np.float32)
 
     network = replace(model, output_bias=model.output_bias + 100)
-    alone = judge_described(network, looks, described).score / (1 - TREES) - 100
+    alone = classify_features(network, cell_features, described).score / (1 - TREES) - 100
     assert len(asked.pop()) == 40
     shift = UNLIKELY - np.median(alone)
     shifted = replace(model, output_bias=model.output_bias + np.eye(len(model.output_bias))[0] * shift)
     leaves = replace(shifted, tree_leaf=np.full((4, 4), 0.25, np.float32))
-    found = judge_described(leaves, looks, described).score
+    found = classify_features(leaves, cell_features, described).score
     [rows] = asked
     assert 10 < len(rows) < 30
     expected = alone + shift

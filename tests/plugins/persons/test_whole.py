@@ -12,7 +12,7 @@ from followspot import Camera, InputError
 from followspot.context import Context
 from followspot.tracking import Frame
 from followspot_persons.hog import whole
-from followspot_persons.hog.model import DIRECTIONS, Judgement
+from followspot_persons.hog.model import DIRECTIONS, Classification
 from followspot_persons.hog.network import Network
 from followspot_persons.hog.stage import Hog
 from followspot_persons.hog.trees import Trees
@@ -23,9 +23,9 @@ from followspot_persons.hog.whole_model import (
     SHIPPED_WHOLE,
     TREES,
     WholeModel,
-    judged,
     load,
     save,
+    whole_log_odds,
 )
 
 PIXELS = np.random.default_rng(0).integers(0, 256, (300, 400, 3), np.uint8)
@@ -43,7 +43,7 @@ def saying(odds, by_network=None):
 
 def test_a_whole_body_is_as_sure_as_the_weighted_mean_of_trees_and_network():
     windows = whole.windows(PIXELS, np.tile(BOX, (3, 1)))
-    assert judged(saying(4.0, -1.0), windows) == pytest.approx([TREES * 4 - (1 - TREES)] * 3)
+    assert whole_log_odds(saying(4.0, -1.0), windows) == pytest.approx([TREES * 4 - (1 - TREES)] * 3)
 
 
 def test_the_network_judges_what_the_window_shows():
@@ -54,7 +54,10 @@ def test_the_network_judges_what_the_window_shows():
     )
     rough, flat = PIXELS, np.full_like(PIXELS, 128)
     box = BOX[None]
-    said = [judged(replace(model, network=sum_of), whole.windows(pixels, box))[0] for pixels in (rough, flat)]
+    said = [
+        whole_log_odds(replace(model, network=sum_of), whole.windows(pixels, box))[0]
+        for pixels in (rough, flat)
+    ]
     assert said[0] > said[1] + 1
 
 
@@ -155,7 +158,7 @@ def test_legs_decide_whether_somebody_is_there_and_the_upper_body_where_and_how_
     stage.setup()
     box = np.array([[100.0, 100, 160, 160], [104.0, 112, 164, 172]])
     ahead, aside = np.eye(DIRECTIONS)[[0, 4]] - 1
-    said = Judgement(np.array([1.0, -2.0]), np.array([ahead, aside]), np.array([ahead, aside]))
+    said = Classification(np.array([1.0, -2.0]), np.array([ahead, aside]), np.array([ahead, aside]))
     alone, legs = stage.boxes(box, said, said.score), stage.boxes(box, said, np.array([1.0, 4.0]))
     assert len(alone.score) == 0
     assert legs.score.tolist() == [pytest.approx(np.log((np.e + np.exp(4.0)) / 4))]
@@ -181,7 +184,7 @@ def test_legs_speak_for_nobody_within_a_surer_person():
     stage.setup()
     box = np.array([[200.0, 100, 300, 200], [180.0, 210, 215, 260]])
     flat = np.zeros((2, DIRECTIONS))
-    said = Judgement(np.array([4.0, -1.0]), flat, flat)
+    said = Classification(np.array([4.0, -1.0]), flat, flat)
     assert stage.boxes(box, said, np.array([4.0, 3.0])).box == pytest.approx(box[:1])
     box[1, [0, 2]] += 300
     assert len(stage.boxes(box, said, np.array([4.0, 3.0])).box) == 2

@@ -11,15 +11,15 @@ from hypothesis import strategies as st
 
 from followspot import InputError
 from followspot.cli.main import main
-from followspot_persons.hog.cells import LOOKS
+from followspot_persons.hog.cells import CELL_FEATURES
 from followspot_persons.hog.channels import CHANNELS
 from followspot_persons.hog.model import (
     DIRECTIONS,
     OPTIONAL,
     OUTPUTS,
     SHIPPED,
-    Judgement,
-    judge_described,
+    Classification,
+    classify_features,
     load,
     trusted,
 )
@@ -120,7 +120,7 @@ def test_leaves_step_to_the_minimum_of_the_cross_entropy(monkeypatch):
 def tried(persons, others, windows=100_000):
     """A trial that gave these scores to windows of persons and of one folder of backgrounds."""
     none, unknown = np.zeros(0), np.zeros((len(persons), DIRECTIONS))
-    said = Judgement(persons, unknown, unknown)
+    said = Classification(persons, unknown, unknown)
     streets = {"streets": recipe.Searched(others, windows)}
     return recipe.Trial(None, none, none, said, said, np.zeros(len(persons)), np.zeros(len(persons)), streets)
 
@@ -130,12 +130,14 @@ def test_the_threshold_of_the_trials_becomes_the_score_0():
     one = {name: np.zeros((1, *OPTIONAL[name].shape[1:]), OPTIONAL[name].dtype) for name in OPTIONAL}
     model = replace(load(SHIPPED), **{**one, "calibration": OPTIONAL["calibration"]})
     trial = tried(RNG.normal(6, 1, 50), np.linspace(-5, 5, 1001))
-    looks = RNG.normal(size=(20, LOOKS)).astype(np.float32)
+    cell_features = RNG.normal(size=(20, CELL_FEATURES)).astype(np.float32)
 
     def described(rows):
         return np.zeros((len(rows), CHANNELS), np.float32)
 
-    before, after = (judge_described(m, looks, described).score for m in (model, calibrated(model, [trial])))
+    before, after = (
+        classify_features(m, cell_features, described).score for m in (model, calibrated(model, [trial]))
+    )
     factor = np.ptp(after) / np.ptp(before)
     assert factor == pytest.approx(figures.steepness([trial]), rel=1e-4)
     np.testing.assert_allclose(after, factor * (before - figures.threshold([trial])), atol=1e-3)

@@ -14,7 +14,7 @@ from followspot_persons.hog.model import load as load_hog
 from followspot_persons.hog.model import save as save_hog
 from followspot_persons.hog.trees import Trees
 from followspot_persons.hog.whole import within
-from followspot_persons.hog.whole_model import INPUTS, LAYOUT, WholeModel, judged, load
+from followspot_persons.hog.whole_model import INPUTS, LAYOUT, WholeModel, load, whole_log_odds
 from followspot_persons.hog.window import BODY, FEATURES, cut
 from followspot_train import boosting, linear, network, whole
 from followspot_train.pictures import PEDESTRIAN, Background, Person
@@ -45,7 +45,7 @@ def quick(monkeypatch):
 
 
 def said(model, persons):
-    return judged(model, [cut(p.pixels, p.box, layout=LAYOUT) for p in persons])
+    return whole_log_odds(model, [cut(p.pixels, p.box, layout=LAYOUT) for p in persons])
 
 
 def test_strangers_with_legs_are_told_from_those_without_by_the_network_and_by_the_trees(quick, monkeypatch):

@@ -93,7 +93,7 @@ def recall(trials: Sequence[Trial], persons: Sequence[Person], rate: float) -> d
     hits, folders = [np.zeros(0, bool)], [persons[number].folder for t in trials for number in t.person]
     for trial in trials:
         least = threshold_at([trial], rate)
-        hits.append((trial.linear > 0) & (trial.judgement.score > least))
+        hits.append((trial.linear > 0) & (trial.classification.score > least))
     return by_folder(np.concatenate(hits), folders)
 
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Array
-from followspot_persons.hog.cells import looks
+from followspot_persons.hog.cells import cell_features
 from followspot_persons.hog.channels import channels
-from followspot_persons.hog.model import DIRECTIONS, HogModel, Judgement, judge, judge_described
+from followspot_persons.hog.model import DIRECTIONS, Classification, HogModel, classify, classify_features
 from followspot_train import boosting, linear, network
 from followspot_train.pictures import Background, Pictures
 from followspot_train.windows import Windows, exact, found, missed
@@ -66,9 +66,9 @@ class Trial:
     """(N,) numbers of the held-out persons."""
     linear: Array
     """(N,) score of the proposing detector for their exact windows, 0 at its threshold."""
-    judgement: Judgement
+    classification: Classification
     """For the exact windows."""
-    found: Judgement
+    found: Classification
     """For windows as a search finds them, with the true directions below."""
     torso: Array
     head: Array
@@ -117,7 +117,7 @@ def learn(
     for background in backgrounds:
         passed, _ = linear.passing(background.pixels, weights, material.above)
         windows += list(passed[rng.permutation(len(passed))[:DECEIVING]])
-    examples = _examples(positive, np.concatenate([near.looks, looks(windows)]))
+    examples = _examples(positive, np.concatenate([near.cell_features, cell_features(windows)]))
     seen = np.concatenate([positive.channels, near.channels, channels(windows).astype(np.float16)])
     trees = boosting.train(
         np.hstack([examples.inputs.astype(np.float16), seen]), examples.person, rng, report_progress
@@ -131,8 +131,8 @@ def learn(
 def _examples(positive: Windows, negative: Array) -> network.Examples:
     unknown = np.zeros((len(negative), DIRECTIONS), np.float32)
     return network.Examples(
-        np.concatenate([positive.looks, negative]),
-        np.repeat(np.array([1, 0], np.float32), [len(positive.looks), len(negative)]),
+        np.concatenate([positive.cell_features, negative]),
+        np.repeat(np.array([1, 0], np.float32), [len(positive.cell_features), len(negative)]),
         tuple(np.concatenate([network.directions(a), unknown]) for a in (positive.torso, positive.head)),
     )
 
@@ -148,8 +148,8 @@ def attempt(material: Material, split: Split, model: HogModel) -> Trial:
         model,
         alone.owner,
         alone.features @ model.linear[:-1] + model.linear[-1],
-        judge_described(model, alone.looks, lambda rows: alone.channels[rows]),
-        judge_described(model, among.looks, lambda rows: among.channels[rows]),
+        classify_features(model, alone.cell_features, lambda rows: alone.channels[rows]),
+        classify_features(model, among.cell_features, lambda rows: among.channels[rows]),
         among.torso,
         among.head,
         {name: _searched([b for b in held if b.folder == name], model, material.above) for name in folders},
@@ -160,7 +160,7 @@ def _searched(backgrounds: Sequence[Background], model: HogModel, above: int) ->
     scores, count = [np.zeros(0)], 0
     for background in backgrounds:
         windows, searched = linear.passing(background.pixels, model.linear, above)
-        scores.append(judge(model, windows).score)
+        scores.append(classify(model, windows).score)
         count += searched
     return Searched(np.concatenate(scores), count)
 

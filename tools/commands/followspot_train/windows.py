@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from followspot import Array
-from followspot_persons.hog.cells import looks
+from followspot_persons.hog.cells import cell_features
 from followspot_persons.hog.channels import channels
 from followspot_persons.hog.window import BODY, HEIGHT, TALL, WIDTH, cut, describe
 from followspot_train.pictures import Background, Person
@@ -30,10 +30,10 @@ class Windows:
 
     features: Array
     """(N, FEATURES) for the linear detector."""
-    looks: Array
-    """(N, LOOKS), inputs of the network."""
+    cell_features: Array
+    """(N, CELL_FEATURES), inputs of the network."""
     channels: Array
-    """(N, CHANNELS) f2, inputs of the trees, after the looks."""
+    """(N, CHANNELS) f2, inputs of the trees, after the features of cells."""
     owner: Array
     """(N,) number of the person; -1 for backgrounds."""
     torso: Array
@@ -48,7 +48,7 @@ class Windows:
 def described(windows: Sequence[Array], owner: Sequence[int], headings: Array) -> Windows:
     """Windows (HEIGHT, WIDTH, 3) u8 with owners and headings (N, 2) of torso and head, rad."""
     angles = np.reshape(headings, (-1, 2)).astype(float)
-    inputs = describe(windows), looks(windows), channels(windows).astype(np.float16)
+    inputs = describe(windows), cell_features(windows), channels(windows).astype(np.float16)
     return Windows(*inputs, np.array(owner, int), angles[:, 0], angles[:, 1])
 
 
