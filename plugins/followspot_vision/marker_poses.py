@@ -15,17 +15,17 @@ from followspot_vision.square_pose import Pose, poses, quaternion
 
 TURN_SIGMA = 0.1
 """Sigma of the angle between two faces of a marker that does not turn, rad."""
-LEAST_LIKELY = -40.0
-"""Smallest log-likelihood of a side, relative to the other: a marker may also be turned unseen."""
+MINIMUM_LOG_LIKELIHOOD = -40.0
+"""Smallest log-likelihood of a pose, relative to the other: a marker may also turn unseen."""
 
 
-class Sides(NamedTuple):
-    """The poses that a marker may have had, for it may lean to the camera or away from it."""
+class PoseHypotheses(NamedTuple):
+    """The poses that a marker may have, for it may lean to the camera or away from it."""
 
-    faces: Array
+    normals: Array
     """(K, 3), directions of the face."""
-    likely: Array
-    """(K,) log-likelihood of each, 0 of the best."""
+    log_likelihood: Array
+    """(K,), 0 of the best."""
     time: int
     """ns."""
 
@@ -72,7 +72,7 @@ class FindMarkerPoses(Stage):
     """Names of the markers seen so far."""
 
     def setup(self) -> None:
-        self.sides: dict[str, Sides] = {}
+        self.hypotheses: dict[str, PoseHypotheses] = {}
 
     def process(self, markers: Joined[Markers]) -> Outputs:
         seen: dict[str, list[tuple[str, Array]]] = {}
@@ -81,7 +81,7 @@ class FindMarkerPoses(Stage):
                 seen.setdefault(one.names[index], []).append((one.camera, one.xy[row]))
         self.seen |= seen.keys()
         time = max((one.header.time for one in markers), default=0)
-        self.sides = {name: s for name, s in self.sides.items() if not self.forgotten(s, time)}
+        self.hypotheses = {name: s for name, s in self.hypotheses.items() if not self.is_outdated(s, time)}
         found = {name: self.pose(name, views, time) for name, views in sorted(seen.items())}
         kept = {name: pose for name, pose in found.items() if pose is not None}
         names, count = tuple(kept), len(kept)
@@ -128,30 +128,31 @@ class FindMarkerPoses(Stage):
         if not possible or possible[0].error > self.params.maximum_error:
             return None
         errors = np.array([pose.error for pose in possible])
-        likely = -2 * len(views) * np.square(errors / self.params.corner_sigma)  # four corners a view
-        faces = np.array([pose.rotation[:, 2] for pose in possible])
-        before = self.sides.get(name)
+        log_likelihood = -2 * len(views) * np.square(errors / self.params.corner_sigma)  # four corners a view
+        normals = np.array([pose.rotation[:, 2] for pose in possible])
+        before = self.hypotheses.get(name)
         if before is not None:
-            likely += self.turned(before, faces, time)
-        self.sides[name] = Sides(faces, np.maximum(likely - likely.max(), LEAST_LIKELY), time)
+            log_likelihood += self.transition_log_likelihood(before, normals, time)
+        relative = np.maximum(log_likelihood - log_likelihood.max(), MINIMUM_LOG_LIKELIHOOD)
+        self.hypotheses[name] = PoseHypotheses(normals, relative, time)
         ambiguity = errors[0] / max(errors[1], np.finfo(float).tiny) if len(errors) > 1 else 0.0
-        return possible[int(likely.argmax())], float(ambiguity)
+        return possible[int(log_likelihood.argmax())], float(ambiguity)
 
-    def turned(self, before: Sides, faces: Array, time: int) -> Array:
-        """Log-likelihood of faces (K, 3) after the sides before, by the turns that lead to them: (K,)."""
+    def transition_log_likelihood(self, before: PoseHypotheses, normals: Array, time: int) -> Array:
+        """Log-likelihood of normals (K, 3) after the previous hypotheses, by the turns to them: (K,)."""
         sigma = TURN_SIGMA + self.params.turn_rate * (time - before.time) * NANOSECOND
-        angle = np.arccos(np.clip(faces @ before.faces.T, -1, 1))
-        return np.asarray((before.likely - np.square(angle / sigma) / 2).max(axis=1))
+        angle = np.arccos(np.clip(normals @ before.normals.T, -1, 1))
+        return np.asarray((before.log_likelihood - np.square(angle / sigma) / 2).max(axis=1))
 
-    def forgotten(self, sides: Sides, time: int) -> bool:
+    def is_outdated(self, hypotheses: PoseHypotheses, time: int) -> bool:
         """Whether poses are too old to count, or of a time that has not come yet."""
-        return not 0 <= (time - sides.time) * NANOSECOND <= self.params.memory
+        return not 0 <= (time - hypotheses.time) * NANOSECOND <= self.params.memory
 
     def state(self) -> Any:
-        return {name: [sides.faces, sides.likely, sides.time] for name, sides in self.sides.items()}
+        return {name: list(hypotheses) for name, hypotheses in self.hypotheses.items()}
 
     def restore(self, state: Any) -> None:
-        self.sides = {
-            name: Sides(np.array(faces), np.array(likely), int(time))
-            for name, (faces, likely, time) in state.items()
+        self.hypotheses = {
+            name: PoseHypotheses(np.array(normals), np.array(log_likelihood), int(time))
+            for name, (normals, log_likelihood, time) in state.items()
         }

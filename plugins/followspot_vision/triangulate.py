@@ -10,7 +10,7 @@ from followspot import Array, Camera, Field, Joined, Mistake, Room, Stage, Stage
 from followspot.geometry import back_projection
 from followspot.points import Points2D, Points3D
 from followspot.two_views import check_two_views
-from followspot_vision.consensus import Place, Seen, places
+from followspot_vision.consensus import ConsensusPoint, ViewPoints, consensus_points
 
 
 class Triangulate(Stage):
@@ -69,17 +69,17 @@ class Triangulate(Stage):
         camera = _joined([np.full(len(rows), self.number[one.camera]) for one, rows in kept], "i4")
         xy = np.concatenate([np.zeros((0, 2)), *(one.xy[rows] for one, rows in kept)])
         score = _joined([one.score[rows] for one, rows in kept], "f8")
-        seen = self.seen(camera, xy)
+        in_views = self.in_views(camera, xy)
         gate, views = self.params.maximum_error, self.params.minimum_views
-        found: list[tuple[int, Place, float]] = []
+        found: list[tuple[int, ConsensusPoint, float]] = []
         for number in range(len(labels)):
             own = np.flatnonzero(label == number)
-            agreed = places(seen.rows(own), gate, views)
+            agreed = consensus_points(in_views.rows(own), gate, views)
             found += [(number, place, float(score[own[place.rows]].mean())) for place in agreed]
         return self.message(labels, found)
 
     def best_rows(self, points: Points2D) -> Array:
-        """Rows with a known place, of each label those with the best scores, in their order."""
+        """Rows with a known position, of each label those with the best scores, in their order."""
         rows = np.flatnonzero(np.isfinite(points.xy).all(axis=1))
         if len(rows) <= self.params.maximum_points:
             return rows
@@ -88,15 +88,17 @@ class Triangulate(Stage):
         first = np.searchsorted(points.label[order], points.label[order])
         return np.sort(order[np.arange(len(order)) - first < self.params.maximum_points])
 
-    def seen(self, camera: Array, xy: Array) -> Seen:
-        """The points with what is known of their cameras."""
+    def in_views(self, camera: Array, xy: Array) -> ViewPoints:
+        """The points with their cameras and rays."""
         back = self.back[camera]
         ray = back[..., 0] * xy[:, :1] + back[..., 1] * xy[:, 1:] + back[..., 2]
         ray /= np.linalg.norm(ray, axis=1, keepdims=True)
-        return Seen(camera, xy, self.projection[camera], self.center[camera], ray)
+        return ViewPoints(camera, xy, self.projection[camera], self.center[camera], ray)
 
-    def message(self, labels: tuple[str, ...], found: Sequence[tuple[int, Place, float]]) -> Points3D:
-        """The places that are determined well enough."""
+    def message(
+        self, labels: tuple[str, ...], found: Sequence[tuple[int, ConsensusPoint, float]]
+    ) -> Points3D:
+        """The points of the room that are determined well enough."""
         normal = np.array([place.normal for _, place, _ in found]).reshape(-1, 3, 3)
         covariance = self.params.point_sigma**2 * np.linalg.inv(normal)
         sure = np.linalg.eigvalsh(covariance)[:, -1] <= self.params.maximum_sigma**2
