@@ -1,4 +1,4 @@
-"""The choice of previewed messages: those at the capture times that all taps show."""
+"""Capture times of previews, which are the same for all taps, and which messages are shown at them."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from followspot_dashboard.gate import Gate
 from followspot_dashboard.pace import Pace
 
 
-class Turn(Protocol):
+class PreviewTimes(Protocol):
     """Decides for each message whether a tap shows it."""
 
-    def has_come(self, captured: int) -> bool:
+    def is_shown(self, captured: int) -> bool:
         """Whether the message with this capture time, ns, is shown. Asked once of each message."""
 
 
-class GateTurn:
-    """The times of a gate; leads: whether this tap chooses them."""
+class SharedTimes:
+    """Times in the shared memory of a gate; leads: whether this tap chooses them."""
 
     def __init__(self, gate: Gate, period: int, *, leads: bool) -> None:
         """period: between two moments, ns."""
@@ -26,7 +26,7 @@ class GateTurn:
         self._pace = Pace() if leads else None
         self._shown = -1
 
-    def has_come(self, captured: int) -> bool:
+    def is_shown(self, captured: int) -> bool:
         """The first message of each moment."""
         moment = self._gate.moment(captured)
         if self._pace is not None:
@@ -44,7 +44,7 @@ class GateTurn:
             self._gate.name(captured + pace.ahead(now, self._period), now + self._period)
 
 
-class GridTurn:
+class PeriodicTimes:
     """Times at whole periods of capture time, equal on all hosts without communication."""
 
     def __init__(self, period: int) -> None:
@@ -52,7 +52,7 @@ class GridTurn:
         self._period = period
         self._shown = -1
 
-    def has_come(self, captured: int) -> bool:
+    def is_shown(self, captured: int) -> bool:
         """The first message of each period."""
         number = captured // self._period
         come = number != self._shown

@@ -8,9 +8,9 @@ from followspot import Field, InputPath, Message
 from followspot.inertial import Inertial
 from followspot.taps.port_tap import PortTap
 from followspot_dashboard.gate import Gate
-from followspot_dashboard.gathering import Gathering
 from followspot_dashboard.picture import FARTHEST, PICTURES, picture_of
-from followspot_dashboard.turn import GateTurn, GridTurn, Turn
+from followspot_dashboard.preview_times import PeriodicTimes, PreviewTimes, SharedTimes
+from followspot_dashboard.unshown_readings import UnshownReadings
 
 
 class Tap(PortTap):
@@ -56,24 +56,24 @@ class Tap(PortTap):
         given = self.params
         self.between = int(1e9 / given.message_rate) if given.message_rate else 0
         self.next_at = 0
-        self.gathering = Gathering()
+        self.unshown = UnshownReadings()
         period = int(1e9 / given.picture_rate)
-        self.turn: Turn = GridTurn(period)
+        self.times: PreviewTimes = PeriodicTimes(period)
         if given.folder is not None:
             try:
                 self.gate = Gate(given.folder)
             except OSError:
                 self.gone = True
                 return
-            self.turn = GateTurn(self.gate, period, leads=given.sets_times)
+            self.times = SharedTimes(self.gate, period, leads=given.sets_times)
 
     def process(self, message: Message) -> None:
         """Show or ignore the message. Raises EOFError if the page has ended."""
         if self.gone:
             raise EOFError("the page has ended")
         if isinstance(message, Inertial):
-            self.gathering.add(message)
-        if not (self.turn.has_come(message.header.time) or self._between_pictures()):
+            self.unshown.add(message)
+        if not (self.times.is_shown(message.header.time) or self._between_pictures()):
             return
         self.next_at = time.monotonic_ns() + self.between
         given = self.params
@@ -82,9 +82,9 @@ class Tap(PortTap):
             if picture is not None:
                 self.send(picture)
         elif not (self._watched() or (self.gate is not None and not given.watched_only)):
-            self.gathering.forget()
+            self.unshown.clear()
         else:
-            self.send(self.gathering.take() if isinstance(message, Inertial) else message)
+            self.send(self.unshown.take() if isinstance(message, Inertial) else message)
 
     def close(self) -> None:
         """Disconnect from the page."""

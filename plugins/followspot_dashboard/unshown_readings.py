@@ -1,4 +1,4 @@
-"""Readings since the last preview: the lines of the page leave none of them out."""
+"""Inertial readings since the last preview, so that the lines of the page leave none of them out."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ import numpy as np
 from followspot.inertial import Inertial
 from followspot.messages import stamped
 
-MOST = 256
+MAXIMUM_WAITING = 256
 """Messages that wait for a preview at most; the oldest are left out."""
 
 
-class Gathering:
+class UnshownReadings:
     """The readings of one sensor that no preview has shown yet."""
 
     def __init__(self) -> None:
-        self._waiting: deque[Inertial] = deque(maxlen=MOST)
+        self._waiting: deque[Inertial] = deque(maxlen=MAXIMUM_WAITING)
 
     def add(self, message: Inertial) -> None:
         """Keep a message until the next preview."""
@@ -33,6 +33,6 @@ class Gathering:
         self._waiting.clear()
         return stamped(replace(last, **joined), last.header)  # type: ignore[arg-type]  # arrays are no texts
 
-    def forget(self) -> None:
-        """Keep nothing: nobody looks."""
+    def clear(self) -> None:
+        """Discard the readings: no browser shows them."""
         self._waiting.clear()
