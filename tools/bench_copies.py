@@ -35,7 +35,7 @@ from followspot import room_file
 from followspot.messages import Array
 from followspot.tables import table
 from followspot_accuracy import TrackTable, TruthTable, truth_of
-from followspot_accuracy.targets.figures import within_ellipsoid
+from followspot_accuracy.targets.metrics import within_ellipsoid
 from followspot_accuracy.targets.scoring import REACH, trajectory
 from scripting import options_of
 

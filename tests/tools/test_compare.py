@@ -18,7 +18,7 @@ from followspot.cli.parser import build_parser
 from followspot.errors import InputError
 from followspot.testing.tiny_room import tiny_room
 from followspot_accuracy import TargetScore, TrackTable, TruthTable
-from followspot_accuracy.targets.figures import Recoveries
+from followspot_accuracy.targets.metrics import Recoveries
 from followspot_compare.columns import COLUMNS
 from followspot_compare.command import Scene, comparable, plan_scenes, unchanged
 from followspot_compare.plot import MISSING, draw

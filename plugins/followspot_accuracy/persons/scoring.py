@@ -1,4 +1,4 @@
-"""Scores per person and in all: errors of the pose, coverage, identity, coming and going, false persons."""
+"""Scores per person and in all: errors of the pose, coverage, identity, visits, and false persons."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from followspot_accuracy.persons.errors import PoseErrors, pose_errors, together
 from followspot_accuracy.persons.matching import REACH, UNMATCHED, Matches, match
 from followspot_accuracy.persons.tables import PoseTable, PoseTruthTable
 from followspot_accuracy.persons.tracking import Area, Tracking, tracking
-from followspot_accuracy.persons.visits import SEEN, Coming, coming, identity_switches
+from followspot_accuracy.persons.visits import SEEN, VisitStatistics, identity_switches, visit_statistics
 from followspot_accuracy.statistics import share, statistic
 
 NEAR, WIDE, FLIPPED = 22.5, 45.0, 135.0
@@ -97,16 +97,16 @@ def score_persons(poses: PoseTable, truth: PoseTruthTable, area: Area | None = N
     """Compare poses with the truth. area: x0, y0, x1, y1, m, that the truth covers, for MOTA and IDF1."""
     matches = match(poses, truth)
     errors = list(errors_of(poses, truth, matches).values())
-    comings = [coming(poses, truth, matches, own) for own in range(len(truth.persons))]
+    visited = [visit_statistics(poses, truth, matches, own) for own in range(len(truth.persons))]
     switched = identity_switches(matches.identity)
     seen, covered = truth.visible >= SEEN, matches.identity != UNMATCHED
     each = {
         str(person): _person_score(
-            seen[:, own], covered[:, own], errors[own], int(switched[own]), [comings[own]]
+            seen[:, own], covered[:, own], errors[own], int(switched[own]), [visited[own]]
         )
         for own, person in enumerate(truth.persons)
     }
-    overall = _person_score(seen, covered, together(errors), int(switched.sum()), comings)
+    overall = _person_score(seen, covered, together(errors), int(switched.sum()), visited)
     return PersonsScore(each, overall, _surplus(matches), tracking(poses, truth, area))
 
 
@@ -121,7 +121,11 @@ def errors_of(poses: PoseTable, truth: PoseTruthTable, matches: Matches) -> dict
 
 
 def _person_score(
-    seen: Array, covered: Array, errors: PoseErrors, switched: int, comings: Sequence[Coming]
+    seen: Array,
+    covered: Array,
+    errors: PoseErrors,
+    switched: int,
+    visited: Sequence[VisitStatistics],
 ) -> PersonScore:
     return PersonScore(
         frames=int(seen.sum()),
@@ -134,10 +138,10 @@ def _person_score(
         pan_median_deg=statistic(np.degrees(np.abs(errors.pan)), np.median),
         tilt_median_deg=statistic(np.degrees(np.abs(errors.tilt)), np.median),
         identity_switches=switched,
-        acquire_s=tuple(s for one in comings for s in one.acquire_s),
-        vanish_s=tuple(s for one in comings for s in one.vanish_s),
-        returns=sum(one.returns for one in comings),
-        returns_known=sum(one.known for one in comings),
+        acquire_s=tuple(s for one in visited for s in one.acquire_s),
+        vanish_s=tuple(s for one in visited for s in one.vanish_s),
+        returns=sum(one.returns for one in visited),
+        returns_known=sum(one.known for one in visited),
     )
 
 

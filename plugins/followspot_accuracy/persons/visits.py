@@ -26,8 +26,8 @@ class Visit:
 
 
 @dataclass(frozen=True)
-class Coming:
-    """Statistics of a person's visits.
+class VisitStatistics:
+    """Delays and re-identifications of a person's visits.
 
     acquire_s: for each visit, from first visibility to the first right position, or its whole length if none
     came; vanish_s: for each that ended, how long the pose stayed; returns, known: number of visits after the
@@ -53,8 +53,8 @@ def visits(visible: Array) -> list[Visit]:
     return found if start < 0 else [*found, Visit(start, len(visible))]
 
 
-def coming(poses: PoseTable, truth: PoseTruthTable, matches: Matches, own: int) -> Coming:
-    """How the visits of the truth's person number `own` were tracked."""
+def visit_statistics(poses: PoseTable, truth: PoseTruthTable, matches: Matches, own: int) -> VisitStatistics:
+    """Statistics of the visits of the truth's person number `own`."""
     stays = visits(truth.visible[:, own])
     identity = matches.identity[:, own]
     frames = len(truth.time)
@@ -71,12 +71,12 @@ def coming(poses: PoseTable, truth: PoseTruthTable, matches: Matches, own: int) 
             last = int(identity[right[-1]])
         if len(right) and stay.end < frames:
             until = stays[number + 1].start if number + 1 < len(stays) else frames
-            shown = ghosts(poses, matches, own, last, stay.end, until)
+            shown = ghost_frames(poses, matches, own, last, stay.end, until)
             vanish.append(float(moment[shown[-1] + 1] - moment[stay.end]) if len(shown) else 0.0)
-    return Coming(tuple(acquire), tuple(vanish), len(known), sum(known))
+    return VisitStatistics(tuple(acquire), tuple(vanish), len(known), sum(known))
 
 
-def ghosts(poses: PoseTable, matches: Matches, own: int, number: int, start: int, end: int) -> Array:
+def ghost_frames(poses: PoseTable, matches: Matches, own: int, number: int, start: int, end: int) -> Array:
     """Ascending frames from start to end in which the number is reported and is no other person's."""
     frame = matches.frame
     rows = np.flatnonzero((poses.person == number) & (frame >= start) & (frame < end))

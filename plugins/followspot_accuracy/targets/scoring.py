@@ -12,7 +12,7 @@ from followspot.room import Camera, Room
 from followspot.rotation import angle_between
 from followspot.tracking import LOST, PREDICTED, TRACKED
 from followspot_accuracy.statistics import half_interval, nearest, root_mean_square, share, statistic
-from followspot_accuracy.targets.figures import (
+from followspot_accuracy.targets.metrics import (
     jerk_cost,
     recoveries,
     reprojection,

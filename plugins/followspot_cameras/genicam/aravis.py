@@ -66,8 +66,8 @@ def described(info: CameraInfo) -> CameraInfo:
     return info
 
 
-def look(info: CameraInfo) -> AravisCamera:
-    """The camera; another program's cannot be looked at. Raises CameraGone."""
+def connect_read_only(info: CameraInfo) -> AravisCamera:
+    """The camera; that of another program cannot be read. Raises CameraGone."""
     return connect(info, "", 0)
 
 

@@ -116,8 +116,8 @@ class Backend(Protocol):
     def described(self, info: CameraInfo) -> CameraInfo:
         """What the camera says of itself, with its serial number."""
 
-    def look(self, info: CameraInfo) -> VisionCamera:
-        """The camera to be read only, if possible while another program controls it. Raises CameraGone."""
+    def connect_read_only(self, info: CameraInfo) -> VisionCamera:
+        """The camera, for reading only, if possible while another program controls it. Raises CameraGone."""
 
     def addressed(self, address: str) -> CameraInfo | None:
         """The camera at an address, which may be behind routers that pass no search; None if unasked."""

@@ -1,4 +1,4 @@
-"""What a camera says of its pictures and its clock, for lists and room files."""
+"""Facts about the pictures and the clock of a camera, for lists and room files."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ class Facts:
 
 
 def facts(info: CameraInfo, backend: Backend) -> Facts:
-    """The facts of a camera, which is asked for them and released."""
+    """The facts of a camera, which is connected for them and released."""
     try:
-        camera = backend.look(info)
+        camera = backend.connect_read_only(info)
     except CameraGone as error:
         return Facts(problem=str(error))
     try:
@@ -54,7 +54,7 @@ def facts(info: CameraInfo, backend: Backend) -> Facts:
 
 
 def facts_of(camera: VisionCamera) -> Facts:
-    """What a connected camera says. Raises CameraGone, ValueError."""
+    """The facts of a connected camera. Raises CameraGone, ValueError."""
     names, read = camera.names(), camera.read
     size = int(read("Width")), int(read("Height"))
     rates = [float(read(name)) for name in RATES if name in names]

@@ -65,8 +65,8 @@ def _told(camera: Any, feature: str) -> str:
         return ""
 
 
-def look(info: CameraInfo) -> VivaCamera:
-    """The camera to be read only. Raises CameraGone."""
+def connect_read_only(info: CameraInfo) -> VivaCamera:
+    """The camera, for reading only. Raises CameraGone."""
     if info.transport != "GigE Vision":
         return connect(info, "", 0)
     return VivaCamera(_asked(lambda: viva_genicam.connect_gige(info.handle, monitor=True)), "", 0)

@@ -26,7 +26,7 @@ from followspot_accuracy import (
     truth_of,
 )
 from followspot_accuracy.statistics import nearest
-from followspot_accuracy.targets.figures import PAPER_UNIT, found_while_sought, jerk_cost, recoveries
+from followspot_accuracy.targets.metrics import PAPER_UNIT, found_while_sought, jerk_cost, recoveries
 from followspot_score.command import score_files
 
 GLOWBALLS = dataset("glowballs-dev")

@@ -14,7 +14,7 @@ from followspot.messages import Array
 from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.tracking import Frame
-from followspot_accuracy.targets.figures import within_ellipsoid
+from followspot_accuracy.targets.metrics import within_ellipsoid
 from followspot_balls.bundle_fusion import Bundle
 from followspot_balls.mean_shift import MeanShift
 

@@ -30,7 +30,7 @@ from followspot_accuracy import (
     score,
 )
 from followspot_accuracy.scorings import PosesScoring
-from followspot_accuracy.targets.figures import Recoveries, found_while_sought, jerk_cost
+from followspot_accuracy.targets.metrics import Recoveries, found_while_sought, jerk_cost
 from followspot_accuracy.targets.scoring import REACH, trajectory
 from followspot_compare.recorded import detection_errors, pair_counts, read_fused
 
