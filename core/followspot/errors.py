@@ -151,6 +151,15 @@ def warning_lines(warnings: Sequence[Mistake]) -> Iterator[str]:
         yield f"warning: and {len(warnings) - MOST_SHOWN} more"
 
 
+def require_unused(path: Path, *sources: Path) -> None:
+    """Raise InputError if there is a file that a command would replace: it may be the work of its user.
+
+    sources: what the new file is made of; a command may be told to write back to one of them.
+    """
+    if path.exists() and not any(source.exists() and path.samefile(source) for source in sources):
+        raise InputError.of(f"{path} is there already", "name another file, or remove it")
+
+
 @contextmanager
 def writing(path: Path) -> Iterator[None]:
     """Raise FollowspotError for an OSError of the block; path: named in place of the OSError's

@@ -72,6 +72,26 @@ def test_the_same_room_gets_other_recordings(tmp_path: Path, capsys: pytest.Capt
     assert "sensors without a source: imu0" in capsys.readouterr().err
 
 
+def test_a_file_that_is_there_is_replaced_only_if_the_new_one_is_made_of_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monday(tmp_path)
+    file, other = tmp_path / "monday.yaml", tmp_path / "work.yaml"
+    other.write_text("# an evening of work\n")
+    commands = [
+        ["import", str(file), "-o"],
+        ["rectify", str(file), "-o"],
+        ["guess", str(tmp_path / "street.avi"), "-o"],
+        ["export", str(file), "-o"],
+    ]
+    for command in commands:
+        assert main(["room", *command, str(other)]) == 2
+        assert "work.yaml is there already\n    name another file, or remove it" in capsys.readouterr().err
+    assert other.read_text() == "# an evening of work\n"
+    assert main(["room", "import", str(file), "--only", "b", "-o", str(file)]) == 0
+    assert list(load(file).cameras) == ["b"]
+
+
 def test_templates_have_the_areas_of_larger_recordings(tmp_path: Path) -> None:
     room = monday(tmp_path)
     red = Target("red", 0.05, area={"a": (3.0, 70.0), "b": (4.0, 80.0)})
@@ -91,11 +111,11 @@ def test_some_cameras_take_their_part_of_the_templates_with_them(
     red = Target("red", 0.05, area={"a": (3.0, 70.0), "b": (4.0, 80.0)})
     save(replace(room, targets={"red": red}), tmp_path / "monday.yaml")
     out = tmp_path / "part.yaml"
-    command = ["room", "import", str(tmp_path / "monday.yaml"), "-o", str(out), "--only"]
-    assert main([*command, "b"]) == 0
+    command = ["room", "import", str(tmp_path / "monday.yaml"), "--only"]
+    assert main([*command, "b", "-o", str(out)]) == 0
     assert list(load(out).cameras) == ["b"]
     assert load(out).targets["red"].area == {"b": (4.0, 80.0)}
-    assert main([*command, "c"]) == 2
+    assert main([*command, "c", "-o", str(tmp_path / "none.yaml")]) == 2
     assert "--only" in capsys.readouterr().err
 
 

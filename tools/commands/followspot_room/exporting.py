@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from followspot.errors import InputError, writing
+from followspot.errors import InputError, require_unused, writing
 from followspot.room import Camera, Room
 from followspot.room_file import load
 from followspot_room.calibration import FORMATS
@@ -69,6 +69,8 @@ def write_calibration(cameras: Sequence[Camera], output: Path, chosen: Format) -
         files = chosen.write(cameras)
     except Unfit as mistake:
         raise InputError.of(str(mistake), mistake.remedy) from None
+    for path in [output / name for name in files] if chosen.folder else [output]:
+        require_unused(path)
     with writing(output):
         return _write_folder(files, output) if chosen.folder else _write_file(files, output)
 

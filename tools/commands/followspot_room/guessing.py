@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from followspot import Camera, Room
-from followspot.errors import InputError, writing
+from followspot.errors import InputError, require_unused, writing
 from followspot.messages import Array
 from followspot.notes import progress_is_shown
 from followspot.room import StageUse
@@ -57,6 +57,7 @@ def guess_room(video: Path, output: Path, field: float, person: float, *, as_jso
 
     field: horizontal field of view, rad; person: usual height of people, m.
     """
+    require_unused(output)
     if not video.is_file():
         raise InputError.of(f"there is no video {video}", "give a video in which people walk")
     size, found = people_in(video)

@@ -21,8 +21,8 @@ def followspot_commands() -> Sequence[Command]:
     ]
 
 
-def _add_output(parser: argparse.ArgumentParser, old: str = "is replaced") -> None:
-    help_text = f"room file to write; an old file {old}"
+def _add_output(parser: argparse.ArgumentParser) -> None:
+    help_text = "room file to write; an old file is refused"
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="ROOM.yaml", help=help_text)
 
 
@@ -34,7 +34,7 @@ def configure_new(parser: argparse.ArgumentParser) -> None:
     add("--webcam", metavar="DEVICE", help="number of a webcam, or its path, for example 0")
     add("--size", default="640x480", metavar="WxH", help="of the webcam's pictures, px (default: 640x480)")
     add("--field", type=float, default=60.0, metavar="DEG", help="horizontal field of view (default: 60)")
-    _add_output(parser, old="is refused")
+    _add_output(parser)
     add("--json", action="store_true", help="print the cameras as one JSON object")
 
 
@@ -110,7 +110,14 @@ def configure_export(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `room export`."""
     add = parser.add_argument
     add("room", type=Path, metavar="ROOM.yaml", help="room file")
-    add("-o", "--output", type=Path, required=True, metavar="FILE", help="file or folder to write")
+    add(
+        "-o",
+        "--output",
+        type=Path,
+        required=True,
+        metavar="FILE",
+        help="file or folder to write; old files are refused",
+    )
     add(
         "--format",
         choices=("anipose", "caliscope", "qualisys", "svoboda", "opencv"),

@@ -11,7 +11,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from followspot import Camera, Room
-from followspot.errors import InputError, Mistake, did_you_mean, writing
+from followspot.errors import InputError, Mistake, did_you_mean, require_unused, writing
 from followspot.files import DOCUMENT, read_text
 from followspot.graph.room_part import part_of
 from followspot.room import StageUse
@@ -50,6 +50,7 @@ def import_room(
     videos: None for cameras alone; only: cameras to take, empty for all; infrared: cameras that are infrared
     whatever the file says.
     """
+    require_unused(output, calibration)
     base = without_recordings(part_of_file(calibration, only)) if is_room_file(calibration) else Room()
     given = calibration_of(base) if base.cameras else read_calibration(calibration)
     known = with_infrared(with_only(given, only), infrared)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Camera, Room
-from followspot.errors import InputError, writing
+from followspot.errors import InputError, require_unused, writing
 from followspot.room import StageUse
 from followspot.room_file import save
 from followspot_room.moving import moved
@@ -32,8 +32,7 @@ def new_room(
 
     device: of a webcam, None for none, with pictures of this size, px; field: horizontal field of view, rad.
     """
-    if output.exists():
-        raise InputError.of(f"{output} is there already", "name another file, or remove it")
+    require_unused(output)
     room = room_of(videos, device, size, output, field)
     with writing(output):
         output.parent.mkdir(parents=True, exist_ok=True)

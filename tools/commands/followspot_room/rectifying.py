@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Camera
-from followspot.errors import InputError, writing
+from followspot.errors import InputError, require_unused, writing
 from followspot.geometry import ray
 from followspot.messages import Array
 from followspot.room_file import load, save
@@ -30,6 +30,7 @@ def rectify_room(room_file: Path, output: Path, scale: float, *, as_json: bool) 
 
     scale: of the new pictures over the old ones.
     """
+    require_unused(output, room_file)
     room = load(room_file)
     turned = {name: rectified(camera, scale) for name, camera in room.cameras.items()}
     changed = [name for name, camera in turned.items() if camera is not room.cameras[name]]

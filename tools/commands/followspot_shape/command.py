@@ -6,6 +6,7 @@ import argparse
 import json
 from typing import Any
 
+from followspot.errors import require_unused
 from followspot_persons.body.shape import SHIPPED, read_shape
 from followspot_shape.crops import Crops, read_crops
 from followspot_shape.fit import fitness, fitted_document, start_document
@@ -15,6 +16,7 @@ from followspot_shape.writing import COLOR_HEAD, SHAPE_HEAD, write
 
 def make(args: argparse.Namespace) -> int:
     """Make the model that was asked for. Returns the exit code; raises InputError."""
+    require_unused(args.out)
     crops = read_crops(args.crops)
     result = _fit(args, crops) if args.what == "fit" else _colors(args, crops)
     result = {"file": str(args.out), "crops": len(crops.body), **result}

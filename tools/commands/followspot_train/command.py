@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError, Mistake, require_unused
 from followspot.notes import progress_is_shown
 from followspot_persons.hog.model import HogModel, save
 from followspot_persons.hog.window import ABOVE
@@ -97,6 +97,7 @@ def _check(pictures: Pictures, out: Path) -> None:
         mistakes.append(Mistake(None, f"cannot write {out}", "name a file .npz in a folder that exists"))
     if mistakes:
         raise InputError(mistakes)
+    require_unused(out)
 
 
 def _prefixed(report_progress: ReportProgress, prefix: str) -> ReportProgress:

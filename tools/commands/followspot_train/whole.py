@@ -11,7 +11,7 @@ from operator import add
 import numpy as np
 
 from followspot import Array
-from followspot.errors import InputError
+from followspot.errors import InputError, require_unused
 from followspot_persons.hog.channels import channels
 from followspot_persons.hog.model import SHIPPED, load
 from followspot_persons.hog.whole import windows, within
@@ -39,6 +39,7 @@ def train_whole(args: argparse.Namespace) -> int:
     pictures = reduce(add, [read_folder(folder) for folder in args.folders])
     if args.out.suffix != ".npz" or not args.out.parent.is_dir():
         raise InputError.of(f"cannot write {args.out}", "name a file .npz in a folder that exists")
+    require_unused(args.out)
     linear = load(args.weights or SHIPPED).linear
     rng = np.random.default_rng(args.seed)
     save(learn(pictures.persons, pictures.backgrounds, linear, rng, progress_printer()), args.out)

@@ -20,7 +20,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add("--targets", type=Path, metavar="DIR", help="clips of single targets, DIR/<target>/<camera>.mkv, too")
     add("--room", type=Path, help="room file with the cameras; is updated without -o")
-    add("-o", "--output", type=Path, metavar="ROOM", help="room file to write")
+    add("-o", "--output", type=Path, metavar="ROOM", help="room file to write; an old file is refused")
     add("--intrinsics", choices=("known", "free", "auto"), default="auto", help="default: auto")
     add("--length", type=float, metavar="M", help="distance of the wand's two bulbs, m")
     add(

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Camera, Room
-from followspot.errors import InputError, Mistake, writing
+from followspot.errors import InputError, Mistake, require_unused, writing
 from followspot.room_file import load, save, update
 from followspot_calibrate.adjust import Progress
 from followspot_calibrate.output import print_result
@@ -156,6 +156,8 @@ def _check(args: argparse.Namespace) -> None:
         mistakes.append(Mistake(None, f"--length {args.length:g} is not positive", "give metres, as 0.5"))
     if mistakes:
         raise InputError(mistakes)
+    if args.output is not None:
+        require_unused(args.output, *([args.room] if args.room is not None else []))
 
 
 def _size(text: str | None) -> tuple[int, int] | None:
