@@ -83,7 +83,7 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
     """Run a plan with the given options and print the summary. Returns the exit code."""
     from followspot.cli.progress import ProgressBar
     from followspot.cli.run_log import ShownLog
-    from followspot.library.execute import RunOptions, run_plan
+    from followspot.library.execute import RunOptions, replaced, run_plan
     from followspot.library.report import Report
 
     plan = placed(plan, args.host)
@@ -96,6 +96,10 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
     if args.detach:
         return _detach(plan, args, network)
     out = output_folder(args.out, plan.graph)
+    if old := replaced(plan, out):
+        print(
+            f"warning: an earlier run left {', '.join(old)} in {out}; this one replaces it", file=sys.stderr
+        )
     with closing(ProgressBar()) as bar, ExitStack() as watchers:
         if network.certificates:
             from followspot.security.rejected_peers import RejectedPeers

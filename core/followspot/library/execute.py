@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from followspot.control.progress import OnProgress, Progress
 from followspot.operator.launch import run_plan
+from followspot.operator.output_folder import replaced
 from followspot.operator.reporting.report import RunReport
 from followspot.operator.reporting.scored import scored_file
 from followspot.operator.reporting.truth import (
@@ -17,6 +18,7 @@ __all__ = [
     "Progress",
     "RunOptions",
     "RunReport",
+    "replaced",
     "room_truth",
     "run_plan",
     "run_scores",

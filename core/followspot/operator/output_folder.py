@@ -9,6 +9,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from followspot.errors import FollowspotError
+from followspot.graph.parameters import output_paths
+from followspot.graph.plan import Plan
+from followspot.plugins.registry import load_stage
 
 
 @contextmanager
@@ -34,6 +37,13 @@ def reserved(folder: Path) -> Iterator[None]:
         yield
     finally:
         os.close(descriptor)
+
+
+def replaced(plan: Plan, folder: Path) -> list[str]:
+    """The outputs of an earlier run in the folder that a run of this plan replaces on this host."""
+    here = [stage for stage in plan.stages if not plan.host_of_stage(stage.name)]
+    paths = (path for stage in here for path in output_paths(load_stage(stage.uses).Params, stage.params))
+    return [path for path in dict.fromkeys(paths) if (folder / path).is_file()]
 
 
 def _lock(descriptor: int, folder: Path) -> None:

@@ -124,3 +124,9 @@ def test_what_a_terminal_cannot_show_is_escaped_and_does_not_end_the_command(tmp
         done = subprocess.run([*words, out], capture_output=True, cwd=tmp_path, env=environment)
         assert done.returncode == 0, done.stderr
         assert f"outputs: {ascii(out)[1:-1]}".encode() in done.stdout
+
+
+def test_a_run_says_which_outputs_of_an_earlier_one_it_replaces(tmp_path: Path) -> None:
+    words = ("run", GRAPH, "--frames", "1", "-q", "--out", tmp_path)
+    line = f"warning: an earlier run left tracks.csv in {tmp_path}; this one replaces it\n"
+    assert [line in command(*words).stderr for _ in range(2)] == [False, True]
