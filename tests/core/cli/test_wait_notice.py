@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import signal
+from argparse import Namespace
+from contextlib import nullcontext
 from pathlib import Path
 from threading import Event
 from typing import Any
 
 import pytest
 
+from followspot.cli import wait_notice
 from followspot.cli.wait_notice import pending_of, wait_notices
 from followspot.control.dispatch import NoAnswer, Request
 from followspot.control.host import HostLost, HostStatus, RunOrder, WorkerStatus
@@ -90,3 +94,27 @@ def test_what_is_done_soon_says_nothing(capsys: pytest.CaptureFixture[str]) -> N
     with wait_notices(lambda: "nobody", first=3600.0):
         pass
     assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(("pid", "goes_on"), [(7, True), (None, False)], ids=["its own", "under agents"])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_whoever_gives_up_a_change_hears_whether_the_run_makes_it_all_the_same(
+    number: signal.Signals,
+    pid: int | None,
+    goes_on: bool,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """A run under agents alone does not: the command leads the change, and undoes it."""
+    run = RunHandle("feedc0de", "g", lambda request, timeout: None, pid)
+    monkeypatch.setattr(wait_notice, "connected_run", lambda *_: nullcontext(run))
+    monkeypatch.setattr(wait_notice, "network_of", lambda _: None)
+    before = {each: signal.getsignal(each) for each in (signal.SIGTERM, signal.SIGHUP)}
+    try:
+        with pytest.raises(KeyboardInterrupt), wait_notice.run_with_notices(Namespace(run=None)):
+            signal.raise_signal(number)
+    finally:
+        for each, handler in before.items():
+            signal.signal(each, handler)
+    line = "g (feedc0de) still does what it was asked to"
+    assert (line in capsys.readouterr().err) == goes_on
