@@ -5,8 +5,9 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping
 from functools import cached_property
+from pathlib import Path
 from threading import Event
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from followspot import Field, Source, at
 from followspot.tracking import Frame
@@ -14,6 +15,10 @@ from followspot_cameras.video.stage import Video
 
 _ONLY = 1_000_000_000
 """Time of the only frame of a recording, ns."""
+_COMPUTER = Path("/proc/sys/kernel/random/boot_id")
+"""Names a computer since it was started."""
+_LONGEST = 600.0
+"""Longest time for which it may have been away if wall clocks are right, s."""
 
 
 class Playback(Video):
@@ -25,8 +30,8 @@ class Playback(Video):
     """
 
     live: ClassVar[bool] = True
-    _began = 0.0
-    """When the first frame was due, s since 1970; 0 before."""
+    _began: float | None = None
+    """When the first frame was due, s, monotonic; None before."""
 
     class Params(Video.Params):
         speed: float = Field(1.0, gt=0, le=1000, unit="1", description="speed over that of the recording")
@@ -41,14 +46,14 @@ class Playback(Video):
 
     def process(self) -> Source[Frame]:
         """Frames when they are due; overdue frames at once."""
-        began, origin, late = 0.0, None, self._began > 0.0
+        began, origin, late = 0.0, None, self._began is not None
         first = self.capture_time(0)
         try:
             for frame in self._rounds():
                 captured = frame.header.time
                 if origin is None:
-                    self._began = self._began or time.time()
-                    began, origin = time.monotonic() - self._played(), captured if first is None else first
+                    began = self._began = time.monotonic() if self._began is None else self._began
+                    origin = captured if first is None else first
                 due = began + (captured - origin) / 1e9 / self.params.speed
                 late = late and due < time.monotonic()
                 if late:
@@ -63,18 +68,28 @@ class Playback(Video):
         """See `Video.length`; None for a recording that is played again and again."""
         return None if self.params.loop else super().length()
 
-    def state(self) -> dict[str, float] | None:
-        """When it began, s since 1970, and its speed."""
-        return {"began": self._began, "speed": self.params.speed} if self._began else None
+    def state(self) -> dict[str, Any] | None:
+        """When it began by the clock of which start of a computer; how far it is now, s, and its speed."""
+        if self._began is None:
+            return None
+        here = {"began": self._began, "computer": _COMPUTER.read_text()}
+        return {**here, "played": self._played(), "now": time.time(), "speed": self.params.speed}
 
-    def restore(self, state: Mapping[str, float]) -> None:
-        """Go on where the recording is by now; at another speed from there on."""
-        now = time.time()
-        self._began = now - (now - state["began"]) * state["speed"] / self.params.speed
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Go on where the recording is by now; at another speed from there on.
+
+        All processes of a computer have one monotonic clock. Another computer goes by the wall clock, or goes
+        on where the recording was if that clock cannot be right.
+        """
+        now, away = time.monotonic(), time.time() - state["now"]
+        played = state["played"] + (away if 0 <= away <= _LONGEST else 0.0)
+        if state["computer"] == _COMPUTER.read_text():
+            played = now - state["began"]
+        self._began = now - played * state["speed"] / self.params.speed
 
     def _played(self) -> float:
         """For how long it plays, s."""
-        return time.time() - self._began if self._began else 0.0
+        return 0.0 if self._began is None else time.monotonic() - self._began
 
     def _rounds(self) -> Iterator[Frame]:
         """The frames of the recording, with `loop` again and again: a frame's time after the last one.

@@ -90,7 +90,7 @@ def test_a_worker_that_is_started_again_goes_on_at_the_frame_that_is_due(
     state = stage.state()
     assert state is not None
     stage, waits = playback(path, fps=1 / 500, loop=loop, speed=speed)
-    stage.restore({**state, "began": time.time() - 500 * (4 * rounds + 2.5) / speed})
+    stage.restore({**state, "began": time.monotonic() - 500 * (4 * rounds + 2.5) / speed})
     frame = next(iter(stage.process()))
     assert numbers(frame.pixels) == 3
     assert frame.header.time == (4 * rounds + 3) * 500_000_000_000
@@ -99,6 +99,27 @@ def test_a_worker_that_is_started_again_goes_on_at_the_frame_that_is_due(
 
 
 def test_at_another_speed_it_goes_on_where_it_is(tmp_path: Path) -> None:
-    stage, _ = playback(record(tmp_path / "a.mkv", frames=4), fps=1 / 500, speed=2.0)
-    stage.restore({"began": time.time() - 1250, "speed": 1.0})
+    stage, _ = playback(record(tmp_path / "a.mkv", frames=4), fps=1 / 500)
+    next(iter(stage.process()))
+    state = stage.state()
+    assert state is not None
+    stage, _ = playback(tmp_path / "a.mkv", fps=1 / 500, speed=2.0)
+    stage.restore({**state, "began": time.monotonic() - 1250})
     assert next(iter(stage.process())).header.time == 3 * 500_000_000_000
+
+
+@pytest.mark.parametrize(("clock", "left"), [(-50.0, 200), (3600.0, 250), (-3600.0, 250)])
+def test_another_computer_goes_by_its_wall_clock_unless_that_cannot_be_right(
+    tmp_path: Path, clock: float, left: int
+) -> None:
+    """clock: of the first computer against the second, s: it was away for 50 s, or that clock is wrong."""
+    stage, _ = playback(record(tmp_path / "a.mkv", frames=4), fps=1 / 500)
+    next(iter(stage.process()))
+    state = stage.state()
+    assert state is not None
+    stage, waits = playback(tmp_path / "a.mkv", fps=1 / 500)
+    stage.restore(
+        {**state, "computer": "another", "began": 1e9, "played": 1250.0, "now": time.time() + clock}
+    )
+    assert next(iter(stage.process())).header.time == 3 * 500_000_000_000
+    assert round(waits.asked[0] / 10) == left / 10
