@@ -29,13 +29,22 @@ UNLIKELY = -6.0
 """Log-odds of the network below which the trees are not evaluated."""
 TREES = 0.3
 """Share of the trees in a score: half finds no more people in streets, and more false ones in rooms."""
+HEADINGS: Mapping[str, Array] = {
+    "heading_hidden": np.zeros((CELL_FEATURES, 0), np.float32),
+    "heading_hidden_bias": np.zeros(0, np.float32),
+    "heading_output": np.zeros((0, 2 * DIRECTIONS), np.float32),
+    "heading_output_bias": np.zeros(2 * DIRECTIONS, np.float32),
+}
+"""The network of headings that a weights file may lack, without units."""
 OPTIONAL: Mapping[str, Array] = {
     "tree_feature": np.zeros((0, 3), np.intp),
     "tree_threshold": np.zeros((0, 3), np.float32),
     "tree_leaf": np.zeros((0, 4), np.float32),
     "calibration": np.array([1.0, 0.0], np.float32),
+    **HEADINGS,
 }
-"""Arrays that a weights file may lack, and what they are then: no trees, and scores that are log-odds."""
+"""Arrays that a weights file may lack, and what they are then: no trees, scores that are log-odds, and
+directions by the network that tells people from backgrounds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,10 +71,24 @@ class HogModel:
     """(T, 4)"""
     calibration: Array
     """(2,) factor and offset that make log-odds of what network and trees say (Platt 1999)."""
+    heading_hidden: Array
+    """(CELL_FEATURES, H) first layer of the network of headings; without units, :attr:`network` predicts
+    the directions."""
+    heading_hidden_bias: Array
+    """(H,)"""
+    heading_output: Array
+    """(H, 2 DIRECTIONS) directions of the torso, directions of the head."""
+    heading_output_bias: Array
+    """(2 DIRECTIONS,)"""
 
     @property
     def network(self) -> Network:
         return Network(self.hidden, self.hidden_bias, self.output, self.output_bias)
+
+    @property
+    def headings(self) -> Network:
+        layers = self.heading_hidden, self.heading_hidden_bias, self.heading_output, self.heading_output_bias
+        return Network(*layers)
 
     @property
     def trees(self) -> Trees:
@@ -104,7 +127,10 @@ def classify_features(
     says that a person is unlikely, or without trees, it is the network's.
     """
     out = outputs(model.network, cell_features).astype(float)
-    torso, head = out[:, 1 : 1 + DIRECTIONS], out[:, 1 + DIRECTIONS :]
+    directions = out[:, 1:]
+    if model.heading_hidden.size:
+        directions = outputs(model.headings, cell_features).astype(float)
+    torso, head = directions[:, :DIRECTIONS], directions[:, DIRECTIONS:]
     score = out[:, 0].copy()
     if len(model.tree_leaf):
         likely = np.flatnonzero(score > UNLIKELY)
@@ -156,14 +182,16 @@ def _fields(path: Path) -> dict[str, Array]:
 
 def save(model: HogModel, path: Path) -> None:
     """Write a weights file; half precision is enough for weights, but not for thresholds."""
-    half = {name: getattr(model, name).astype(np.float16) for name in NAMES}
-    exact = {name: getattr(model, name).astype(other.dtype) for name, other in OPTIONAL.items()}
+    half = {name: getattr(model, name).astype(np.float16) for name in (*NAMES, *HEADINGS)}
+    rest = {name: other for name, other in OPTIONAL.items() if name not in HEADINGS}
+    exact = {name: getattr(model, name).astype(other.dtype) for name, other in rest.items()}
     np.savez_compressed(path, allow_pickle=False, **half, **exact)
 
 
 def _check(model: HogModel) -> None:
     """Raises ValueError if a shape is wrong or a number is not finite."""
     check_network(model.network, CELL_FEATURES, OUTPUTS)
+    check_network(model.headings, CELL_FEATURES, 2 * DIRECTIONS)
     for name, shape in {"linear": (FEATURES + 1,), "trust": (2, 2), "calibration": (2,)}.items():
         array = getattr(model, name)
         if array.shape != shape:

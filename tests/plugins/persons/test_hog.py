@@ -112,7 +112,7 @@ def test_weights_come_back_as_they_were_written(tmp_path):
     again = load(tmp_path / "again.npz")
     window = np.random.default_rng(2).integers(0, 256, (3, HEIGHT, WIDTH, 3), np.uint8)
     assert np.array_equal(classify(model, window).score, classify(again, window).score)
-    assert SHIPPED.stat().st_size < 300_000
+    assert SHIPPED.stat().st_size < 1_500_000
 
 
 def tree(feature):

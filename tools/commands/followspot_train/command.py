@@ -32,10 +32,10 @@ def train_hog(args: argparse.Namespace) -> int:
     material = recipe.material(pictures, ABOVE if args.above else 0, rng, report_progress)
     trials = []
     for number, split in enumerate(recipe.splits(pictures), start=1):
-        of_trial = _prefixed(report_progress, f"trial {number} of {recipe.FOLDS}: ")
+        of_trial = prefixed(report_progress, f"trial {number} of {recipe.FOLDS}: ")
         model = recipe.learn(material, split, rng, of_trial)
         trials.append(recipe.attempt(material, split, model))
-    model = recipe.learn(material, recipe.everything(pictures), rng, _prefixed(report_progress, "all: "))
+    model = recipe.learn(material, recipe.everything(pictures), rng, prefixed(report_progress, "all: "))
     save(calibrated(model, trials), args.out)
     report_progress("comparing with OpenCV's detector of people")
     report = {**figures_as_json(trials, pictures), "opencv": baseline.recall(pictures, figures.RATE)}
@@ -74,33 +74,39 @@ def text(report: dict[str, Any], out: Path) -> str:
     ):
         parts = [f"{kind} {100 * value['recall']:.1f} %" for kind, value in report[name].items()]
         lines.append(f"  {title}: {', '.join(parts)}")
-    for part in ("torso", "head"):
-        numbers = report[part]
-        lines.append(
-            f"  direction of the {part}: median {numbers['median_deg']:.1f} degrees, within 22.5:"
-            f" {100 * numbers['within_22_5']:.0f} %, within 45: {100 * numbers['within_45']:.0f} %,"
-            f" flipped: {100 * numbers['flipped']:.1f} %"
-        )
+    lines += [figures.heading_line(part, report[part]) for part in ("torso", "head")]
     return "\n".join([*lines, f"weights: {out}"])
+
+
+def check_writable(out: Path) -> None:
+    """Raises InputError if weights cannot be written to a file, or if it exists."""
+    if mistakes := _unwritable(out):
+        raise InputError(mistakes)
+    require_unused(out)
+
+
+def _unwritable(out: Path) -> list[Mistake]:
+    if out.suffix == ".npz" and out.parent.is_dir():
+        return []
+    return [Mistake(None, f"cannot write {out}", "name a file .npz in a folder that exists")]
 
 
 def _check(pictures: Pictures, out: Path) -> None:
     """Raises InputError if there are too few pictures, or if `out` cannot be written."""
-    mistakes = []
+    mistakes = _unwritable(out)
     bodies = {person.body for person in pictures.persons if person.body >= 0}
     rooms = {background.place for background in pictures.backgrounds}
     if len(bodies) < recipe.FOLDS or len(rooms) < 2:
         found = f"{len(bodies)} numbered bodies, backgrounds of {len(rooms)} rooms"
         remedy = f"at least {recipe.FOLDS} bodies and 2 rooms are needed, because some are held out"
         mistakes.append(Mistake(None, f"too little to learn from: {found}", remedy))
-    if out.suffix != ".npz" or not out.parent.is_dir():
-        mistakes.append(Mistake(None, f"cannot write {out}", "name a file .npz in a folder that exists"))
     if mistakes:
         raise InputError(mistakes)
     require_unused(out)
 
 
-def _prefixed(report_progress: ReportProgress, prefix: str) -> ReportProgress:
+def prefixed(report_progress: ReportProgress, prefix: str) -> ReportProgress:
+    """Reports of progress with words before each line."""
     return lambda text: report_progress(prefix + text)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -106,7 +106,11 @@ def by_folder(hits: Array, folders: Sequence[str]) -> dict[str, Any]:
 def headings(trials: Sequence[Trial], part: str) -> dict[str, float]:
     """Errors of the direction of `torso` or `head` of single windows of strangers, rad in, degrees out."""
     said = np.concatenate([getattr(trial.found, part) for trial in trials])
-    true = np.concatenate([getattr(trial, part) for trial in trials])
+    return heading_errors(said, np.concatenate([getattr(trial, part) for trial in trials]))
+
+
+def heading_errors(said: Array, true: Array) -> dict[str, float]:
+    """Errors of directions. said: (N, DIRECTIONS) logarithms; true: (N,) rad, NaN if unknown."""
     known = np.isfinite(true)
     apart = direction(said[known]) - true[known]
     error = np.abs(np.rad2deg((apart + np.pi) % (2 * np.pi) - np.pi))
@@ -116,6 +120,15 @@ def headings(trials: Sequence[Trial], part: str) -> dict[str, float]:
         "within_45": share(error < 45),
         "flipped": share(error > 135),
     }
+
+
+def heading_line(part: str, numbers: Mapping[str, float]) -> str:
+    """A line of text about the errors of a part of the body."""
+    return (
+        f"  direction of the {part}: median {numbers['median_deg']:.1f} degrees, within 22.5:"
+        f" {100 * numbers['within_22_5']:.0f} %, within 45: {100 * numbers['within_45']:.0f} %,"
+        f" flipped: {100 * numbers['flipped']:.1f} %"
+    )
 
 
 def direction(likelihood: Array) -> Array:

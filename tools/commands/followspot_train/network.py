@@ -41,19 +41,24 @@ def directions(angle: Array) -> Array:
     return np.nan_to_num(share).astype(np.float32)
 
 
-def train(examples: Examples, rng: np.random.Generator, report_progress: Callable[[str], None]) -> Network:
+def train(
+    examples: Examples,
+    rng: np.random.Generator,
+    report_progress: Callable[[str], None],
+    units: int = UNITS,
+) -> Network:
     """A network that was trained on the examples: whether somebody is there, and directions of the parts."""
     count, inputs = examples.inputs.shape
     mean = examples.inputs.mean(axis=0, dtype=np.float32)
     spread = examples.inputs.std(axis=0, dtype=np.float32) + np.float32(1e-3)
     outputs = 1 + DIRECTIONS * len(examples.parts)
     weights = [
-        rng.normal(0, 1 / np.sqrt(inputs), (inputs, UNITS)).astype(np.float32),
-        np.zeros(UNITS, np.float32),
-        rng.normal(0, 0.5 / np.sqrt(UNITS), (UNITS, outputs)).astype(np.float32),
+        rng.normal(0, 1 / np.sqrt(inputs), (inputs, units)).astype(np.float32),
+        np.zeros(units, np.float32),
+        rng.normal(0, 0.5 / np.sqrt(units), (units, outputs)).astype(np.float32),
         np.zeros(outputs, np.float32),
     ]
-    weights[3][0] = np.log(examples.person.sum() / (1 - examples.person).sum())
+    weights[3][0] = np.log((examples.person.sum() + 1) / ((1 - examples.person).sum() + 1))
     adam = Adam(weights, EPOCHS * (count // BATCH))
     for epoch in range(EPOCHS):
         report_progress(f"training the network, {epoch + 1} of {EPOCHS}")

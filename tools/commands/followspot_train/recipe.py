@@ -10,7 +10,14 @@ import numpy as np
 from followspot import Array
 from followspot_persons.hog.cells import cell_features
 from followspot_persons.hog.channels import channels
-from followspot_persons.hog.model import DIRECTIONS, Classification, HogModel, classify, classify_features
+from followspot_persons.hog.model import (
+    DIRECTIONS,
+    HEADINGS,
+    Classification,
+    HogModel,
+    classify,
+    classify_features,
+)
 from followspot_train import boosting, linear, network
 from followspot_train.pictures import Background, Pictures
 from followspot_train.windows import Windows, exact, found, missed
@@ -125,7 +132,7 @@ def learn(
     grown = trees.feature, trees.threshold, trees.leaf
     learnt = network.train(examples, rng, report_progress)
     layers = learnt.hidden, learnt.hidden_bias, learnt.output, learnt.output_bias
-    return HogModel(linear.finished(weights), *layers, UNKNOWN, *grown, RAW)
+    return HogModel(linear.finished(weights), *layers, UNKNOWN, *grown, RAW, **HEADINGS)
 
 
 def _examples(positive: Windows, negative: Array) -> network.Examples:

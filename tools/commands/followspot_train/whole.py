@@ -11,14 +11,14 @@ from operator import add
 import numpy as np
 
 from followspot import Array
-from followspot.errors import InputError, require_unused
+from followspot.errors import InputError
 from followspot_persons.hog.channels import channels
 from followspot_persons.hog.model import SHIPPED, load
 from followspot_persons.hog.whole import windows, within
 from followspot_persons.hog.whole_model import LAYOUT, WholeModel, save
 from followspot_persons.hog.window import cut
 from followspot_train import boosting, network
-from followspot_train.command import progress_printer
+from followspot_train.command import check_writable, progress_printer
 from followspot_train.linear import learning, places
 from followspot_train.pictures import Background, Person, read_folder
 from followspot_train.recipe import ReportProgress
@@ -36,10 +36,8 @@ SQUARE = 320 * 240
 
 def train_whole(args: argparse.Namespace) -> int:
     """Read, learn, write. Returns the exit code."""
+    check_writable(args.out)
     pictures = reduce(add, [read_folder(folder) for folder in args.folders])
-    if args.out.suffix != ".npz" or not args.out.parent.is_dir():
-        raise InputError.of(f"cannot write {args.out}", "name a file .npz in a folder that exists")
-    require_unused(args.out)
     linear = load(args.weights or SHIPPED).linear
     rng = np.random.default_rng(args.seed)
     save(learn(pictures.persons, pictures.backgrounds, linear, rng, progress_printer()), args.out)
