@@ -203,6 +203,7 @@ def test_a_detached_run_outlives_its_operators(room: Room) -> None:
     summary: dict[str, Any] = json.loads(done.stdout)
     assert balanced(summary)
     assert any("worker left is back" in line for line in summary["warnings"])
+    assert "pc-left: the agent was restarted: its workers start again" in summary["warnings"]
     kept = command("logs", "--run", *room.folder.glob(f"pc-left/runs/*-{run}-pc-left"))
     assert "killed by SIGKILL" in kept.stdout, kept.stderr
     assert "worker left is back" in kept.stdout

@@ -31,9 +31,9 @@ class RunOrder:
     run: unique name; plan: as `plan_to_data` gives it; frames: of each camera, None for all; out: folder
     for outputs, None if the host chooses one; restart: whether hosts restart workers that die; detached:
     whether the run goes on without an operator; incarnations: of workers that ran under an earlier agent;
-    fired: frames that they did there; over: workers of any host that have ended for good; reference: the
-    run's reference host, which stays the same when hosts join or leave, "" if the run began without agents;
-    operator: its process.
+    fired: frames that they did there; age_s: how long the run went on there, s; over: workers of any host
+    that have ended for good; reference: the run's reference host, which stays the same when hosts join or
+    leave, "" if the run began without agents; operator: its process.
     """
 
     run: str
@@ -44,6 +44,7 @@ class RunOrder:
     detached: bool = False
     incarnations: dict[str, Incarnation] = field(default_factory=dict)
     fired: dict[str, Count] = field(default_factory=dict)
+    age_s: Age = 0.0
     over: tuple[str, ...] = ()
     reference: str = ""
     operator: ProcessIdentity = ProcessIdentity()

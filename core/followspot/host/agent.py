@@ -105,6 +105,8 @@ class Agent:
             self.log_line(f"run {order.run[:8]}: resumed")
             try:
                 self.prepare(order)
+                line = "the agent was restarted: its workers start again"
+                self.agent_runs.agent_run(order.run).run.report_event("warning", line)
                 self.start(order.run)
             except (FollowspotError, ValueError, OSError) as error:
                 self.log_line(f"run {order.run[:8]}: cannot be resumed: {error}")

@@ -44,7 +44,7 @@ class AgentRun:
         self.run = run
         self.operator = OperatorTimeout(None if order.detached else operator_timeout, time.monotonic())
         self.started = False
-        self.began = time.monotonic()
+        self.began = time.monotonic() - order.age_s
         self._leave_deadline: float | None = None
 
     @property
@@ -72,7 +72,10 @@ class AgentRun:
         over = {*self.order.over, *(worker.name for worker in workers if worker.phase == "over")}
         incarnations = {worker.name: worker.restarts + _RESTART_MARGIN for worker in workers}
         fired = {worker.name: worker.fired for worker in workers}
-        return replace(self.order, incarnations=incarnations, fired=fired, over=tuple(sorted(over)))
+        age = time.monotonic() - self.began
+        return replace(
+            self.order, incarnations=incarnations, fired=fired, age_s=age, over=tuple(sorted(over))
+        )
 
 
 class KeptRuns:
@@ -88,11 +91,12 @@ class KeptRuns:
         """The orders of the runs that an earlier agent of this host had when it died, unless too old."""
         for path in sorted(self._runs.glob(f"*-{self._host}/{_FILE}")):
             with suppress(OSError, ValueError):  # incomplete, or of another version
-                if time.time() - path.stat().st_mtime > _MAX_AGE:
+                away = time.time() - path.stat().st_mtime
+                if away > _MAX_AGE:
                     continue
                 order = PrepareRun.model_validate_json(read_bytes(path)).order
                 if path.parent.name.endswith(f"-{order.run}-{self._host}"):
-                    yield order
+                    yield replace(order, age_s=order.age_s + max(0.0, away))
 
     def keep(self, agent_runs: Iterable[AgentRun], now: float) -> None:
         """Save the detached runs if the last save is old enough; now: monotonic time, s."""

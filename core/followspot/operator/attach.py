@@ -220,4 +220,4 @@ def _view(orders: Mapping[str, RunOrder]) -> Plan:
 
 def _order(client: RpcClient, host: str, run: str) -> RunOrder:
     order: RunOrder = client.ask(host, GetOrder(run=run))
-    return replace(order, incarnations={}, fired={})
+    return replace(order, incarnations={}, fired={}, age_s=0.0)

@@ -31,6 +31,15 @@ def test_only_recent_complete_orders_of_this_host_are_resumed(tmp_path: Path) ->
     assert list(KeptRuns(tmp_path / "none", "left").left()) == []
 
 
+def test_a_resumed_run_goes_on_since_it_began(tmp_path: Path) -> None:
+    order = PrepareRun(order=RunOrder("aaaaaaaa", {}, detached=True, age_s=1000.0))
+    leave(tmp_path, "aaaaaaaa", "left", text=order.model_dump_json(), age=500.0)
+    (left,) = KeptRuns(tmp_path, "left").left()
+    assert 1500.0 <= left.age_s < 2000.0, "under the earlier agent, and without one"
+    run = AgentRun("show", left, LocalHost("left"))
+    assert left.age_s <= run.resume_order().age_s < 2000.0
+
+
 def test_a_closed_run_is_not_resumed(tmp_path: Path) -> None:
     said: list[str] = []
     agent_runs = AgentRuns(tmp_path, "left", said.append)
