@@ -26,7 +26,8 @@ class Associate(ViewAssociation):
     has both. A frame that contradicts a tracked target, by blobs that hardly fit, leaves it no candidates.
 
     If the room has depth cameras, all candidates stay, for the weighing of views does not know their
-    measurements. `balls.associate_tracked` weighs tracked targets alone that few candidates show.
+    measurements. `balls.associate_tracked` weighs tracked targets that few candidates show, and sought ones
+    with rival places.
     """
 
     advice = "lower confirmation_odds, or give the room more cameras that see each place"

@@ -1,4 +1,4 @@
-"""Association of tracked targets that few candidates show."""
+"""Association of targets that few candidates show, or that several places show."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from followspot import Array
 from followspot.tracking import Candidates, Forecast
-from followspot_balls.association.existence import Existence
+from followspot_balls.association.existence import Existence, near
 from followspot_balls.association.likelihood import ball_vs_reflector_log_ratio
 from followspot_balls.association.view_association import ViewAssociation, WeighedHypotheses
 
@@ -19,22 +19,37 @@ GATE = 3.0
 """Distance from the forecast up to which a candidate is at it, sigmas."""
 NEAR = 0.03
 """The same if the forecast is more exact than a pair of blobs, m."""
+LEAD = 1.0
+"""Lead of the likeliest of rival positions, nats; with less, all candidates stay, so that the position of the
+fusion is vague."""
 
 
 class AssociateTracked(ViewAssociation):
     """Keep the candidates of a tracked target's likeliest position if fewer than three are at its forecast.
 
     All views count, also those that detect nothing there, as in `balls.associate`. No frame alone
-    ends a track: its log-odds against a reflector do, for colour tells whose ball it is. Targets that are
-    sought, or that three candidates show, keep all their candidates, for the fusion to weigh. If the room has
-    depth cameras, all candidates stay, for the weighing of views does not know their measurements.
+    ends a track: its log-odds against a reflector do, for colour tells whose ball it is. If evident pairs
+    show a target without a track at several positions, it keeps the candidates of the likeliest if that
+    clearly leads. Other targets keep all their candidates, for the fusion to weigh. If the room has depth
+    cameras, all candidates stay, for the weighing of views does not know their measurements.
     """
 
     advice = "give the room more cameras that see each place, or lower silence_odds"
 
     def unweighed(self, candidates: Candidates, forecast: Forecast | None, tracked: Array) -> Array:
-        """Targets without a track, and those whose position is settled: (T,) bool."""
-        return ~tracked if forecast is None else ~tracked | self.settled(candidates, forecast)
+        """Targets whose position is settled, and those without a track and without rivals: (T,) bool."""
+        if forecast is not None and np.count_nonzero(tracked) == len(tracked):
+            return self.settled(candidates, forecast)
+        alone = ~self.with_rivals(candidates)
+        return alone if forecast is None else np.where(tracked, self.settled(candidates, forecast), alone)
+
+    def with_rivals(self, candidates: Candidates) -> Array:
+        """Which targets evident candidates show at positions farther apart than the reach: (T,) bool."""
+        evident = candidates.evident.nonzero()[0]
+        targets, xyz = candidates.targets.take(evident, axis=0), candidates.xyz.take(evident, axis=0)
+        offset = xyz[:, None] - xyz
+        apart = np.vecdot(offset, offset) > self.params.reach**2
+        return np.asarray(((apart @ targets) & targets).any(axis=0))
 
     def settled(self, candidates: Candidates, forecast: Forecast) -> Array:
         """Which targets three candidates show at their forecasts, one of them in their colour: (T,) bool."""
@@ -43,6 +58,15 @@ class AssociateTracked(ViewAssociation):
         there = candidates.targets & (np.vecdot(off, off) <= np.maximum(GATE**2 * variance, NEAR**2))
         own = candidates.labelled @ there if self.colored else True
         return np.asarray((there.sum(axis=0) >= SETTLED) & own)
+
+    def undecided(self, found: WeighedHypotheses, tracked: Array) -> Array:
+        """Targets without a track whose likeliest position leads by less than `LEAD`: (T,) bool."""
+        undecided = np.zeros(len(tracked), bool)
+        for number in np.unique(found.target[~tracked[found.target]]):
+            rank, xyz = found.rank[found.target == number], found.xyz[found.target == number]
+            rival = ~near(xyz, xyz[rank.argmax()], self.params.reach)
+            undecided[number] = rank.max() < rank[rival].max(initial=-np.inf) + LEAD
+        return undecided
 
     def unweighed_log_ratio(self) -> float:
         """Little, as candidates that agree are no independent evidence."""
@@ -59,8 +83,13 @@ class AssociateTracked(ViewAssociation):
     def without_track(
         self, number: int, found: WeighedHypotheses, forecast: Forecast | None, tracked: Array
     ) -> tuple[Existence, int]:
-        """Log-odds of an interrupted track decay; those of a deleted one are forgotten."""
+        """Log-odds of an interrupted track decay; those of a deleted one are forgotten.
+
+        The likeliest of its rival positions holds, for the fusion to judge.
+        """
+        own = (found.target == number).nonzero()[0]
+        best = int(own[found.rank[own].argmax()]) if len(own) else -1
         odds = self.existence[number].odds
         if odds < self.rules.deletion:
-            return Existence.unknown(), -1
-        return Existence.unknown()._replace(odds=self.rules.memory ** self.steps(forecast) * odds), -1
+            return Existence.unknown(), best
+        return Existence.unknown()._replace(odds=self.rules.memory ** self.steps(forecast) * odds), best

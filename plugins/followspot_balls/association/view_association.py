@@ -107,6 +107,10 @@ class ViewAssociation(Stage, ABC):
         log_ratio: (M, C), occam: (3, M), for :func:`followspot_balls.association.likelihood.ball_log_ratio`.
         """
 
+    def undecided(self, found: WeighedHypotheses, tracked: Array) -> Array:
+        """Which targets keep all their candidates although these were weighed: (T,) bool; by default none."""
+        return np.zeros(len(tracked), bool)
+
     @abstractmethod
     def left_out(self, found: WeighedHypotheses, best: int) -> bool:
         """Whether a tracked target gets no candidates in this frame, although it has a likeliest position."""
@@ -140,6 +144,7 @@ class ViewAssociation(Stage, ABC):
         found, views = self.evidence.likeliest(initial, blobs, self.detection)
         weighed = self.weighed(found, views, candidates, lost)
         self.detection = self.next_detection(weighed, views, forecast, tracked)
+        unweighed = unweighed | self.undecided(weighed, tracked)
         chosen = self.decide(weighed, forecast, tracked, unweighed)
         target, row = found.target[chosen], found.row[chosen]
         used = np.where(views.blobs.ratio[chosen] > MINIMUM_DENSITY_RATIO, views.blobs.slot[chosen], -1)
@@ -217,7 +222,8 @@ class ViewAssociation(Stage, ABC):
                     best = -1
             else:
                 self.existence[number], best = self.without_track(number, found, forecast, tracked)
-            if best >= 0 and self.existence[number].odds >= self.rules.deletion:
+            accepted = best >= 0 and not unweighed[number]
+            if accepted and self.existence[number].odds >= self.rules.deletion:
                 chosen.append(best)
         return np.array(chosen, int)
 

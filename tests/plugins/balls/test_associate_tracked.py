@@ -9,6 +9,7 @@ import pytest
 from tests.plugins.balls.made_candidates import (
     BALL,
     COLOR,
+    EVERYWHERE,
     INFRARED,
     PATCH,
     ROOM,
@@ -62,8 +63,28 @@ def test_what_settles_a_place_is_near_the_forecast_and_shows_its_colour() -> Non
         assert associate.settled(found, forecast_at([aside, (-1, 0, 0.5)], sigma))[0] == settled
 
 
-def test_of_sought_targets_all_candidates_stay() -> None:
+def test_of_a_sought_target_with_rival_places_the_likeliest_is_left() -> None:
+    """All views vote on it; fusions count pairs, of which one blob in a wrong place makes several."""
+    missing = seal(replace(forecast_at([BALL, (-1, 0, 0.5)]), state=np.array([MISSING, TRACKED], np.uint8)))
+    twice = candidates_of(views({BALL: EVERYWHERE, PATCH: ("cam0", "cam1")}))
+    assert np.linalg.norm(red(twice) - PATCH, axis=1).min() < 1e-6
+    for state in (None, missing):
+        left = red(stage().process(twice, state).candidates)
+        assert len(left) == 6
+        assert np.linalg.norm(left - BALL, axis=1).max() < 1e-6
+
+
+def test_rival_places_that_are_as_likely_all_stay_so_that_the_position_is_vague() -> None:
+    as_likely = candidates_of(views({BALL: ("cam0", "cam1"), PATCH: ("cam0", "cam1")}))
+    assert stage().process(as_likely, None).candidates is as_likely
+
+
+def test_of_sought_targets_without_rival_places_all_candidates_stay() -> None:
     associate = stage()
+    near = (BALL[0] + 0.1, BALL[1], BALL[2])
+    both = candidates_of(views({BALL: ("cam0", "cam1"), near: ("cam2", "cam3")}))
+    assert both.evident.sum() >= 2
+    assert associate.process(both, None).candidates is both
     paint = candidates_of(views({PATCH: COLOR}))
     assert associate.process(paint, None).candidates is paint
     tracked = forecast_at([BALL, (-1, 0, 0.5)])
@@ -118,7 +139,7 @@ def test_depth_cameras_leave_all_candidates_as_they_are() -> None:
         assert (left[-1] > 0) == (kind == "depth")
 
 
-def test_of_several_places_of_a_track_the_likeliest_one_is_chosen_and_none_of_a_sought_target() -> None:
+def test_of_several_places_of_a_track_the_likeliest_one_is_chosen_and_none_where_there_is_none() -> None:
     there = forecast_at([BALL, (-1, 0, 0.5)])
     second_missing = seal(replace(there, state=np.array([TRACKED, MISSING], np.uint8)))
     rank, two = np.array([3.0, 1.0]), np.zeros(2, int)
