@@ -103,7 +103,7 @@ def write_truth(room: Room, params: SimParams, path: Path) -> None:
 def _rows(
     frame: int, scene: Scene, targets: Sequence[str], cameras: Sequence[Camera], seen: Array
 ) -> list[list[object]]:
-    verdicts = np.array(truth_flags(seen, cameras)).astype(int)
+    flags = np.array(truth_flags(seen, cameras)).astype(int)
     pixel = np.array([project(c, scene.balls) for c in cameras])
     return [
         [
@@ -111,7 +111,7 @@ def _rows(
             f"{scene.time:.6f}",
             targets[k],
             *(f"{v:.6f}" for v in scene.balls[k]),
-            *verdicts[:, k],
+            *flags[:, k],
             *(f"{v:.3f}" for i in range(len(cameras)) for v in (*pixel[i, k], seen[i, k])),
         ]
         for k in range(len(targets))

@@ -59,14 +59,14 @@ def _clear_hidden(
 
 
 def facing_points(centres: Array, radii: Array, forward: Array) -> Array:
-    """Points on the half of each ball that facing_points the eye, evenly over its silhouette.
+    """Points on the half of each ball that faces the camera, evenly over its silhouette.
 
     centres: (T, 3) m; radii: (T,) m; forward: (V, T, 3) unit vectors from the cameras to the centres.
     Returns (V, T, 64, 3) m.
     """
     x, y, z = forward[..., 0], forward[..., 1], forward[..., 2]
     level = np.maximum(np.hypot(x, y), 1e-9)
-    frame = np.empty((*forward.shape[:2], 3, 3))  # rows: to the side, up, towards the eye
+    frame = np.empty((*forward.shape[:2], 3, 3))  # rows: to the side, up, towards the camera
     frame[..., 0, 0], frame[..., 0, 1], frame[..., 0, 2] = y / level, -x / level, 0.0
     frame[..., 1, 0], frame[..., 1, 1], frame[..., 1, 2] = -x * z / level, -y * z / level, level
     frame[..., 2, :] = -forward

@@ -55,14 +55,14 @@ def record_people(room: Room, params: ActorParams, folder: Path) -> None:
             table = files.enter_context(truth.open("w", newline="", encoding="utf-8"))
             rows = csv.writer(table)
             rows.writerow(COLUMNS)
-            picture, onlooker = ActorPicture(params, camera), VisibilityOfActors(params, camera)
+            picture, visibility = ActorPicture(params, camera), VisibilityOfActors(params, camera)
             pixels = np.empty(picture.shape, np.uint8)
             for frame in range(params.frames):
                 picture.render(frame, pixels)
                 video.write(pixels)
                 play = stage_of(params).play(frame)
                 rows.writerows(
-                    _rows(camera, frame, frame / params.fps, play, onlooker.visible(play).tolist())
+                    _rows(camera, frame, frame / params.fps, play, visibility.visible(play).tolist())
                 )
 
 

@@ -29,7 +29,7 @@ class PoseTruthOfActors(Performance):
         """Prepare the performance and the visibility for each camera of the room."""
         self._stage = stage_of(self.params)
         cameras = self.room.cameras.values() if self.params.visibility else ()
-        self._onlookers = [VisibilityOfActors(self.params, camera) for camera in cameras]
+        self._visibilities = [VisibilityOfActors(self.params, camera) for camera in cameras]
 
     def process(self) -> Source[PoseTruth]:
         """The poses of all people, with the visible share in the camera that sees most."""
@@ -55,5 +55,5 @@ class PoseTruthOfActors(Performance):
         """Visible share of each person in the camera that sees most."""
         if not self.params.visibility:
             return np.ones(len(play.stances))
-        shares = [onlooker.visible(play) for onlooker in self._onlookers]
+        shares = [one.visible(play) for one in self._visibilities]
         return np.asarray(np.max(shares, axis=0)) if shares else np.zeros(len(play.stances))

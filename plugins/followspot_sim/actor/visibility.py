@@ -17,7 +17,7 @@ from followspot_sim.actor.scene import Play, stage_of
 from followspot_sim.rendering.outline import SUBPIXEL
 
 COARSE = 4
-"""Factor by which the pictures for this are smaller in width and height."""
+"""Factor by which the pictures in which shares are counted are smaller, in width and height."""
 
 
 class VisibilityOfActors:

@@ -44,7 +44,7 @@ def half_chord(radius: Array, miss: Array) -> Array:
 
 
 def sunflower_disc(samples: int) -> Array:
-    """Points that fill the unit sunflower_disc evenly (sunflower), (samples, 2)."""
+    """Points that fill the unit disc evenly, as the seeds of a sunflower do: (samples, 2)."""
     k = np.arange(samples) + 0.5
     radius, angle = np.sqrt(k / samples), np.pi * (1 + np.sqrt(5)) * k
     return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])

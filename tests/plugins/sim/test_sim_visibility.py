@@ -1,4 +1,4 @@
-"""Lines of sight, screens and the judgement of visibility."""
+"""Lines of sight, screens, visible shares, and the flags of the ground truth."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def test_a_ball_across_the_edge_of_the_picture_counts_what_is_inside():
     assert 0.4 < half < 0.7
 
 
-def test_verdicts_follow_the_definition_of_truth():
+def test_flags_follow_the_definition_of_truth():
     cameras = [ROOM.cameras[name] for name in ("cam0", "cam2", "cam1")]
     table = [  # visible share in two colour cameras and an infrared one; hidden, trackable, pair
         ((0.04, 0.0, 0.04), (True, False, False)),
@@ -79,23 +79,23 @@ def test_verdicts_follow_the_definition_of_truth():
         ((0.5, 0.0, 0.5), (False, True, True)),
         ((1.0, 1.0, 0.4), (False, True, False)),
     ]
-    verdicts = np.array(truth_flags(np.array([row for row, _ in table]).T, cameras)).T
-    assert [tuple(map(bool, v)) for v in verdicts] == [expected for _, expected in table]
+    flags = np.array(truth_flags(np.array([row for row, _ in table]).T, cameras)).T
+    assert [tuple(map(bool, v)) for v in flags] == [expected for _, expected in table]
 
 
 @pytest.mark.parametrize("names", [("cam0", "cam2"), ("cam1", "cam3")])
 def test_two_cameras_of_one_kind_are_enough_in_rooms_without_the_other(names):
     cameras = [ROOM.cameras[name] for name in names]
     shares = np.array([[1.0, 0.24], [0.25, 0.25], [0.5, 0.5]]).T
-    verdicts = np.array(truth_flags(shares, cameras)).T
-    assert verdicts.tolist() == [[False, False, False], [False, True, False], [False, True, True]]
+    flags = np.array(truth_flags(shares, cameras)).T
+    assert flags.tolist() == [[False, False, False], [False, True, False], [False, True, True]]
 
 
 def test_one_depth_camera_is_enough_to_track_a_target():
     cameras = [ROOM.cameras["cam1"], replace(ROOM.cameras["cam1"], kind="depth")]
     shares = np.array([[1.0, 0.24], [0.0, 0.25], [0.0, 0.5]]).T
-    verdicts = np.array(truth_flags(shares, cameras)).T
-    assert verdicts.tolist() == [[False, False, False], [False, True, False], [False, True, True]]
+    flags = np.array(truth_flags(shares, cameras)).T
+    assert flags.tolist() == [[False, False, False], [False, True, False], [False, True, True]]
 
 
 @pytest.mark.parametrize("plane", ["floor", "wall"])
