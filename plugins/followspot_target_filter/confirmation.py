@@ -44,7 +44,7 @@ class LastPositions(NamedTuple):
 def confirmed(
     life: LifeCycle,
     status: Array,
-    near: int,
+    local_frames: int,
     positions: Positions,
     last: LastPositions,
     rules: ConfirmationRules,
@@ -53,11 +53,11 @@ def confirmed(
 
     Only confirmed pairs recover a target that was searched as lost, and only two frames in a row find a
     doubted one elsewhere.
-    status, near: of :func:`followspot_target_filter.life_cycle.search_status`. Returns the life cycle with
-    new streaks, and (M,) bool.
+    status, local_frames: of :func:`followspot_target_filter.life_cycle.search_status`. Returns the life
+    cycle with new streaks, and (M,) bool.
     """
     target, xyz = positions.target, positions.xyz
-    kept = missing_long(life, near)
+    kept = missing_long(life, local_frames)
     if np.count_nonzero(kept):
         kept &= (status == MISSING) != within(life.candidate, last.last, rules.return_distance)
     streak = life.streak * kept

@@ -42,9 +42,9 @@ class LifeCycle(NamedTuple):
         return cls(np.full(count, LOST, np.uint8), zeros, zeros, zeros, np.zeros((count, 3)), zeros)
 
 
-def missing_long(life: LifeCycle, near: int) -> Array:
-    """Missing targets that have not reappeared near their last position for `near` frames: (T,) bool."""
-    return np.asarray((life.status == MISSING) & (life.missed > near))
+def missing_long(life: LifeCycle, local_frames: int) -> Array:
+    """Missing targets that did not reappear near their last position for `local_frames`: (T,) bool."""
+    return np.asarray((life.status == MISSING) & (life.missed > local_frames))
 
 
 def has_position(status: Array) -> Array:
@@ -52,18 +52,18 @@ def has_position(status: Array) -> Array:
     return np.asarray((status == TRACKED) | (status == PREDICTED))
 
 
-def search_status(life: LifeCycle, near: int, marked: Array, doubted: Array) -> Array:
+def search_status(life: LifeCycle, local_frames: int, marked: Array, doubted: Array) -> Array:
     """The status that decides where the next frame is searched: (T,) u8.
 
-    A target that is missing for more than `near` frames counts as lost in every second frame. A doubted one
+    A target that is missing for more than `local_frames` counts as lost in every second frame. A doubted one
     counts as lost; doubted: (T,) bool. A lost target with a mark counts as missing there, unless it is the
     only one that is not tracked; marked: (T,) bool.
     """
     status = life.status.copy()
     status[doubted] = LOST
-    everywhere = missing_long(life, near)
+    everywhere = missing_long(life, local_frames)
     if np.count_nonzero(everywhere):
-        status[everywhere & ((life.missed - near) % 2 == 1)] = LOST
+        status[everywhere & ((life.missed - local_frames) % 2 == 1)] = LOST
     if np.count_nonzero(marked) and np.count_nonzero(life.status == TRACKED) < len(marked) - 1:
         status[marked & (life.status == LOST)] = MISSING
     return status

@@ -135,8 +135,8 @@ class TargetFilter(Stage, ABC):
         """Decide where the next frame is searched, and which targets are also searched elsewhere."""
         self.doubt = self.departure.doubted(self.life, self.motion.estimate.xyz)
         """(T,) bool."""
-        near, marked = self.params.local_search_frames, self.marks.there
-        self.search_status = search_status(self.life, near, marked, self.doubt)
+        local_frames, marked = self.params.local_search_frames, self.marks.there
+        self.search_status = search_status(self.life, local_frames, marked, self.doubt)
         """(T,) u8, the status of each target as far as the search is concerned."""
 
     def unless_at_forecast(self, status: Array, doubt: Array, positions: Positions) -> Array:
