@@ -21,8 +21,8 @@ from followspot_balls.single_view.position import (
     BallStates,
     Innovations,
     most_likely_positions,
+    normalized_squares,
     projections,
-    squared_mahalanobis,
     supporting_planes,
 )
 from followspot_balls.single_view.steady_motion import SteadyMotion
@@ -195,7 +195,7 @@ class Bridge(Stage):
         measured = np.concatenate([b.xy for b in blobs])[:, None]
         innovations = Innovations(measured - pixel[view], jacobian[view])
         compatible = self.compatible(innovations.offset, view, blobs, forecast)
-        distance = squared_mahalanobis(innovations, forecast.covariance, self.params.blob_sigma)
+        distance = normalized_squares(innovations, forecast.covariance, self.params.blob_sigma)
         distance = np.where(compatible, distance, np.inf)
         blob = distance[:, target].argmin(axis=0)
         return innovations.where((blob, target)), distance[blob, target] <= self.params.gate**2

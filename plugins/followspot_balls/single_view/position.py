@@ -46,8 +46,8 @@ def projections(P: Array, xyz: Array) -> tuple[Array, Array]:
     return pixel, jacobian / depth[..., None]
 
 
-def squared_mahalanobis(innovations: Innovations, covariance: Array, sigma: float) -> Array:
-    """Squared Mahalanobis distances of blobs from forecasts: (N, T), NaN behind the camera.
+def normalized_squares(innovations: Innovations, covariance: Array, sigma: float) -> Array:
+    """Normalised innovations squared of blobs (Bar-Shalom): (N, T), NaN behind the camera.
 
     innovations: (N, T); covariance: (T, 3, 3) m^2, of the forecasts; sigma: of a blob's centre, px.
     """
