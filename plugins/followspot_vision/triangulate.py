@@ -75,7 +75,7 @@ class Triangulate(Stage):
         for number in range(len(labels)):
             own = np.flatnonzero(label == number)
             agreed = consensus_points(in_views.rows(own), gate, views)
-            found += [(number, place, float(score[own[place.rows]].mean())) for place in agreed]
+            found += [(number, point, float(score[own[point.rows]].mean())) for point in agreed]
         return self.message(labels, found)
 
     def best_rows(self, points: Points2D) -> Array:
@@ -99,16 +99,16 @@ class Triangulate(Stage):
         self, labels: tuple[str, ...], found: Sequence[tuple[int, ConsensusPoint, float]]
     ) -> Points3D:
         """The points of the room that are determined well enough."""
-        normal = np.array([place.normal for _, place, _ in found]).reshape(-1, 3, 3)
+        normal = np.array([point.normal for _, point, _ in found]).reshape(-1, 3, 3)
         covariance = self.params.point_sigma**2 * np.linalg.inv(normal)
         sure = np.linalg.eigvalsh(covariance)[:, -1] <= self.params.maximum_sigma**2
         return Points3D(
             labels=labels,
             label=np.array([number for number, _, _ in found], "i4"),
-            xyz=np.array([place.xyz for _, place, _ in found]).reshape(-1, 3),
+            xyz=np.array([point.xyz for _, point, _ in found]).reshape(-1, 3),
             covariance=covariance,
-            views=np.array([len(place.rows) for _, place, _ in found], "i4"),
-            error=np.array([place.error for _, place, _ in found], "f8"),
+            views=np.array([len(point.rows) for _, point, _ in found], "i4"),
+            error=np.array([point.error for _, point, _ in found], "f8"),
             score=np.array([score for _, _, score in found], "f8"),
         ).where(sure)
 

@@ -48,11 +48,11 @@ class BoxTracks(Rows):
 
 def predicted(tracks: BoxTracks, seconds: float) -> BoxTracks:
     """The bodies some time later."""
-    fade, reach, place, both, speed = step(seconds, np.array(SPEED_SIGMA), np.array(MEMORY))
+    fade, reach, position, cross, velocity = step(seconds, np.array(SPEED_SIGMA), np.array(MEMORY))
     F, Q = np.eye(8), np.zeros((8, 8))
     F[PLACE, SPEED], F[SPEED, SPEED] = reach * np.eye(3), fade * np.eye(3)
-    Q[PLACE, PLACE], Q[SPEED, SPEED] = place * np.eye(3), speed * np.eye(3)
-    Q[PLACE, SPEED] = Q[SPEED, PLACE] = both * np.eye(3)
+    Q[PLACE, PLACE], Q[SPEED, SPEED] = position * np.eye(3), velocity * np.eye(3)
+    Q[PLACE, SPEED] = Q[SPEED, PLACE] = cross * np.eye(3)
     Q[WIDTH, WIDTH] = Q[HEIGHT, HEIGHT] = CHANGE**2 * seconds
     return BoxTracks(tracks.state @ F.T, F @ tracks.covariance @ F.T + Q, tracks.views)
 

@@ -63,9 +63,9 @@ def learnt(lengths: Lengths, joints: tuple[str, ...], bodies: JointTracks) -> Le
         return lengths
     mean, variance = lengths.mean.copy(), lengths.variance.copy()
     direction, length = _limbs(bodies.xyz[:, chain])
-    place = bodies.position_covariance[:, chain]
+    covariance = bodies.position_covariance[:, chain]
     sure = (bodies.views[:, chain] > 1).astype(float)
-    both = place[..., :-1, :, :] + place[..., 1:, :, :]
+    both = covariance[..., :-1, :, :] + covariance[..., 1:, :, :]
     error = np.einsum("msclj,msclji,mscli->mscl", direction, both, direction)
     seen = sure[..., :-1] * sure[..., 1:]
     for side in range(2):
@@ -80,21 +80,21 @@ def constrained(lengths: Lengths, joints: tuple[str, ...], bodies: JointTracks) 
     chain = _chains(joints)
     if chain is None or not len(bodies):
         return bodies
-    start, place = bodies.xyz[:, chain], bodies.position_covariance[:, chain]
-    known, total = bodies.known[:, chain], np.trace(place, axis1=-2, axis2=-1)
+    start, prior = bodies.xyz[:, chain], bodies.position_covariance[:, chain]
+    known, total = bodies.known[:, chain], np.trace(prior, axis1=-2, axis2=-1)
     near = total[..., :-1] + total[..., 1:] < np.square(NEAR * lengths.mean[:, None])
     counts = (known[..., :-1] & known[..., 1:] & near).astype(float)
     xyz = start
     for _ in range(STEPS):
         direction, length = _limbs(xyz)
         H = _slopes(direction * counts[..., None])
-        across = np.einsum("mscjab,mscljb->mscjal", place, H)
+        across = np.einsum("mscjab,mscljb->mscjal", prior, H)
         S = np.einsum("mscljb,mscjbk->msclk", H, across) + SLACK**2 * np.eye(2)
         gain = np.einsum("mscjal,msclk->mscjak", across, np.linalg.inv(S))
         short = counts * (lengths.mean[:, None] - length) - np.einsum("mscljb,mscjb->mscl", H, start - xyz)
         xyz = start + np.einsum("mscjak,msck->mscja", gain, short)
     found, covariance = bodies.xyz.copy(), bodies.position_covariance.copy()
-    found[:, chain], covariance[:, chain] = xyz, place - np.einsum("mscjak,mscjbk->mscjab", gain, across)
+    found[:, chain], covariance[:, chain] = xyz, prior - np.einsum("mscjak,mscjbk->mscjab", gain, across)
     return replace(bodies, xyz=found, position_covariance=covariance)
 
 

@@ -17,8 +17,6 @@ SPAWN_SIGMA = np.array([0.06, 0.06, 0.03, 0.3, 0.3, 0.1])
 """Sigma of particles about a pose of the slow instance: m, m, m, rad, rad, rad."""
 SIGMA_GROWTH = np.array([0.5, 0.5, 0.0, 0.8, 0.8, 0.2])
 """Growth of this sigma with the age of the pose: m/s, m/s, m/s, rad/s, rad/s, rad/s."""
-
-
 ALONG, ACROSS = 0.8, 0.4
 """Distances from a pose of the slow instance, along and across the line of sight, from which the track was
 another body's or furniture's, m; poses of the slow one are some decimetres off along it, hardly across."""

@@ -45,8 +45,8 @@ def test_points_that_meet_in_no_body_of_a_persons_size_are_no_pair(size: float, 
 
 
 def test_one_camera_alone_is_no_evidence_of_existence() -> None:
-    tally = ExistenceEvidence(np.array([3.0, 6.0]), np.array([-2.0, -2.0]), np.array([1, 2]))
-    assert tally.change().tolist() == [-2.0, 4.0]
+    evidence = ExistenceEvidence(np.array([3.0, 6.0]), np.array([-2.0, -2.0]), np.array([1, 2]))
+    assert evidence.change().tolist() == [-2.0, 4.0]
     np.testing.assert_allclose(missed_detection(np.array([0.0, 1.0]), 0.9), [0.0, np.log(0.1)])
 
 
