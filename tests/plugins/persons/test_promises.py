@@ -112,7 +112,7 @@ def test_a_level_face_has_no_tilt_and_a_raised_one_has() -> None:
     assert raised == pytest.approx(0.4, abs=0.03)
 
 
-def acquaintance(number: int, initiated: int, seen: int) -> KnownPerson:
+def known_person(number: int, initiated: int, seen: int) -> KnownPerson:
     """Somebody in usual clothes."""
     relations = read_relations()
     features = len(relations.mean)
@@ -127,7 +127,7 @@ def acquaintance(number: int, initiated: int, seen: int) -> KnownPerson:
 
 @pytest.mark.parametrize(("left", "number"), [(10, 1), (30, 2)])
 def test_who_was_seen_beside_a_newcomer_is_somebody_else(left: int, number: int) -> None:
-    known, newcomer = acquaintance(1, 0, left), acquaintance(0, 20, 40)
+    known, newcomer = known_person(1, 0, left), known_person(0, 20, 40)
     people, numbers = Recognition(2.0, 0.0, read_relations()).applied([known, newcomer], 1)
     assert max(p.number for p in people) == numbers == number
 
@@ -143,7 +143,7 @@ def test_who_was_seen_beside_a_newcomer_is_somebody_else(left: int, number: int)
     ids=["known", "waits", "has waited", "somebody else"],
 )
 def test_who_may_be_a_lost_person_waits_for_a_number(missing: float, waited: float, number: int) -> None:
-    known, newcomer = acquaintance(1, 0, 10), acquaintance(0, 20, 20 + round(waited * SECOND))
+    known, newcomer = known_person(1, 0, 10), known_person(0, 20, 20 + round(waited * SECOND))
     likeness = Recognition(2.0, 0.0, read_relations()).likeness(newcomer, known)
     recognition = Recognition(2.0, likeness + missing, read_relations())
     people, _ = recognition.applied([known, newcomer], 1)
@@ -152,7 +152,7 @@ def test_who_may_be_a_lost_person_waits_for_a_number(missing: float, waited: flo
 
 
 def test_equal_clothes_on_bodies_of_other_heights_are_two_people() -> None:
-    model = acquaintance(1, 0, 0).colors
+    model = known_person(1, 0, 0).colors
     alike = same_person(model, model, (1.75, 1.75), read_relations())
     other = same_person(model, model, (1.60, 1.85), read_relations())
     assert alike > 0
@@ -192,7 +192,7 @@ def test_people_who_cross_get_the_boxes_of_their_colours() -> None:
     for color, across in ((RED, 0.02), (BLUE, -0.02)):  # each a little nearer to the other's box
         mean = hsi(clothes(shape, color, color).astype(np.uint8)).astype(float)
         model = ColorModel(mean, np.full(mean.shape, 0.01), np.full(len(mean), 20.0))
-        known = acquaintance(len(people) + 1, 0, SECOND // 2)
+        known = known_person(len(people) + 1, 0, SECOND // 2)
         track = Track.initiated(np.tile(standing(2.5, across), (10, 1)))
         people.append(replace(known, absent=False, colors=model, track=track))
     assignment = BoxAssignment(camera, shape, read_relations())
@@ -204,7 +204,7 @@ def test_nobody_takes_the_box_of_somebody_much_nearer() -> None:
     camera, shape, told = perspective(), read_shape(), standing(3.6, 0.0)
     picture = picture_of(camera, drawn(camera, standing(1.2, 0.0)))
     track = Track.initiated(np.tile(told, (10, 1)))
-    person = replace(acquaintance(1, 0, SECOND - SECOND // 5), absent=False, track=track)
+    person = replace(known_person(1, 0, SECOND - SECOND // 5), absent=False, track=track)
     assignment = BoxAssignment(camera, shape, read_relations())
     for away, pairs in ((1.2, []), (2.4, [(0, 0)])):
         box = view(camera, shape, standing(away, 0.0)[None]).box[0]
@@ -221,7 +221,7 @@ def test_a_box_far_aside_must_have_the_colours_of_the_person() -> None:
     for name, color in (("red", RED), ("blue", BLUE)):
         mean = hsi(clothes(shape, color, color).astype(np.uint8)).astype(float)
         model = ColorModel(mean, np.full(mean.shape, 0.001), np.full(len(mean), 20.0))
-        known = acquaintance(1, 0, SECOND - SECOND // 5)
+        known = known_person(1, 0, SECOND - SECOND // 5)
         track = Track.initiated(np.tile(standing(2.5, 0.0), (10, 1)))
         person = replace(known, absent=False, colors=model, track=track)
         taken[name] = assignment.pairs([person], detections, *np.zeros((2, 1), bool), picture, SECOND)

@@ -1,4 +1,4 @@
-"""What keeps people apart and remembered: occlusion, trails, memory of bodies, likeness."""
+"""What keeps people apart and remembered: occlusion, histories of poses, memory of bodies, likeness."""
 
 from __future__ import annotations
 
