@@ -27,45 +27,45 @@ class Associate(ViewAssociation):
 
     If the room has depth cameras, all candidates stay, for the weighing of views does not know their
     measurements. `balls.associate_tracked` weighs tracked targets that few candidates show, and sought ones
-    with rival places.
+    with rival positions.
     """
 
     advice = "lower confirmation_odds, or give the room more cameras that see each place"
 
     class Params(ViewAssociation.Params):
-        """When places of sought targets are confirmed, and those of tracked ones left out."""
+        """When positions of sought targets are confirmed, and those of tracked ones left out."""
 
         absence: float = Field(
             0.5,
             ge=0,
             unit="nats",
-            description="further decrease of a sought target's place in a frame without candidates there; "
-            "raising it drops places sooner",
+            description="further decrease of the log-odds of a sought target's position in a frame without "
+            "candidates there; raising it drops positions sooner",
         )
         least_evidence: float = Field(
             -1.0,
             unit="nats",
             description="log-likelihood ratio below which a frame contradicts a tracked target; raising it "
-            "prefers gaps to wrong places",
+            "prefers gaps to wrong positions",
         )
         least_fit: float = Field(
             5.0,
             unit="nats",
             description="log-likelihood ratio of the views that show the target; below it, a frame that "
-            "contradicts the target leaves it no candidates; raising it prefers gaps to wrong places",
+            "contradicts the target leaves it no candidates; raising it prefers gaps to wrong positions",
         )
         confirmation_odds: float = Field(
             2.0,
             unit="nats",
-            description="log-odds of existence from which a lost target is confirmed although rival places "
-            "are near; a place that leads all others by twice `confirmation_margin`, or has no rival, needs "
-            "only more than 0; raising it avoids false recoveries",
+            description="log-odds of existence from which a lost target is confirmed although rival "
+            "positions are near; one that leads all others by twice `confirmation_margin`, or has no rival, "
+            "needs only more than 0; raising it avoids false recoveries",
         )
         confirmation_margin: float = Field(
             3.0,
             ge=0,
             unit="nats",
-            description="smallest lead of a place's log-odds over the next one's; raising it confirms "
+            description="smallest lead of a position's log-odds over the next one's; raising it confirms "
             "targets later",
         )
 

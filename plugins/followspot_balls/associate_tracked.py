@@ -1,4 +1,4 @@
-"""Association of targets that few candidates show, or that several places show."""
+"""Association of targets that few candidates show, or that candidates show at several positions."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ SETTLED_LOG_RATIO = 1.0
 makes as many."""
 GATE = 3.0
 """Distance from the forecast up to which a candidate is at it, sigmas."""
-NEAR = 0.03
-"""The same if the forecast is more exact than a pair of blobs, m."""
-LEAD = 1.0
-"""Lead of the likeliest of rival positions, nats; with less, all candidates stay, so that the position of the
-fusion is vague."""
+MINIMUM_GATE = 0.03
+"""The same in m, where the forecast is more exact than a pair of blobs."""
+MINIMUM_LEAD = 1.0
+"""Smallest lead of the likeliest of rival positions, nats; with less, all candidates stay, so that the
+position of the fusion is vague."""
 
 
 class AssociateTracked(ViewAssociation):
@@ -55,17 +55,17 @@ class AssociateTracked(ViewAssociation):
         """Which targets three candidates show at their forecasts, one of them in their colour: (T,) bool."""
         off = candidates.xyz[:, None] - forecast.xyz
         variance = forecast.covariance.diagonal(axis1=1, axis2=2).max(axis=1)
-        there = candidates.targets & (np.vecdot(off, off) <= np.maximum(GATE**2 * variance, NEAR**2))
+        there = candidates.targets & (np.vecdot(off, off) <= np.maximum(GATE**2 * variance, MINIMUM_GATE**2))
         own = candidates.labelled @ there if self.colored else True
         return np.asarray((there.sum(axis=0) >= SETTLED) & own)
 
     def undecided(self, found: WeighedHypotheses, tracked: Array) -> Array:
-        """Targets without a track whose likeliest position leads by less than `LEAD`: (T,) bool."""
+        """Targets without a track whose likeliest position leads by less than `MINIMUM_LEAD`: (T,) bool."""
         undecided = np.zeros(len(tracked), bool)
         for number in np.unique(found.target[~tracked[found.target]]):
             rank, xyz = found.rank[found.target == number], found.xyz[found.target == number]
             rival = ~near(xyz, xyz[rank.argmax()], self.params.reach)
-            undecided[number] = rank.max() < rank[rival].max(initial=-np.inf) + LEAD
+            undecided[number] = rank.max() < rank[rival].max(initial=-np.inf) + MINIMUM_LEAD
         return undecided
 
     def unweighed_log_ratio(self) -> float:

@@ -1,4 +1,4 @@
-"""Which places the blobs of colour cameras show as which targets."""
+"""Which positions the blobs of colour cameras show as which targets."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from followspot_balls.scene.targets import target_radii
 from followspot_balls.single_view.position import projections
 
 NEAREST = 1e-9
-"""Smallest depth of a place that is divided by, m."""
+"""Smallest depth of a position that is divided by, m."""
 
 
 class ColorViews:
@@ -26,9 +26,9 @@ class ColorViews:
         self.radii = target_radii(room)
 
     def shown(self, xyz: Array, blobs: Sequence[Blobs], scale: float = 1.0) -> Array:
-        """Which places (N, 3) m blobs show as which targets: (N, T) bool; blobs of other cameras say nothing.
+        """Which positions (N, 3) m blobs of colour cameras show as which targets: (N, T) bool.
 
-        scale: distance of a blob from the image of a place up to which it shows it, over the ball's radius.
+        scale: distance of a blob from the image of a position that it shows, at most, over the ball's radius.
         """
         found = np.zeros((len(xyz), len(self.radii)), bool)
         for one in blobs:

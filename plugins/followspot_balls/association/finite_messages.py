@@ -12,7 +12,7 @@ from followspot.tracking import LOST, Candidates, Forecast
 
 
 def finite_candidates(candidates: Candidates) -> Candidates:
-    """The candidates of which place and blobs are known; the same message if all are."""
+    """The candidates whose position and blobs are known; the same message if all are."""
     numbers = candidates.xyz, candidates.area, candidates.xy
     if finite(*numbers):
         return candidates
@@ -21,13 +21,13 @@ def finite_candidates(candidates: Candidates) -> Candidates:
 
 
 def finite_forecast(forecast: Forecast | None) -> Forecast | None:
-    """The forecast, in which a target without a known place is lost; the same message if all are known."""
+    """The forecast, in which a target without a known position is lost; the same message if all are known."""
     if forecast is None:
         return None
     if finite(forecast.xyz, forecast.covariance):
         return forecast
-    places, spreads = np.isfinite(forecast.xyz), np.isfinite(forecast.covariance)
-    known = np.asarray(places.all(axis=1) & spreads.all(axis=(1, 2)))
+    positions, spreads = np.isfinite(forecast.xyz), np.isfinite(forecast.covariance)
+    known = np.asarray(positions.all(axis=1) & spreads.all(axis=(1, 2)))
     return replace(
         forecast,
         state=np.where(known, forecast.state, LOST).astype(np.uint8),

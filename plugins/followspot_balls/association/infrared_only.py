@@ -78,5 +78,5 @@ class Colorless:
         return np.asarray(inside.any(axis=0))
 
     def in_picture(self, xyz: Array) -> Array:
-        """Whether places lie in the picture of a colour camera: (M, 3) m -> (M,) bool."""
+        """Whether positions lie in the picture of a colour camera: (M, 3) m -> (M,) bool."""
         return np.asarray(self.color.in_pictures(xyz).any(axis=0))

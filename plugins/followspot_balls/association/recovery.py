@@ -148,7 +148,7 @@ class Recovery:
         return replace(positions, support=support, covariance=covariance)
 
     def ratios(self, xyz: Array, target: Array, candidates: Candidates, forecast: Forecast | None) -> Array:
-        """Log-likelihood ratios of balls at M places against whatever else, and against reflectors: (2, M).
+        """Log-likelihood ratios of balls at M positions, against all else and against reflectors: (2, M).
 
         Those without a clear lead are refined to the likeliest positions nearby.
         xyz: (M, 3) m; target: (M,).

@@ -7,17 +7,17 @@ from typing import Any
 import numpy as np
 
 _FEW = 10
-"""Frames in which the places of a target are refused, from which the user is told."""
+"""Frames in which the positions of a target are refused, from which on the user is warned."""
 
 
 class Refusals:
-    """Counts refused places of targets that were not found yet."""
+    """Counts refused positions of targets that were not found yet."""
 
     def __init__(self, targets: tuple[str, ...]) -> None:
         self.targets = targets
         self.found = np.zeros(len(targets), bool)
         self.frames = np.zeros(len(targets), int)
-        """(T,) frames in which places of each target were refused."""
+        """(T,) frames in which positions of each target were refused."""
 
     def warning(self) -> str:
         """The warning after a run, which names the targets that all views kept from being found; else ""."""

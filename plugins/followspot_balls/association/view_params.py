@@ -1,4 +1,4 @@
-"""Parameters of the stages that weigh places of targets by the blobs of all views."""
+"""Parameters of the stages that weigh positions of targets by the blobs of all views."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class ViewParams(StageParams):
         0.1,
         gt=0,
         unit="1",
-        description="prior probability of paint, light or a reflector at a place, over that of a ball; "
+        description="prior probability of paint, light or a reflector at a position, over that of a ball; "
         "raising it requires more evidence from both kinds of cameras",
     )
     forecast_sigma: float = Field(
@@ -80,7 +80,7 @@ class ViewParams(StageParams):
         gt=0,
         lt=1,
         unit="1",
-        description="prior probability of a jump between frames; raising it leaves wrong places sooner",
+        description="prior probability of a jump between frames; raising it leaves wrong positions sooner",
     )
     memory: float = Field(
         0.9,

@@ -20,7 +20,8 @@ USUAL = 320.0
 """Longer side of the pictures that the smallest search radius is for, px. In larger ones it grows in
 proportion, because a target travels as many more pixels in a frame."""
 TINY = 1e-150
-"""Moves a place off the optical axis, so that it has a direction from there, m; its square is above 0."""
+"""Added to a coordinate, m, so that a point on the optical axis has a direction away from it; its square is
+above 0."""
 
 
 class Circles(NamedTuple):

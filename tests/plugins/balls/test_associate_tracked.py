@@ -1,4 +1,4 @@
-"""Association of tracked targets that few candidates show."""
+"""Association of tracked targets that few candidates show, and of sought ones with rival positions."""
 
 from __future__ import annotations
 

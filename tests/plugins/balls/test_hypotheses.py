@@ -1,4 +1,4 @@
-"""Hypotheses: as forecast or a jump to a candidate, at the place that prior and views make likeliest."""
+"""Hypotheses: as forecast or a jump to a candidate, at the position that prior and views make likeliest."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which places have an image in the picture of a camera."""
+"""Which positions have an image in the picture of a camera."""
 
 from __future__ import annotations
 
