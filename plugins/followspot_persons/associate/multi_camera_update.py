@@ -44,7 +44,7 @@ class Rules:
 
 
 def updated(
-    tracks: Tracks[S], model: BodyModel[S], views: Views, sets: Sequence[Detections], rules: Rules
+    tracks: Tracks[S], model: BodyModel[S], views: Views, detections: Sequence[Detections], rules: Rules
 ) -> Tracks[S]:
     """The tracks after one set of detections, those of each camera at their own time of exposure.
 
@@ -53,7 +53,7 @@ def updated(
     before, tracks = tracks.time, replace(tracks, bodies=model.before_set(tracks.bodies))
     remaining, evidence = [], ExistenceEvidence.none(len(tracks.bodies))
     unassigned, any_confirmed = tracks.unassigned.copy(), bool((tracks.life.number > 0).any())
-    for one in sorted(sets, key=lambda each: each.time):
+    for one in sorted(detections, key=lambda each: each.time):
         tracks = predicted(tracks, model, one.time)
         late = tracks.time - one.time
         tracks = shifted(tracks, model, -late)

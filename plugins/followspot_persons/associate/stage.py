@@ -115,11 +115,11 @@ class Associate(Stage):
             self.reach = {**self.reach, one.camera: self.reach.get(one.camera, Reach()).beyond(one.pixel)}
         self.name_joints(points)
         joints = self.joint_model.joints
-        sets = [
+        detections = [
             self.detections(one, joints_of(one, joints, self.params.minimum_score), pictures)
             for one in points
         ]
-        self.by_joints = updated(self.by_joints, self.joint_model, self.views, sets, self.rules)
+        self.by_joints = updated(self.by_joints, self.joint_model, self.views, detections, self.rules)
         self.unassigned = dict(zip(self.number, self.by_joints.unassigned.tolist(), strict=True))
         sigma = self.params.maximum_sigma
         self.limbs = learnt(self.limbs.of(self.by_joints.life.number), joints, self.by_joints.bodies)
@@ -151,7 +151,7 @@ class Associate(Stage):
     def with_boxes(self, boxes: Sequence[Boxes], pictures: Mapping[str, Array]) -> Outputs:
         """The people after a set of boxes."""
         given = self.params
-        sets = [
+        detections = [
             self.detections(
                 one,
                 boxes_of(one, self.room.cameras[one.camera], given.overlap, given.minimum_score),
@@ -160,7 +160,7 @@ class Associate(Stage):
             for one in boxes
             if one.camera in self.number
         ]
-        self.by_boxes = updated(self.by_boxes, self.box_model, self.views, sets, self.rules)
+        self.by_boxes = updated(self.by_boxes, self.box_model, self.views, detections, self.rules)
         self.unassigned = dict(zip(self.number, self.by_boxes.unassigned.tolist(), strict=True))
         now = reported_at(self.by_boxes, self.box_model, _time(boxes, self.by_boxes.time))
         poses, self.heading = box_poses(now, self.heading)
