@@ -19,8 +19,8 @@ from followspot_sinks.datagrams import DatagramSink
 from followspot_sinks.slots import FARTHEST, KeepsSlots, PersonSlotParams, PersonSlots, Slots, TargetSlots
 
 _NOT_IN_ADDRESS = re.compile(r"[^\w.-]")
-_TOLD = 3 * SECOND
-"""For how long it is told that a person is not tracked any more, ns: the network may lose a datagram."""
+_UNTRACKED_TIME = 3 * SECOND
+"""For how long a person who has left is sent as not tracked, ns: the network may lose a datagram."""
 
 
 class OscSink(DatagramSink):
@@ -94,15 +94,15 @@ class OscSkeletons(OscSink):
         """Send one frame."""
         time = skeletons.header.time
         known = skeletons.where(np.asarray((np.abs(skeletons.xyz) <= FARTHEST).all(axis=1)))
-        told = {person: seen for person, seen in self.seen.items() if time - seen <= _TOLD}
-        self.seen = told | dict.fromkeys(np.unique(known.person).tolist(), time)
+        lately = {person: seen for person, seen in self.seen.items() if time - seen <= _UNTRACKED_TIME}
+        self.seen = lately | dict.fromkeys(np.unique(known.person).tolist(), time)
         if self.network is not None:
             for person in sorted(self.seen):
                 own = known.where(known.person == person)
                 self.network.send(joint_bundle(self.params.prefix, person, own))
 
     def state(self) -> Any:
-        """When each person was seen last, ns: who leaves meanwhile is told of, too."""
+        """When each person was seen last, ns: those who leave meanwhile are sent as not tracked, too."""
         return to_plain(self.seen)
 
     def restore(self, state: Any) -> None:

@@ -50,7 +50,7 @@ class Slots:
         return Slots(("",) * count, np.zeros(count, bool), zeros, zeros, np.zeros(count), unknown)
 
     @staticmethod
-    def carried(state: Any, count: int) -> Slots:
+    def restored(state: Any, count: int) -> Slots:
         """The first `count` slots of a state that `to_plain` made; those beyond it are free."""
         old, free = from_plain(Slots, state), Slots.free(count)
         kept = min(count, len(old.names))
@@ -119,7 +119,7 @@ class TargetSlots:
     def restore(self, state: Any) -> None:
         """Carry on from this state."""
         names = self.slots.names
-        self.slots = replace(Slots.carried(state, len(names)), names=names)
+        self.slots = replace(Slots.restored(state, len(names)), names=names)
 
 
 class PersonSlotParams(StageParams):
@@ -182,7 +182,7 @@ class PersonSlots:
     def restore(self, state: Any) -> None:
         """Carry on from this state; who has a slot beyond those that there are now loses it."""
         count = len(self._seen)
-        self.slots = Slots.carried(state["slots"], count)
+        self.slots = Slots.restored(state["slots"], count)
         rows = from_plain(dict[int, int], state["row"])
         self._row = {person: row for person, row in rows.items() if row < count}
         kept = min(count, len(state["seen"]))
@@ -208,7 +208,7 @@ Keeper = TypeVar("Keeper", TargetSlots, PersonSlots)
 
 
 class KeepsSlots(Generic[Keeper]):
-    """Lets a sink carry on with its slots when its worker is started again; `keeper` has them."""
+    """Base of sinks that keep their slots when their worker is started again; `keeper` has them."""
 
     keeper: Keeper
 

@@ -15,10 +15,10 @@ from followspot_cameras.video.stage import Video
 
 _ONLY = 1_000_000_000
 """Time of the only frame of a recording, ns."""
-_COMPUTER = Path("/proc/sys/kernel/random/boot_id")
-"""Names a computer since it was started."""
-_LONGEST = 600.0
-"""Longest time for which it may have been away if wall clocks are right, s."""
+_BOOT_ID = Path("/proc/sys/kernel/random/boot_id")
+"""File with a name for this start of the computer."""
+_MAXIMUM_AWAY = 600.0
+"""Time between a state and its restoration beyond which the wall clocks cannot be right, s."""
 
 
 class Playback(Video):
@@ -69,10 +69,10 @@ class Playback(Video):
         return None if self.params.loop else super().length()
 
     def state(self) -> dict[str, Any] | None:
-        """When it began by the clock of which start of a computer; how far it is now, s, and its speed."""
+        """When it began, by which computer's monotonic clock; how long it has played by now; its speed."""
         if self._began is None:
             return None
-        here = {"began": self._began, "computer": _COMPUTER.read_text()}
+        here = {"began": self._began, "computer": _BOOT_ID.read_text()}
         return {**here, "played": self._played(), "now": time.time(), "speed": self.params.speed}
 
     def restore(self, state: Mapping[str, Any]) -> None:
@@ -82,13 +82,13 @@ class Playback(Video):
         on where the recording was if that clock cannot be right.
         """
         now, away = time.monotonic(), time.time() - state["now"]
-        played = state["played"] + (away if 0 <= away <= _LONGEST else 0.0)
-        if state["computer"] == _COMPUTER.read_text():
+        played = state["played"] + (away if 0 <= away <= _MAXIMUM_AWAY else 0.0)
+        if state["computer"] == _BOOT_ID.read_text():
             played = now - state["began"]
         self._began = now - played * state["speed"] / self.params.speed
 
     def _played(self) -> float:
-        """For how long it plays, s."""
+        """For how long it has played, s."""
         return 0.0 if self._began is None else time.monotonic() - self._began
 
     def _rounds(self) -> Iterator[Frame]:
