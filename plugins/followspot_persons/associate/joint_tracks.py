@@ -93,8 +93,8 @@ def predicted(tracks: JointTracks, seconds: float, sigma: Array, memory: Array) 
 
 
 @dataclass(frozen=True, eq=False)
-class Innovation:
-    """What a camera is expected to see. there: (M, J, 2) px; slope: (M, J, 2, 3) px/m; spread: (M, J, 2, 2)
+class PredictedPoints:
+    """Predicted points in a picture. there: (M, J, 2) px; slope: (M, J, 2, 3) px/m; spread: (M, J, 2, 2)
     px^2 of the prediction alone; error: (M, J, 2, 2) px^2 of a found point.
     """
 
@@ -104,7 +104,7 @@ class Innovation:
     error: Array
 
 
-def expected(tracks: JointTracks, view: View, noise: Noise) -> Innovation:
+def expected(tracks: JointTracks, view: View, noise: Noise) -> PredictedPoints:
     """Images of the joints and their uncertainty; NaN for joints that the camera cannot see."""
     there, depth = images(view.projection, tracks.xyz)
     slope = jacobians(view.projection, there, depth)
@@ -112,7 +112,7 @@ def expected(tracks: JointTracks, view: View, noise: Noise) -> Innovation:
     own = noise.pixel**2 + (view.focal * noise.body / depth) ** 2
     shift = noise.delay * (slope @ tracks.velocity[..., None])[..., 0]
     error = own[..., None, None] * np.eye(2) + shift[..., :, None] * shift[..., None, :]
-    return Innovation(there, slope, spread, error)
+    return PredictedPoints(there, slope, spread, error)
 
 
 def log_ratios(tracks: JointTracks, view: View, xy: Array, noise: Noise) -> Array:
@@ -120,10 +120,10 @@ def log_ratios(tracks: JointTracks, view: View, xy: Array, noise: Noise) -> Arra
 
     xy: (N, J, 2) px, NaN for joints that were not found. A share `WRONG` of the points may be anywhere.
     """
-    told = expected(tracks, view, noise)
-    S = told.spread + told.error
+    points = expected(tracks, view, noise)
+    S = points.spread + points.error
     determinant = S[..., 0, 0] * S[..., 1, 1] - S[..., 0, 1] ** 2
-    x, y = np.moveaxis(xy[None] - told.there[:, None], -1, 0)
+    x, y = np.moveaxis(xy[None] - points.there[:, None], -1, 0)
     squared = S[:, None, :, 1, 1] * x**2 + S[:, None, :, 0, 0] * y**2 - 2 * S[:, None, :, 0, 1] * x * y
     squared /= determinant[:, None]
     area = float(view.size.prod())
@@ -142,11 +142,13 @@ def updated(tracks: JointTracks, rows: Array, view: View, xy: Array, noise: Nois
     variance of a point far from its expectation grows with its squared distance.
     """
     own = tracks.where(rows)
-    told = expected(own, view, noise)
-    found = np.asarray(np.isfinite(xy + told.there).all(axis=-1))
-    residual = np.where(found[..., None], xy - told.there, 0.0)
-    H = np.where(found[..., None, None], told.slope, 0.0)
-    spread, error = (np.where(found[..., None, None], part, np.eye(2)) for part in (told.spread, told.error))
+    points = expected(own, view, noise)
+    found = np.asarray(np.isfinite(xy + points.there).all(axis=-1))
+    residual = np.where(found[..., None], xy - points.there, 0.0)
+    H = np.where(found[..., None, None], points.slope, 0.0)
+    spread, error = (
+        np.where(found[..., None, None], part, np.eye(2)) for part in (points.spread, points.error)
+    )
     squared = np.vecdot(residual, np.linalg.solve(spread + error, residual[..., None])[..., 0])
     S = spread + error * np.maximum(1.0, squared / OUTLIER)[..., None, None]
     inverse, across = np.linalg.inv(S), np.swapaxes(H, -1, -2)
