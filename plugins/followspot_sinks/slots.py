@@ -51,7 +51,7 @@ class Slots:
 
     @staticmethod
     def restored(state: Any, count: int) -> Slots:
-        """The first `count` slots of a state that `to_plain` made; those beyond it are free."""
+        """The first `count` slots of a state that `to_plain` made; those that it lacks are free."""
         old, free = from_plain(Slots, state), Slots.free(count)
         kept = min(count, len(old.names))
         columns = ("known", "position", "velocity", "heading", "quaternion")
@@ -180,7 +180,7 @@ class PersonSlots:
         return {"slots": to_plain(self.slots), "row": to_plain(self._row), "seen": self._seen}
 
     def restore(self, state: Any) -> None:
-        """Carry on from this state; who has a slot beyond those that there are now loses it."""
+        """Carry on from this state; persons in slots beyond the present number lose them."""
         count = len(self._seen)
         self.slots = Slots.restored(state["slots"], count)
         rows = from_plain(dict[int, int], state["row"])

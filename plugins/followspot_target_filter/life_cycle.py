@@ -26,9 +26,8 @@ class LifeCycle(NamedTuple):
     """(T,) frames with a measurement since the target was last lost."""
     streak: Array
     """(T,) successive frames with an evident candidate of a tentative target; one in which candidates agree
-    counts as many as confirm it. A frame in which a target that is missing for long was searched near its
-    last position does not count and does not end the streak; nor does a search everywhere, if the streak is
-    there."""
+    counts as many as confirm it. While a target is missing for long, frames that were searched near its last
+    position do not end a streak elsewhere, and frames that were searched everywhere do not end one there."""
     candidate: Array
     """(T, 3) m, the candidate in the last of these frames."""
     weak: Array

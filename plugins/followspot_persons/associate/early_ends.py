@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from followspot.frame_times import to_ns, to_seconds
 
 EARLY = to_ns(1.0)
-"""Time before the last message of all from which on a camera's end is told, ns."""
+"""Time before the last message of all by which a camera must end for a warning, ns."""
 
 
 def early_end_warning(last: Mapping[str, int]) -> str:
