@@ -18,7 +18,7 @@ from followspot.graph.compose.resolved import resolved_uses
 from followspot.graph.compose.senders import senders
 from followspot.graph.compose.tuning import subgraph_tunes
 from followspot.graph.compose.unit import Unit, Wired
-from followspot.graph.compose.units import Units
+from followspot.graph.compose.unit_builder import UnitBuilder
 from followspot.graph.names import below
 from followspot.graph.override import Override
 from followspot.graph.subgraph_use import SubgraphUse
@@ -72,10 +72,10 @@ def compose(
     files = GraphFiles(wrong, mistakes)
     root = files.root(path)
     room, document = find_room(root.room)
-    units = Units(files, room, document is not None, wrong, mistakes)
-    unit = units.root(root, [*(subgraph_tunes(document) if room is not None else ()), *overrides])
+    builder = UnitBuilder(files, room, document is not None, wrong, mistakes)
+    unit = builder.root(root, [*(subgraph_tunes(document) if room is not None else ()), *overrides])
     stages = _distinct(stages_of(unit, wrong), wrong)
-    for override in (found for found in units.unknown if not found.tune):
+    for override in (found for found in builder.unknown if not found.tune):
         name = below(override.within, override.stage)
         known = {*stages, *(found.name for found in units_below(unit))}
         mistakes.append(_no_stage(name, override, stages, known))
@@ -96,7 +96,7 @@ def compose(
         left_out=left_out_below(unit),
         apart=apart,
         optional=tuple(optional_uses(unit)) if not wrong else (),
-        tuned=frozenset(units.tuned),
+        tuned=frozenset(builder.tuned),
         outputs=outputs_below(unit) if not wrong else {},
         subgraphs=tuple(resolved_uses(unit)) if not wrong else (),
     )

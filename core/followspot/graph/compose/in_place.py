@@ -19,7 +19,7 @@ from followspot.graph.compose.optional_use import OptionalUse, left_out_below, o
 from followspot.graph.compose.resolved import resolved, resolved_uses
 from followspot.graph.compose.tuning import subgraph_tunes
 from followspot.graph.compose.unit import Unit
-from followspot.graph.compose.units import Units
+from followspot.graph.compose.unit_builder import UnitBuilder
 from followspot.graph.override import SUBGRAPH, overridden
 from followspot.graph.selector import read_selector
 from followspot.graph.subgraph_use import SubgraphUse
@@ -60,14 +60,14 @@ def in_place(
     """
     before = len(mistakes)
     parent = Unit("", GraphFile("", file.place, ()), Interface({}, {}, {}), {})
-    units = Units(GraphFiles(mistakes, mistakes), room, True, mistakes, mistakes)
+    builder = UnitBuilder(GraphFiles(mistakes, mistakes), room, True, mistakes, mistakes)
     tunes = list(subgraph_tunes(document))
     entry = _entry(file, use, {**given, **_known(file, use, changed)})
     for tune in (tune for name in reversed(use.names) for tune in tunes if tune.stage == name):
         entry = overridden(entry, tune, mistakes)
     form = Form(entry, f'sub-graph "{use.name}"', SUBGRAPH, mistakes)
     inside = [tune for tune in tunes if use.holds(tune.stage)]
-    found = list(units.used(parent, use.stage, Use(use.name, _limits(use, file), False), form, inside))
+    found = list(builder.used(parent, use.stage, Use(use.name, _limits(use, file), False), form, inside))
     if len(mistakes) > before or not found:
         return None
     (unit,) = found

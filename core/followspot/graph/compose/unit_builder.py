@@ -1,4 +1,4 @@
-"""Makes the units of one graph: a unit for the graph itself, and one for each use of a sub-graph in it."""
+"""Builds the units of one graph: a unit for the graph itself, and one for each use of a sub-graph in it."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from followspot.graph.override import SUBGRAPH, Override, overridden
 from followspot.room import Room
 
 
-class Units:
-    """Makes the units of one graph, and notes what does not fit an interface."""
+class UnitBuilder:
+    """Builds the units of one graph, and notes what does not fit an interface."""
 
     def __init__(
         self,
@@ -83,13 +83,13 @@ class Units:
 
     def _set_apart(self, parent: Unit, stage: str, entry: Form, overrides: Sequence[Override]) -> None:
         """Make the unit of a sub-graph that is left out as if its room were not known, for its mistakes."""
-        units = Units(self.files, None, self.named, self.mistakes, self.odd)
+        builder = UnitBuilder(self.files, None, self.named, self.mistakes, self.odd)
         use = Use(stage, parent.limits, optional=True)
         inside = overrides if entry.get("each") is None else ()
-        for unit in units.used(parent, stage, use, entry, inside):
+        for unit in builder.used(parent, stage, use, entry, inside):
             parent.apart[stage] = unit
-        self.unknown += units.unknown
-        self.tuned |= units.tuned
+        self.unknown += builder.unknown
+        self.tuned |= builder.tuned
 
     def _member_entry(self, node: Node, stage: str, name: str, overrides: Sequence[Override]) -> Node:
         """The entry of one member of a sub-graph, with the overrides for this member alone."""
