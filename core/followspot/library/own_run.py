@@ -33,7 +33,7 @@ _BEGIN = 120.0
 """Seconds that stages may take to be set up before a run answers."""
 
 _RECORDER_POLL_INTERVAL = 0.05
-"""Seconds between two looks whether the flight recorder is ready."""
+"""Seconds between two checks whether the flight recorder is ready."""
 
 PreparedRun = tuple[Coordinator, Surroundings]
 
@@ -47,14 +47,14 @@ class OwnRun(ScriptHandle):
 
     def __init__(
         self,
-        subscribed: SubscriptionSinks,
+        sinks: SubscriptionSinks,
         ready: AbstractContextManager[PreparedRun],
         out: Path,
         keep: StartKeeping,
     ) -> None:
-        super().__init__("", subscribed.plan.graph, self._asked, failure=self._failure)
+        super().__init__("", sinks.plan.graph, self._asked, failure=self._failure)
         self.out = out
-        self._subscribed = subscribed
+        self._sinks = sinks
         self._dispatcher: Dispatcher | None = None
         self._report: RunReport | None = None
         self._whole: Report | None = None
@@ -62,7 +62,7 @@ class OwnRun(ScriptHandle):
         self._begun = threading.Event()
         self._ended = threading.Event()
         """Not the thread's own end: `Thread.join` takes a thread for ended when Ctrl-C interrupts it."""
-        subscribed.failure = self._failure
+        sinks.failure = self._failure
         self._abandoned = False
         threading.Thread(target=self._live, args=(ready, keep), name="run", daemon=True).start()
         try:
@@ -75,7 +75,7 @@ class OwnRun(ScriptHandle):
 
     def close(self) -> None:
         """End the run, and wait until its outputs are complete."""
-        self._subscribed.close()
+        self._sinks.close()
         super().close()
         if not self._ended.is_set() and self._dispatcher is not None:
             self.stop()
@@ -96,7 +96,7 @@ class OwnRun(ScriptHandle):
 
         port: STAGE.PORT, or a shorter name as `ports=` takes it. Raises FollowspotError.
         """
-        found = self._subscribed.found(port)
+        found = self._sinks.found(port)
         if found is not None and (self._ended.is_set() or not found.closed):
             return found
         return super().__getitem__(port)
@@ -107,22 +107,20 @@ class OwnRun(ScriptHandle):
         Raises RunFailed if it failed, FollowspotError if it waits for a subscription without a reader.
         """
         while not self._ended.wait(_POLL_INTERVAL):
-            self._subscribed.check_read()
+            self._sinks.check_read()
         self._raise()
         return self.report
 
     @property
     def report(self) -> Report:
-        """The report after the end of the run. Raises FollowspotError before, RunFailed if the run never
-        began.
-        """
+        """The report of the run. Raises FollowspotError before its end, RunFailed if it never began."""
         if self._whole is not None:
             return self._whole
         if not self._ended.is_set():
             raise FollowspotError("the run goes on; leave its block, or wait() for its end")
         if self._report is None:
             raise RunFailed(str(self._error)) from self._error
-        plan, frames = self._subscribed.plan, self._report.frames
+        plan, frames = self._sinks.plan, self._report.frames
         self._whole = Report(self._report, self.out, run_scores(plan, self.out, frames))
         return self._whole
 
@@ -136,7 +134,7 @@ class OwnRun(ScriptHandle):
     def _abandon(self) -> None:
         """Have the run end as soon as its stages are set up, without waiting for that."""
         self._abandoned = True
-        self._subscribed.close()
+        self._sinks.close()
         if self._dispatcher is not None:
             self.stop()
 
@@ -158,8 +156,8 @@ class OwnRun(ScriptHandle):
             self._error = error
         finally:
             self._begun.set()
-            self._subscribed.end()
-            self._tapped.end()
+            self._sinks.end()
+            self._taps.end()
             self._ended.set()
 
     def _asked(self, request: Request, timeout: float) -> Any:
@@ -167,7 +165,7 @@ class OwnRun(ScriptHandle):
             if isinstance(request, StopRun):
                 return None  # it may have ended a moment ago
             raise FollowspotError("the run has ended")
-        with self._subscribed.yielding():  # the loop over a subscription may be what asks
+        with self._sinks.yielding():  # the loop over a subscription may be what asks
             return self._dispatcher.dispatch(request)
 
     def _failure(self) -> Exception | None:

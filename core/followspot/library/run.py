@@ -81,16 +81,16 @@ def run(
     )
     for mistake in plan.warnings:
         warnings.warn(str(mistake), stacklevel=2)
-    subscribed = SubscriptionSinks(plan, ports)
-    kept = keeping(subscribed.plan, keep)
+    sinks = SubscriptionSinks(plan, ports)
+    kept = keeping(sinks.plan, keep)
     folder = Path(out or Path("runs") / f"{plan.graph}-{time.strftime('%Y%m%d-%H%M%S')}")
     folder.mkdir(parents=True, exist_ok=True)
     ready = prepared(
-        subscribed.plan,
+        sinks.plan,
         RunOptions(folder, frames),
         network=network,
         media=Path(media),
         restart=restart,
-        in_process=subscribed.in_process,
+        in_process=sinks.in_process,
     )
-    return OwnRun(subscribed, ready, folder, kept)
+    return OwnRun(sinks, ready, folder, kept)

@@ -31,7 +31,7 @@ class ScriptHandle(RunHandle, Closing):
         `RunHandle`.
         """
         super().__init__(run, graph, ask, pid)
-        self._tapped = TapSubscriptions(self, failure)
+        self._taps = TapSubscriptions(self, failure)
 
     def subscribe(self, port: str, kind: type[M]) -> Subscription[M]:
         """``self[port]`` for type checkers and editors: a subscription to messages of this type.
@@ -50,7 +50,7 @@ class ScriptHandle(RunHandle, Closing):
 
         port: STAGE.PORT, or a shorter name as `ports=` of `run` takes it. Raises FollowspotError.
         """
-        return self._tapped.subscription(port)
+        return self._taps.subscription(port)
 
     def save(self, path: str | Path) -> tuple[str, ...]:
         """Save what was changed as a new graph file that extends the run's own; the stages that it names.
@@ -61,7 +61,7 @@ class ScriptHandle(RunHandle, Closing):
 
     def close(self) -> None:
         """End the subscriptions; the run goes on."""
-        self._tapped.close()
+        self._taps.close()
 
     def __repr__(self) -> str:
         return f"<run {self.label}: {self._state()}>"
