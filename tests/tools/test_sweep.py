@@ -138,7 +138,7 @@ def test_a_result_is_kept_for_the_same_graph_only(tmp_path: Path) -> None:
     task = Task("studio", (("a.x", "1"),), ("run", "g.yaml"), tmp_path, "before")
     summary = {"frames": 5, "targets": {}}
     (tmp_path / SUMMARY).write_text(
-        json.dumps({"command": ["run", "g.yaml"], "state": "before", "summary": summary})
+        json.dumps({"command": ["run", "g.yaml"], "fingerprint": "before", "summary": summary})
     )
     found = kept(task)
     assert found is not None
@@ -214,19 +214,19 @@ def test_results_of_another_plugin_file_or_video_are_not_kept(tmp_path: Path) ->
     (tmp_path / "clips").mkdir()
     (tmp_path / "clips/cam0.mkv").write_bytes(b"a video")
 
-    def state() -> str:
+    def fingerprint() -> str:
         plan = compile_graph(tmp_path / "graph.yaml", plugin_files=[str(tmp_path / "lower.py")])
         source = StageUse("video.file", {"path": "clips/cam0.mkv"}, str(tmp_path))
         camera = replace(plan.room.cameras["cam0"], source=source)
         return fingerprint_of([replace(plan, room=replace(plan.room, cameras={"cam0": camera}))])
 
-    states = [state(), state()]
+    found = [fingerprint(), fingerprint()]
     for changed in ("lower.py", "clips/cam0.mkv"):
         with (tmp_path / changed).open("ab") as file:
             file.write(b"# more")
-        states.append(state())
-    assert states[0] == states[1]
-    assert len(set(states)) == 3
+        found.append(fingerprint())
+    assert found[0] == found[1]
+    assert len(set(found)) == 3
 
 
 SWEEP = """

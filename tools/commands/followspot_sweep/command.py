@@ -23,11 +23,11 @@ from followspot_sweep.trial import Task, folder_name
 
 @dataclass(frozen=True)
 class Scene:
-    """A room as a folder and a table call it, its file, and the state in which graph and room are."""
+    """A room as a folder and a table call it, its file, and the fingerprint of the graph in this room."""
 
     name: str
     room: str | None
-    state: str
+    fingerprint: str
 
 
 def sweep(args: argparse.Namespace) -> int:
@@ -36,7 +36,7 @@ def sweep(args: argparse.Namespace) -> int:
     scenes = _scenes(args, axes)
     out = output_folder(args.out, "sweep")
     tasks = [
-        Task(s.name, point, _command(args, s.room, point), out / s.name / folder_name(point), s.state)
+        Task(s.name, point, _command(args, s.room, point), out / s.name / folder_name(point), s.fingerprint)
         for s in scenes
         for point in points(axes)
     ]

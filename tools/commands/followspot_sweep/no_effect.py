@@ -13,7 +13,7 @@ from followspot_sweep.trial import SUMMARY, Result, Task
 def axes_without_effect(results: Sequence[Result], axes: Sequence[Axis]) -> list[str]:
     """Names of the axes whose values all gave the same files, for all values of other axes and rooms.
 
-    None if a run failed: its files are not complete.
+    No names if a run failed, for its files are not complete.
     """
     if any(result.error for result in results):
         return []

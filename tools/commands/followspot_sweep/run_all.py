@@ -63,7 +63,7 @@ class _Processes:
 
 
 def _text(result: Result) -> str:
-    """Room, point and state of a task that has come to its end."""
+    """Room and point of a task that has ended, and whether it failed."""
     words = ", ".join(f"{name}={value}" for name, value in result.task.point)
     return f"{result.task.room}: {words}  {'failed' if result.error else 'done'}"
 

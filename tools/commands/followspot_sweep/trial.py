@@ -25,15 +25,15 @@ SUMMARY = "summary.json"
 class Task:
     """A run to make.
 
-    command: the arguments of `followspot` without those of the output; state: as `state_of`
-    gives it, so that a sweep does not reuse results of another state.
+    command: the arguments of `followspot` without those of the output; fingerprint: as
+    `fingerprint_of` gives it, so that a sweep does not reuse results of another graph or room.
     """
 
     room: str
     point: Point
     command: tuple[str, ...]
     folder: Path
-    state: str
+    fingerprint: str
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ def kept(task: Task) -> Result | None:
     """The result of an earlier sweep; None if there is no complete one."""
     try:
         found = json.loads(read_bytes(task.folder / SUMMARY))
-        if (found["command"], found["state"]) == (list(task.command), task.state):
+        if (found["command"], found["fingerprint"]) == (list(task.command), task.fingerprint):
             return Result(task, figures_of(found["summary"]))
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         pass
@@ -86,7 +86,7 @@ def run(task: Task, started: Callable[[subprocess.Popen[str]], None]) -> Result:
     if process.returncode or summary is None or summary.get("stopped"):
         reasons: Sequence[str] = summary.get("errors", ()) if summary else ()
         return Result(task, {}, "; ".join(reasons) or err.strip() or "it was stopped")
-    whole = json.dumps({"command": task.command, "state": task.state, "summary": summary})
+    whole = json.dumps({"command": task.command, "fingerprint": task.fingerprint, "summary": summary})
     waiting = task.folder / f".{SUMMARY}"
     with writing(task.folder / SUMMARY):
         waiting.write_text(whole, encoding="utf-8")
