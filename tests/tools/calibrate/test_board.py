@@ -18,9 +18,9 @@ from followspot.room import Camera, Room
 from followspot.room_file import load, save
 from followspot_calibrate.board.chain import chained
 from followspot_calibrate.board.poses import BoardPose, Relation, board_poses, relate
-from followspot_calibrate.board.result import warnings_of
 from followspot_calibrate.board.rigidity import distances
 from followspot_calibrate.board.solving import solve
+from followspot_calibrate.board.text import warnings_of
 from followspot_calibrate.board.timestamps import read_timestamps
 from followspot_calibrate.boards.board import parse_board
 from followspot_calibrate.boards.detection import View

@@ -11,8 +11,8 @@ from followspot import Room
 from followspot.errors import InputError, writing
 from followspot.room_file import load, update
 from followspot_calibrate.board.page import page_of
-from followspot_calibrate.board.result import as_json, summary, warnings_of
 from followspot_calibrate.board.solving import BoardCalibration, solve
+from followspot_calibrate.board.text import as_json, summary, warnings_of
 from followspot_calibrate.board.timestamps import read_timestamps
 from followspot_calibrate.board.views import find_views
 from followspot_calibrate.boards.board import parse_board

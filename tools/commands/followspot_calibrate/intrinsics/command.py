@@ -16,7 +16,7 @@ from followspot_calibrate.boards.detection import Detector
 from followspot_calibrate.intrinsics.calibration import LensCalibration, calibrate_lens
 from followspot_calibrate.intrinsics.fitting import NoFit
 from followspot_calibrate.intrinsics.page import page_of
-from followspot_calibrate.intrinsics.result import as_json, summary
+from followspot_calibrate.intrinsics.text import as_json, summary
 from followspot_calibrate.intrinsics.views import collect_views, live_cameras, uncalibrated_camera
 from followspot_calibrate.report import write_report
 

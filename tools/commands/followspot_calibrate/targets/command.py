@@ -43,12 +43,12 @@ def calibrate_targets(args: argparse.Namespace, usual: float) -> int:
     targets = {**room.targets, **learnt}
     held = Agreement() if args.keep_cameras else agreement(room, args.clips, show_progress)
     clear_progress()
-    outcome = TargetsResult(report, separability_of(room, targets, report), held)
+    result = TargetsResult(report, separability_of(room, targets, report), held)
     page = args.report or room_file.with_suffix(".targets.html")
     with writing(room_file):
         write_room(room_file, targets, held.correction)
-        write_report(page, page_of(room.name, outcome))
-    print_result(args, as_json(outcome), summary(outcome), page, outcome.warnings)
+        write_report(page, page_of(room.name, result))
+    print_result(args, as_json(result), summary(result), page, result.warnings)
     if failed:
         raise FollowspotError(f"no camera saw {', '.join(failed)}; {room_file} has the other targets")
     return 0

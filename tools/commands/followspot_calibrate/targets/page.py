@@ -16,23 +16,23 @@ from followspot_calibrate.targets.text import APART, HEAD, accepted_rows, templa
 HUES = "Share of the hues of what glows, red at the left; each camera has its own white balance."
 
 
-def page_of(room: str, outcome: TargetsResult) -> Page:
+def page_of(room: str, result: TargetsResult) -> Page:
     """The templates of each camera, their separability, and corrections of the cameras."""
-    report = outcome.learnt
+    report = result.learnt
     problems = [f"{t}, {o.camera.name}: {o.problem}" for t, some in report.items() for o in some if o.problem]
-    warnings = outcome.warnings + problems
+    warnings = result.warnings + problems
     targets = "1 target" if len(report) == 1 else f"{len(report)} targets"
-    summary = f"{targets} learnt" + (", told apart by colour" if outcome.apart and not warnings else "")
-    sections = list(_sections(outcome))
+    summary = f"{targets} learnt" + (", told apart by colour" if result.apart and not warnings else "")
+    sections = list(_sections(result))
     return Page(f"Targets of {room}", "look" if warnings else "good", summary, warnings, sections)
 
 
-def _sections(outcome: TargetsResult) -> Iterator[Section]:
-    report = outcome.learnt
-    if (correction := outcome.agreement.correction) is not None:
+def _sections(result: TargetsResult) -> Iterator[Section]:
+    report = result.learnt
+    if (correction := result.agreement.correction) is not None:
         yield plain_table("Cameras corrected", CHANGES, cells(correction), note=verdict(correction))
-    if outcome.apart:
-        one = worst(outcome.apart)
+    if result.apart:
+        one = worst(result.apart)
         others = np.where(np.eye(len(one.targets), dtype=bool), 0.0, one.accepted).max(axis=1)
         confused = [
             name for name, share in zip(one.targets, others.tolist(), strict=True) if share >= CONFUSED

@@ -20,25 +20,25 @@ CORRECTED = "the cameras contradicted each other about the targets, and were cor
 APART = "blobs of the target on the left that the template above accepts, in the worst camera"
 
 
-def summary(outcome: TargetsResult) -> str:
+def summary(result: TargetsResult) -> str:
     """A line per target and camera, then the separability, and corrections of cameras."""
-    rows = [template_row(name, one) for name, all_ in outcome.learnt.items() for one in all_]
+    rows = [template_row(name, one) for name, all_ in result.learnt.items() for one in all_]
     parts = [table(HEAD, rows)]
-    if outcome.apart:
-        one = worst(outcome.apart)
+    if result.apart:
+        one = worst(result.apart)
         parts.append(f"{APART}\n{table(('', *one.targets), accepted_rows(one))}")
-    if (correction := outcome.agreement.correction) is not None:
+    if (correction := result.agreement.correction) is not None:
         parts.append(f"{CORRECTED}\n{as_text(correction)}")
     return "\n\n".join(parts)
 
 
-def as_json(outcome: TargetsResult) -> str:
+def as_json(result: TargetsResult) -> str:
     """The learnt templates as JSON, for scripts."""
-    correction = outcome.agreement.correction
+    correction = result.agreement.correction
     return json.dumps(
         {
             "targets": {
-                name: {one.camera.name: _fields(one) for one in all_} for name, all_ in outcome.learnt.items()
+                name: {one.camera.name: _fields(one) for one in all_} for name, all_ in result.learnt.items()
             },
             "separability": {
                 one.camera: {
@@ -46,10 +46,10 @@ def as_json(outcome: TargetsResult) -> str:
                     "similarity": np.round(one.similarity, 4).tolist(),
                     "accepted": np.round(one.accepted, 4).tolist(),
                 }
-                for one in outcome.apart
+                for one in result.apart
             },
             "correction": None if correction is None else correction_as_json(correction),
-            "warnings": outcome.warnings,
+            "warnings": result.warnings,
         }
     )
 

@@ -1,4 +1,4 @@
-"""The outcome of a wand calibration, as data, as a table and as JSON."""
+"""The result of a wand calibration, as data, as a table and as JSON."""
 
 from __future__ import annotations
 

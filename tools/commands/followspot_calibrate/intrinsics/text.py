@@ -1,4 +1,4 @@
-"""The result of a lens calibration: lines with the coverage, and JSON."""
+"""The result of a lens calibration as lines of text with the coverage, and as JSON."""
 
 from __future__ import annotations
 

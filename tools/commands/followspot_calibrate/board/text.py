@@ -1,4 +1,4 @@
-"""The result of a calibration with a board: a table, JSON, and warnings."""
+"""The result of a calibration with a board as a table and as JSON, and its warnings."""
 
 from __future__ import annotations
 
