@@ -38,10 +38,10 @@ class RecordButton:
 
     def __init__(self, folder: Path, publish: Publish) -> None:
         self._folder = folder
-        self._tell = publish
+        self._publish = publish
         self._numbers = count()
         self._process: asyncio.subprocess.Process | None = None
-        self._telling: asyncio.Task[None] | None = None
+        self._report_task: asyncio.Task[None] | None = None
         self._untap: Callable[[], None] = lambda: None
         """Removes the taps of the recording."""
 
@@ -68,7 +68,7 @@ class RecordButton:
         taps = [Tapping(name, TAP, _params(name, None if name in remote else listen)) for name in names]
         await asyncio.to_thread(run.tap, taps)
         self._untap = partial(run.untap, taps)
-        self._tell(begun)
+        self._publish(begun)
         return f"recording {len(ports)} ports to {begun['file']}"
 
     async def stop(self) -> str:
@@ -82,13 +82,13 @@ class RecordButton:
 
     async def close(self) -> None:
         """Wait until the recording is complete, after its run."""
-        process, telling = self._process, self._telling
-        if process is None or telling is None:
+        process, report_task = self._process, self._report_task
+        if process is None or report_task is None:
             return
         assert process.stdin is not None
         process.stdin.close()
         with suppress(TimeoutError):
-            await asyncio.wait_for(telling, _ENDING)
+            await asyncio.wait_for(report_task, _ENDING)
         if process.returncode is None:
             process.kill()
         await asyncio.to_thread(self._untap)
@@ -110,18 +110,18 @@ class RecordButton:
             self._process.kill()
             self._process = None
             raise FollowspotError(f"the recorder cannot begin: {said['error']}")
-        self._telling = asyncio.create_task(self._keep_telling(self._process))
+        self._report_task = asyncio.create_task(self._pass_on_reports(self._process))
         return said
 
-    async def _keep_telling(self, process: asyncio.subprocess.Process) -> None:
+    async def _pass_on_reports(self, process: asyncio.subprocess.Process) -> None:
         """Pass on the recorder's reports until it has ended."""
         last: dict[str, Any] = {}
         while (said := await self._said(process)) and said["state"] == "on":
             last = said
-            self._tell(said)
+            self._publish(said)
         await process.wait()
         self._process = None  # first, because browsers may start another recording once they know
-        self._tell(said or {**last, "state": "failed", "error": "the recorder has died"})
+        self._publish(said or {**last, "state": "failed", "error": "the recorder has died"})
 
     async def _said(self, process: asyncio.subprocess.Process) -> dict[str, Any] | None:
         """The next report of a recorder; None at its end."""

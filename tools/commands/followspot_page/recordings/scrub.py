@@ -52,7 +52,7 @@ class Scrub:
         self._recording = recording
         self.ports = [port for port in ports if port.name in recording.ports]
         self._take = take
-        self._tell = publish
+        self._publish = publish
         self._period = 1.0 / rate
         self._position = Position(self.begin)
         self._sought = asyncio.Event()
@@ -93,7 +93,7 @@ class Scrub:
             for port, packed in await asyncio.to_thread(lambda at: list(self._seen(at)), position.time):
                 self._take(port, packed)
             said = {"type": "position", "at": to_seconds(position.time), "playing": position.playing}
-            self._tell(json.dumps(said))
+            self._publish(json.dumps(said))
             await self._wait(self._period if position.playing else _RENEWED)
             if position is self._position and position.playing:
                 later = min(position.time + to_ns(time.monotonic() - started), self.end)
