@@ -17,7 +17,7 @@ import { Sensors } from "./sensors.ts";
 import { Tiles } from "./tiles.ts";
 import { Timeline } from "./timeline.ts";
 import { Together } from "./together.ts";
-import type { Answer, Run, Scene, Told, Wish } from "./told.ts";
+import type { Answer, PageRequest, Run, Scene, Told } from "./told.ts";
 import { Views } from "./views.ts";
 
 const RETRY_MS = 3000;
@@ -28,7 +28,7 @@ const LOST =
   "this page has lost its run, which may go on, or not: its operator's process, or that of the page, is gone";
 
 let socket: WebSocket;
-const ask = (wish: Wish) => socket.send(JSON.stringify(wish));
+const ask = (request: PageRequest) => socket.send(JSON.stringify(request));
 const views = new Views<Drawn>();
 const picker = new Picker(part("picker", HTMLDialogElement), ask);
 const tiles = new Tiles(part("tiles", HTMLElement), views, (camera) => picker.open(camera));
@@ -166,18 +166,18 @@ function takeView(view: View): void {
 }
 
 function takeAnswer(answer: Answer): void {
-  const wish: Wish = JSON.parse(answer.to);
-  if ("on" in wish) recorder.answer(answer);
-  else if ("hold" in wish) player.answer(answer);
-  else if ("mark" in wish) marker.answer(answer);
-  else if ("open" in wish) runs.answer(answer);
-  else if ("seek" in wish) return;
-  else if ("plot" in wish) timeline.answer(answer);
-  else if ("still" in wish || "learn" in wish || "write" in wish) picker.answer(wish, answer);
-  else if ("save" in wish) pipeline.detail.tellSaved(answer);
+  const request: PageRequest = JSON.parse(answer.to);
+  if ("on" in request) recorder.answer(answer);
+  else if ("hold" in request) player.answer(answer);
+  else if ("mark" in request) marker.answer(answer);
+  else if ("open" in request) runs.answer(answer);
+  else if ("seek" in request) return;
+  else if ("plot" in request) timeline.answer(answer);
+  else if ("still" in request || "learn" in request || "write" in request) picker.answer(request, answer);
+  else if ("save" in request) pipeline.detail.tellSaved(answer);
   else {
     pipeline.detail.answer(answer);
-    if (answer.ok) timeline.note(`${wish.stage}: ${answer.text}`);
+    if (answer.ok) timeline.note(`${request.stage}: ${answer.text}`);
   }
 }
 

@@ -3,7 +3,7 @@ import { stageOf } from "./figures.ts";
 import { Form, Undo } from "./form.ts";
 import { make } from "./make.ts";
 import { edgeTable, stageTable } from "./tables.ts";
-import type { Answer, Ask, Change, FormData, Run, SaveWish, StageAbout } from "./told.ts";
+import type { Answer, Ask, Change, FormData, Run, SaveRequest, StageAbout } from "./told.ts";
 
 export class Detail {
   forms: Record<string, FormData> = {};
@@ -19,7 +19,7 @@ export class Detail {
   private readonly save = make("button", "save as overlay", { type: "button", className: "undo" });
   private readonly saved = make("p", "", { className: "saved" });
 
-  constructor(element: HTMLElement, send: Ask<Change | SaveWish>, close: () => void) {
+  constructor(element: HTMLElement, send: Ask<Change | SaveRequest>, close: () => void) {
     this.element = element;
     this.home = element.parentElement ?? document.body;
     this.undo = new Undo(send);

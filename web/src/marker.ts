@@ -1,6 +1,6 @@
 // The button that saves the last seconds of a run that keeps them, and what it holds.
 import { size } from "./amounts.ts";
-import type { Answer, Ask, Kept, MarkWish, Moment } from "./told.ts";
+import type { Answer, Ask, Kept, MarkRequest, Moment } from "./told.ts";
 
 export interface MarkerParts {
   element: HTMLElement;
@@ -11,9 +11,9 @@ export interface MarkerParts {
 
 export class Marker {
   private readonly parts: MarkerParts;
-  private readonly send: Ask<MarkWish>;
+  private readonly send: Ask<MarkRequest>;
 
-  constructor(parts: MarkerParts, send: Ask<MarkWish>) {
+  constructor(parts: MarkerParts, send: Ask<MarkRequest>) {
     this.parts = parts;
     this.send = send;
     parts.mark.onclick = () => this.ask();

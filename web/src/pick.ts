@@ -1,5 +1,5 @@
 // A target by a click or a rectangle in a still picture: what is asked for, and what was learnt in words.
-import type { LearntData, LearnWish } from "./told.ts";
+import type { LearnRequest, LearntData } from "./told.ts";
 
 type Place = [number, number];
 const LARGEST_M = 10; // radius of a target
@@ -19,12 +19,12 @@ export function boxOf(from: Place, to: Place, shown: Place, size: Place): number
 }
 
 // What to ask the server for, or in one sentence why not yet. known: radius of each target of the room file, m.
-export function wishOf(
+export function learnRequestOf(
   name: string,
   radius: string,
   box: number[] | null,
   known: Record<string, number>,
-): LearnWish | string {
+): LearnRequest | string {
   if (!/^[A-Za-z0-9_-]{1,64}$/.test(name))
     return name ? "a name has letters, digits, _ and -" : "name the target";
   const meters = Number(radius.replace(",", "."));

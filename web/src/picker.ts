@@ -1,12 +1,12 @@
 // Learns a target from a still picture of a camera, in a dialog: click, look at what was learnt, write it.
 import { make } from "./make.ts";
-import { boxOf, learntWords, wishOf } from "./pick.ts";
+import { boxOf, learnRequestOf, learntWords } from "./pick.ts";
 import { penOf } from "./tile.ts";
-import type { Answer, Ask, LearntData, PickWish, StillData } from "./told.ts";
+import type { Answer, Ask, LearntData, PickRequest, StillData } from "./told.ts";
 
 export class Picker {
   private readonly dialog: HTMLDialogElement;
-  private readonly send: Ask<PickWish>;
+  private readonly send: Ask<PickRequest>;
   private readonly title = make("h2");
   private readonly canvas = make("canvas");
   private readonly name = make("input", "", { type: "text", size: 12, maxLength: 64 });
@@ -22,7 +22,7 @@ export class Picker {
   private box: number[] | null = null;
   private learnt: LearntData | null = null;
 
-  constructor(dialog: HTMLDialogElement, send: Ask<PickWish>) {
+  constructor(dialog: HTMLDialogElement, send: Ask<PickRequest>) {
     this.dialog = dialog;
     this.send = send;
     this.said.setAttribute("role", "status");
@@ -56,10 +56,10 @@ export class Picker {
     this.draw();
   }
 
-  answer(wish: PickWish, { text, ok, about }: Answer): void {
+  answer(request: PickRequest, { text, ok, about }: Answer): void {
     if (!ok) this.say(text, false);
-    else if ("still" in wish) this.takeStill(about as StillData);
-    else if ("learn" in wish) this.takeLearnt(about as LearntData);
+    else if ("still" in request) this.takeStill(about as StillData);
+    else if ("learn" in request) this.takeLearnt(about as LearntData);
     else {
       this.forget();
       this.say(text, true);
@@ -96,12 +96,12 @@ export class Picker {
     const { targets } = this.still;
     const name = this.name.value.trim();
     this.radius.placeholder = `${targets[name] ?? ""}`; // what stays if nothing is given
-    const wish = wishOf(name, this.radius.value.trim(), this.box, targets);
+    const request = learnRequestOf(name, this.radius.value.trim(), this.box, targets);
     this.unlearn();
-    if (typeof wish === "string") this.say(wish, true);
+    if (typeof request === "string") this.say(request, true);
     else {
       this.say("learning …", true);
-      this.send(wish);
+      this.send(request);
     }
     this.draw();
   }

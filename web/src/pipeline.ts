@@ -3,7 +3,7 @@ import { Card } from "./card.ts";
 import { Detail } from "./detail.ts";
 import { Drawing } from "./drawing.ts";
 import { SubgraphCard } from "./subgraph_card.ts";
-import type { Ask, Change, EdgePlan, Run, SaveWish, Scene, StageAbout } from "./told.ts";
+import type { Ask, Change, EdgePlan, Run, SaveRequest, Scene, StageAbout } from "./told.ts";
 
 export class Pipeline {
   private about = new Map<string, StageAbout>();
@@ -18,7 +18,7 @@ export class Pipeline {
   readonly detail: Detail;
 
   // element: holds the graph; detail: where an open card is shown, beside the cameras.
-  constructor(element: HTMLElement, detail: HTMLElement, send: Ask<Change | SaveWish>) {
+  constructor(element: HTMLElement, detail: HTMLElement, send: Ask<Change | SaveRequest>) {
     element.prepend(this.whole.element);
     this.detail = new Detail(detail, send, () => this.showDetail(null));
     addEventListener("keydown", ({ key }) => key === "Escape" && this.showDetail(null));

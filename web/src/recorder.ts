@@ -1,7 +1,7 @@
 // The record button: which ports, and how the recording is.
 import { clock, size } from "./amounts.ts";
 import { make } from "./make.ts";
-import type { Answer, Ask, Recording, RecordWish } from "./told.ts";
+import type { Answer, Ask, Recording, RecordRequest } from "./told.ts";
 
 export interface RecorderParts {
   element: HTMLElement;
@@ -14,9 +14,9 @@ export class Recorder {
   private on = false;
   private begin = make("button");
   private readonly parts: RecorderParts;
-  private readonly send: Ask<RecordWish>;
+  private readonly send: Ask<RecordRequest>;
 
-  constructor(parts: RecorderParts, send: Ask<RecordWish>) {
+  constructor(parts: RecorderParts, send: Ask<RecordRequest>) {
     this.parts = parts;
     this.send = send;
     const { record, choice } = parts;
@@ -70,9 +70,9 @@ export class Recorder {
     return chosen.length === boxes.length ? "" : chosen.join(",");
   }
 
-  private ask(wish: RecordWish): void {
+  private ask(request: RecordRequest): void {
     this.parts.recorded.textContent = "…";
-    this.send(wish);
+    this.send(request);
   }
 
   private open(whether: boolean): void {

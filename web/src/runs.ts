@@ -1,7 +1,7 @@
 // The list of the runs in reach: each with a link to its page, or a button that begins one.
 import { clock } from "./amounts.ts";
 import { make } from "./make.ts";
-import type { Answer, Ask, ListedRun, OpenWish } from "./told.ts";
+import type { Answer, Ask, ListedRun, OpenRequest } from "./told.ts";
 
 const LOOK_MS = 3000; // between two looks while the list is open
 
@@ -13,10 +13,10 @@ export interface RunsParts {
 
 export class Runs {
   private readonly parts: RunsParts;
-  private readonly send: Ask<OpenWish>;
+  private readonly send: Ask<OpenRequest>;
   private timer = 0;
 
-  constructor(parts: RunsParts, send: Ask<OpenWish>) {
+  constructor(parts: RunsParts, send: Ask<OpenRequest>) {
     this.parts = parts;
     this.send = send;
     parts.button.onclick = () => this.toggle();

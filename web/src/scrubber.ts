@@ -1,6 +1,6 @@
 // The time line of a recording: where it stands, a button that plays it, and any moment by a drag.
 import { clock } from "./amounts.ts";
-import type { Ask, Position, SeekWish, Span } from "./told.ts";
+import type { Ask, Position, SeekRequest, Span } from "./told.ts";
 
 export interface ScrubberParts {
   element: HTMLElement;
@@ -11,12 +11,12 @@ export interface ScrubberParts {
 
 export class Scrubber {
   private readonly parts: ScrubberParts;
-  private readonly send: Ask<SeekWish>;
+  private readonly send: Ask<SeekRequest>;
   private playing = false;
   private held = false; // whether the line is being dragged
   private span: Span = { begin: 0, end: 0 };
 
-  constructor(parts: ScrubberParts, send: Ask<SeekWish>) {
+  constructor(parts: ScrubberParts, send: Ask<SeekRequest>) {
     this.parts = parts;
     this.send = send;
     parts.play.onclick = () => send({ seek: null, play: !this.playing });

@@ -12,7 +12,7 @@ import type {
   Curve,
   CurvesTold,
   FiguresData,
-  PlotWish,
+  PlotRequest,
   Run,
   StageAbout,
   TargetData,
@@ -40,9 +40,9 @@ export class Timeline {
   private readonly plots = make("div", "", { className: "plots" });
   private readonly log = make("ol", "", { className: "log" });
   private readonly element: HTMLElement;
-  private readonly send: Ask<PlotWish>;
+  private readonly send: Ask<PlotRequest>;
 
-  constructor(element: HTMLElement, toggle: HTMLButtonElement, send: Ask<PlotWish>) {
+  constructor(element: HTMLElement, toggle: HTMLButtonElement, send: Ask<PlotRequest>) {
     this.element = element;
     this.send = send;
     this.choice.setAttribute("aria-label", "figures of");
@@ -96,7 +96,7 @@ export class Timeline {
     this.curves.take(Date.now(), curves);
   }
 
-  // What became of the wish to plot.
+  // What became of the request to plot.
   answer({ text, ok }: Answer): void {
     this.form.say(ok ? "" : text);
   }

@@ -301,7 +301,7 @@ export interface Change {
   key: string;
   value: string;
 }
-export interface RecordWish {
+export interface RecordRequest {
   on: boolean;
   ports?: string;
 }
@@ -309,44 +309,44 @@ export interface Hold {
   hold: "pause" | "resume" | "step";
   count: number;
 }
-export interface MarkWish {
+export interface MarkRequest {
   mark: string;
 }
-export interface SaveWish {
+export interface SaveRequest {
   save: true;
 }
 // seek: s of capture time, null for where it stands.
-export interface SeekWish {
+export interface SeekRequest {
   seek: number | null;
   play: boolean;
 }
-export interface OpenWish {
+export interface OpenRequest {
   open: string;
 }
-export interface PlotWish {
+export interface PlotRequest {
   plot: Curve[];
 }
-export interface StillWish {
+export interface StillRequest {
   still: string;
 }
 // box: a click x, y, or a rectangle x, y, width, height, px; radius: m, null for that of the room file.
-export interface LearnWish {
+export interface LearnRequest {
   learn: string;
   box: number[];
   radius: number | null;
 }
-export interface WriteWish {
+export interface WriteRequest {
   write: true;
 }
-export type PickWish = StillWish | LearnWish | WriteWish;
-export type Wish =
+export type PickRequest = StillRequest | LearnRequest | WriteRequest;
+export type PageRequest =
   | Change
-  | RecordWish
+  | RecordRequest
   | Hold
-  | MarkWish
-  | SaveWish
-  | OpenWish
-  | SeekWish
-  | PlotWish
-  | PickWish;
-export type Ask<W extends Wish> = (wish: W) => void;
+  | MarkRequest
+  | SaveRequest
+  | OpenRequest
+  | SeekRequest
+  | PlotRequest
+  | PickRequest;
+export type Ask<W extends PageRequest> = (request: W) => void;

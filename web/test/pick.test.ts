@@ -1,7 +1,7 @@
 // A target by a click or a rectangle in a still picture.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { boxOf, learntWords, wishOf } from "../src/pick.ts";
+import { boxOf, learnRequestOf, learntWords } from "../src/pick.ts";
 import type { LearntData } from "../src/told.ts";
 
 const KNOWN = { red: 0.05 };
@@ -34,7 +34,8 @@ test("what hardly moves is a click, the rest a rectangle within the picture, in 
 });
 
 test("nothing is asked for before name, radius and place are there", () => {
-  const say = (name: string, radius: string, box: number[] | null) => wishOf(name, radius, box, KNOWN);
+  const say = (name: string, radius: string, box: number[] | null) =>
+    learnRequestOf(name, radius, box, KNOWN);
   assert.equal(say("", "", [1, 2]), "name the target");
   assert.equal(say("rote Kugel", "", [1, 2]), "a name has letters, digits, _ and -");
   assert.match(say("blue", "", [1, 2]) as string, /blue is new: give its radius/);

@@ -144,14 +144,16 @@ class Plot:
     plot: Annotated[tuple[Curve, ...], pydantic.Field(max_length=MOST_CURVES)]
 
 
-Wish = Change | Record | Hold | MarkRequest | Save | OpenPage | Seek | Still | Learn | Write | Plot
-_WISH: pydantic.TypeAdapter[Wish] = pydantic.TypeAdapter(Wish, config=pydantic.ConfigDict(strict=True))
+PageRequest = Change | Record | Hold | MarkRequest | Save | OpenPage | Seek | Still | Learn | Write | Plot
+_REQUEST: pydantic.TypeAdapter[PageRequest] = pydantic.TypeAdapter(
+    PageRequest, config=pydantic.ConfigDict(strict=True)
+)
 
 
-def request_of(text: str) -> Wish:
+def request_of(text: str) -> PageRequest:
     """A browser's request, in JSON. Raises FollowspotError."""
     try:
-        return _WISH.validate_json(text)
+        return _REQUEST.validate_json(text)
     except (ValueError, RecursionError):
         raise FollowspotError("this is nothing that can be asked for") from None
 

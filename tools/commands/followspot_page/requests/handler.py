@@ -18,12 +18,12 @@ from followspot_page.allowed_requests import (
     Learn,
     MarkRequest,
     OpenPage,
+    PageRequest,
     Plot,
     Record,
     Save,
     Seek,
     Still,
-    Wish,
     Write,
     request_of,
     sentence,
@@ -77,7 +77,7 @@ class Requests:
             else self._learning.write(run, plan)
         )
 
-    async def _changed(self, run: RunHandle, asked: Wish) -> str:
+    async def _changed(self, run: RunHandle, asked: PageRequest) -> str:
         """A line about what became of a request that changes the run, or what is made of it."""
         page = self._page
         if isinstance(asked, Change):
