@@ -61,7 +61,7 @@ class Connections:
     def protocols(self) -> tuple[type[asyncio.Protocol], type[asyncio.Protocol]]:
         """Protocol classes for HTTP and WebSockets, for the configuration of the server."""
         return type("Http", (_Http,), {"page_connections": self}), type(
-            "Look", (_Viewer,), {"page_connections": self}
+            "Viewer", (_Viewer,), {"page_connections": self}
         )
 
 
