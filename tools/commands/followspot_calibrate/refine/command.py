@@ -74,7 +74,7 @@ def refined(
     seen = target_sightings(tracked, room)
     radius = np.array([target.radius for target in room.targets.values()])[seen.target]
     cameras = list(room.cameras.values())
-    places = select_sightings(cameras, seen.pixel, radius, room.planes)
-    held = cross_validate(cameras, places, shown, room.planes, show_progress)
+    sightings = select_sightings(cameras, seen.pixel, radius, room.planes)
+    held = cross_validate(cameras, sightings, shown, room.planes, show_progress)
     used = shown if held is None or held.use_clips else None
-    return refine(cameras, concatenated(places, used), room.planes, show_progress), held
+    return refine(cameras, concatenated(sightings, used), room.planes, show_progress), held

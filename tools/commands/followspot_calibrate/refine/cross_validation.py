@@ -17,7 +17,7 @@ from followspot_calibrate.target_sightings import TargetSightings
 from followspot_calibrate.triangulation import triangulate
 
 FOLDS = 3
-"""Parts of the recording's places; each is left out once."""
+"""Parts of the sightings of a recording; each is left out once."""
 TOLERANCE = 1.1
 """Clips that make the error this many times as large contradict the recording; by chance it is within 5 %."""
 Refine = Callable[[TargetSightings], Sequence[Camera]]
@@ -53,14 +53,14 @@ class Comparison:
 
 def cross_validate(
     cameras: Sequence[Camera],
-    places: TargetSightings,
+    sightings: TargetSightings,
     shown: TargetSightings | None,
     planes: Mapping[str, Array],
     progress: Progress | None = None,
 ) -> Comparison | None:
-    """How well each choice sees the places of a recording that it does not know.
+    """How well each choice predicts the sightings of a recording that it does not know.
 
-    places: of the recording; shown: of clips. None if so few places are left that cameras cannot be refined.
+    sightings: of the recording; shown: those of clips. None if too few rows are left to refine cameras.
     """
 
     def alone(known: TargetSightings) -> Sequence[Camera]:
@@ -71,22 +71,22 @@ def cross_validate(
 
     try:
         return Comparison(
-            _left_out(places, lambda _: cameras),
-            _left_out(places, alone),
-            None if shown is None else _left_out(places, with_clips),
+            _left_out(sightings, lambda _: cameras),
+            _left_out(sightings, alone),
+            None if shown is None else _left_out(sightings, with_clips),
         )
     except FollowspotError:
         return None
 
 
-def _left_out(places: TargetSightings, refined: Refine) -> float:
-    """Median error, px, of the places that were left out."""
-    part = np.arange(len(places.pixel)) % FOLDS
+def _left_out(sightings: TargetSightings, refined: Refine) -> float:
+    """Median error, px, of the sightings that were left out."""
+    part = np.arange(len(sightings.pixel)) % FOLDS
     errors = []
     for number in range(FOLDS):
         known = part != number
-        cameras = refined(TargetSightings(places.pixel[known], places.sigma[known]))
-        residual = triangulate(cameras, places.pixel[~known]).residual
+        cameras = refined(TargetSightings(sightings.pixel[known], sightings.sigma[known]))
+        residual = triangulate(cameras, sightings.pixel[~known]).residual
         errors.append(np.hypot(residual[..., 0], residual[..., 1]).ravel())
     told = np.concatenate(errors)
     if not np.isfinite(told).any():

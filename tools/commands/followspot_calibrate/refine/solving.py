@@ -42,7 +42,7 @@ class Refinement:
 
 def refine(
     cameras: Sequence[Camera],
-    places: TargetSightings,
+    sightings: TargetSightings,
     planes: Mapping[str, Array],
     progress: Progress | None = None,
 ) -> Refinement:
@@ -51,7 +51,7 @@ def refine(
     Each camera's prior sigma is about what the contradictions between the sightings suggest; the frame
     of reference and scale are those of the given centres. Raises FollowspotError for too few sightings.
     """
-    pixel = places.pixel
+    pixel = sightings.pixel
     before = adjusted = chosen(cameras, pixel)
     require_sightings(before)
     prior = prior_of(before)
@@ -60,7 +60,7 @@ def refine(
             progress("adjust", number / ROUNDS)
         clean = np.where(adjusted.used[..., None], pixel, np.nan)
         better = adjust(
-            adjusted.cameras, adjusted.points, clean, OPEN, prior=prior, scale=SCALE * places.sigma
+            adjusted.cameras, adjusted.points, clean, OPEN, prior=prior, scale=SCALE * sightings.sigma
         )
         adjusted = chosen(better.cameras, pixel)
     motion = onto(adjusted.cameras, cameras)

@@ -39,11 +39,11 @@ def agreement(room: Room, clips: Path, progress: Progress | None = None) -> Agre
     if len(cameras) < FEWEST or any(camera.clock_offset for camera in cameras):
         return Agreement()
     try:
-        places = find_target_sightings(clips, cameras, progress)
+        sightings = find_target_sightings(clips, cameras, progress)
     except FollowspotError as reason:
         return Agreement(problem=f"cameras were not held against each other: {reason}")
-    given = chosen(cameras, places.pixel)
-    if apart := elsewhere(given, places):
+    given = chosen(cameras, sightings.pixel)
+    if apart := elsewhere(given, sightings):
         cause = (
             "the clips of a target do not begin at the same moment, a camera has moved, or a lamp lights the "
             "target from one side"
@@ -51,29 +51,29 @@ def agreement(room: Room, clips: Path, progress: Progress | None = None) -> Agre
         return Agreement(
             problem=f"{apart} and the other cameras see the targets at different places: {cause}"
         )
-    if excess(given, places) <= AGREEING:
+    if excess(given, sightings) <= AGREEING:
         return Agreement()
     try:
-        found = refine(cameras, places, room.planes, progress)
+        found = refine(cameras, sightings, room.planes, progress)
     except FollowspotError as reason:
         return Agreement(problem=f"{disagreement(given)}, and clips cannot correct them: {reason}")
-    if excess(found.after, places) > AGREEING:
+    if excess(found.after, sightings) > AGREEING:
         left = f"{median_px(found.after):.2f} px are left when they are corrected by the clips"
         cause = "they are not synchronised (`followspot calibrate clocks`), or must be calibrated again"
         return Agreement(problem=f"{disagreement(given)}, and {left}: {cause}")
     return Agreement(found)
 
 
-def elsewhere(adjusted: RobustAdjustment, places: TargetSightings) -> str:
+def elsewhere(adjusted: RobustAdjustment, sightings: TargetSightings) -> str:
     """Names of the cameras that see most targets at other places than the rest, with commas."""
-    seen = np.isfinite(places.pixel[..., 0]).sum(axis=0)
+    seen = np.isfinite(sightings.pixel[..., 0]).sum(axis=0)
     fitting = adjusted.used.sum(axis=0) >= FITTING * seen
     return ", ".join(c.name for c, fits in zip(adjusted.cameras, fitting, strict=True) if not fits)
 
 
-def excess(adjusted: RobustAdjustment, places: TargetSightings) -> float:
+def excess(adjusted: RobustAdjustment, sightings: TargetSightings) -> float:
     """Median reprojection error over that of sightings that are as good as they can be."""
-    return float(np.nanmedian(adjusted.distance / places.sigma[:, None])) / RAYLEIGH
+    return float(np.nanmedian(adjusted.distance / sightings.sigma[:, None])) / RAYLEIGH
 
 
 def disagreement(given: RobustAdjustment) -> str:

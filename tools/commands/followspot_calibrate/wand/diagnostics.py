@@ -38,7 +38,7 @@ def warnings_of(solved: Solved, unit: float | None = None, fps: float | None = N
 def size_warnings(sightings: Sightings) -> list[str]:
     """Cameras whose points look like those of a smaller recording, which may have got a place by chance."""
     found = (other_size(sightings, number) for number in range(len(sightings.cameras)))
-    return [warnings for warnings in found if warnings]
+    return [text for text in found if text]
 
 
 def late_warnings(timed: Timed, fps: float | None) -> list[str]:

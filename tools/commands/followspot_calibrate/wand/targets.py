@@ -40,7 +40,7 @@ class Refined:
 
 def with_targets(
     solved: Solved,
-    places: TargetSightings,
+    targets: TargetSightings,
     alignment: Alignment | None = None,
     progress: Progress | None = None,
 ) -> Refined:
@@ -54,8 +54,8 @@ def with_targets(
     if alignment is not None:
         adjusted = _in_room(adjusted, alignment.transform)
         anchors = alignment.anchors and replace(alignment.anchors, sigma=SCALE * alignment.anchors.sigma)
-    shown = _shown(adjusted, places)
-    _require_agreement(shown, places)
+    shown = _shown(adjusted, targets)
+    _require_agreement(shown, targets)
     for number in range(ROUNDS):
         if progress is not None:
             progress("adjust to targets", number / ROUNDS)
@@ -63,15 +63,15 @@ def with_targets(
         better = adjust(
             adjusted.cameras,
             np.concatenate([adjusted.points, shown.points]),
-            np.where(used[..., None], np.concatenate([pixel, places.pixel]), np.nan),
+            np.where(used[..., None], np.concatenate([pixel, targets.pixel]), np.nan),
             free,
             rods=solved.rods,
             middle=middle,
             anchors=anchors,
-            scale=SCALE * np.concatenate([np.full(len(pixel), noise(adjusted)), places.sigma]),
+            scale=SCALE * np.concatenate([np.full(len(pixel), noise(adjusted)), targets.sigma]),
         )
         adjusted = chosen(better.cameras, pixel)
-        shown = _shown(adjusted, places)
+        shown = _shown(adjusted, targets)
     points, sightings = int(shown.used.any(axis=1).sum()), int(shown.used.sum())
     return Refined(replace(solved, adjusted=adjusted), points, sightings, float(np.nanmean(shown.distance)))
 
@@ -96,18 +96,18 @@ def noise(adjusted: RobustAdjustment) -> float:
     return float(adjusted.sigma * np.sqrt(2 * sightings / (2 * sightings - 3 * points)))
 
 
-def _shown(adjusted: RobustAdjustment, places: TargetSightings) -> RobustAdjustment:
+def _shown(adjusted: RobustAdjustment, targets: TargetSightings) -> RobustAdjustment:
     """The targets as the cameras see them, and the sightings within `SIGMAS` of them."""
-    found = triangulate(adjusted.cameras, places.pixel)
-    limit = SIGMAS * np.hypot(places.sigma, adjusted.sigma)
+    found = triangulate(adjusted.cameras, targets.pixel)
+    limit = SIGMAS * np.hypot(targets.sigma, adjusted.sigma)
     used = found.used & (error(found.residual) < limit[:, None])
     used &= used.sum(axis=1, keepdims=True) >= 2
     return RobustAdjustment(adjusted.cameras, found.points, used, found.residual, adjusted.sigma)
 
 
-def _require_agreement(shown: RobustAdjustment, places: TargetSightings) -> None:
+def _require_agreement(shown: RobustAdjustment, targets: TargetSightings) -> None:
     """Raises FollowspotError for clips that show something else in each camera."""
-    seen = int(np.isfinite(places.pixel[..., 0]).sum())
+    seen = int(np.isfinite(targets.pixel[..., 0]).sum())
     if shown.used.sum() < AGREEING * seen:
         raise FollowspotError(
             f"only {shown.used.sum()} of {seen} sightings of the targets fit the cameras that the wand gave: "

@@ -33,7 +33,7 @@ FARTHEST = 3.0
 BETTER = 0.9
 """Error of a camera after the correction over that before, from which on the correction is right."""
 
-Settle = Callable[[Sequence[Camera], Array], RobustAdjustment]
+Adjust = Callable[[Sequence[Camera], Array], RobustAdjustment]
 """Adjusts cameras to pixels, (N, C, 2)."""
 
 
@@ -88,14 +88,14 @@ def with_the_late(
 
 
 def synchronised(
-    cameras: Sequence[Camera], raw: Sightings, timed: Timed, adjust_robustly: Settle, free: Free
+    cameras: Sequence[Camera], raw: Sightings, timed: Timed, adjust: Adjust, free: Free
 ) -> tuple[Timed, Sequence[Camera]]:
     """Parts of a frame are corrected once the cameras have a place, in rounds with adjusting them.
 
     Also the cameras as they are once that is corrected: adjusted to a late one they are too far off to begin.
 
-    raw: as the file has them; timed: in step; free: what `adjust_robustly` adjusts. Without a
-    certain lateness nothing is changed.
+    raw: as the file has them; timed: in step; free: what `adjust` adjusts. Without a certain
+    lateness nothing is changed.
     """
     least, some = LEAST * frame_step(raw), stretches(raw)
     few, pixel = raw.rows(some), timed.sightings.pixel[some]
@@ -104,29 +104,29 @@ def synchronised(
     if not (np.abs(rest.frames) > np.maximum(least / 2, rest.sigma)).any() and not timed.late.any():
         return replace(timed, drift=drift(begun, few, timed.late, free, SURE, 2 * least)), cameras
     try:
-        before = adjust_robustly(cameras, pixel)
-        now, found = _refined(before, few, timed.late, adjust_robustly, free)
+        before = adjust(cameras, pixel)
+        now, found = _refined(before, few, timed.late, adjust, free)
     except NothingFits:
         return timed, cameras
     late = _from_most(found.frames, least)
     sure = np.abs(late) > np.maximum(least, SURE * found.sigma)
     sure &= _error(now) < SIGMAS * now.sigma  # else something else is wrong with that camera
-    reconstruction = drift(now, few, np.where(sure, late, 0.0), free, SURE, 2 * least)
+    growth = drift(now, few, np.where(sure, late, 0.0), free, SURE, 2 * least)
     better = _error(now) < BETTER * _error(before)
     if not timed.late.any() and not better[sure].any():
-        return replace(timed, drift=reconstruction), cameras
+        return replace(timed, drift=growth), cameras
     late = np.where(sure, late, _kept(timed.late - np.median(found.frames - late), late, least))
-    return Timed(replace(raw, pixel=resampled(raw, late)), late, reconstruction), now.cameras
+    return Timed(replace(raw, pixel=resampled(raw, late)), late, growth), now.cameras
 
 
 def _refined(
-    adjusted: RobustAdjustment, sightings: Sightings, late: Array, adjust_robustly: Settle, free: Free
+    adjusted: RobustAdjustment, sightings: Sightings, late: Array, adjust: Adjust, free: Free
 ) -> tuple[RobustAdjustment, Late]:
     """Lateness from rounds of correcting and adjusting."""
     cameras: Sequence[Camera] = adjusted.cameras
     for _ in range(ROUNDS):
         pixel = resampled(sightings, late)
-        adjusted = adjust_robustly(cameras, pixel)
+        adjusted = adjust(cameras, pixel)
         rest = lateness(adjusted, pixel, sightings, free)
         late, cameras = late + np.clip(rest.frames, -FARTHEST, FARTHEST), rest.cameras
         if np.abs(rest.frames).max() < SMALL * frame_step(sightings):

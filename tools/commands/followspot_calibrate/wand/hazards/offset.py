@@ -179,11 +179,11 @@ def drift(
         lateness(replace(adjusted, points=adjusted.points[rows]), pixel[rows], sightings.rows(rows), free)
         for rows in (~second, second)
     )
-    reconstruction, sigma = after.frames - before.frames, np.hypot(before.sigma, after.sigma)
-    steps = reconstruction / frame_step(sightings)
+    growth, sigma = after.frames - before.frames, np.hypot(before.sigma, after.sigma)
+    steps = growth / frame_step(sightings)
     whole = np.abs(steps - np.round(steps)) < WHOLE
-    believed = ((late != 0) | whole) & (np.abs(reconstruction) > np.maximum(least, sure * sigma))
-    return np.asarray(np.where(believed, reconstruction, 0.0))
+    believed = ((late != 0) | whole) & (np.abs(growth) > np.maximum(least, sure * sigma))
+    return np.asarray(np.where(believed, growth, 0.0))
 
 
 def stretches(sightings: Sightings) -> Array:
