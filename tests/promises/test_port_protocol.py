@@ -172,7 +172,7 @@ class PortOfRun(RuleBasedStateMachine):
         reader = self.readers.pop(edge, None)
         if reader is not None:
             self.unheard = reader.owed if edge == LOOSE else self.unheard
-            self.astray[edge] += reader.queue.stale  # of which this sender knows nothing
+            self.astray[edge] += reader.queue.uncredited  # of which this sender knows nothing
             reader.scheduler.close()
 
     @precondition(lambda self: self.sender and len(self.readers) < len(EDGES))
@@ -264,7 +264,7 @@ class PortOfRun(RuleBasedStateMachine):
     @invariant()
     def no_queue_is_longer_than_its_edge_is_deep(self) -> None:
         for reader in self.readers.values():
-            assert len(reader.queue.messages) - reader.queue.stale <= max(self.depth, AHEAD)
+            assert len(reader.queue.messages) - reader.queue.uncredited <= max(self.depth, AHEAD)
 
     def teardown(self) -> None:
         try:

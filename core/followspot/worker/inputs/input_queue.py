@@ -44,7 +44,7 @@ class InputQueue:
         "received",
         "reopened",
         "row",
-        "stale",
+        "uncredited",
         "unfit",
         "wake",
         "watermark",
@@ -95,7 +95,7 @@ class InputQueue:
         """Ages of some messages when they were taken, ns since they entered the graph."""
         self.unfit: FitCheck | None = None
         """Says why a message from another worker does not fit the room."""
-        self.stale = 0
+        self.uncredited = 0
         """How many of the oldest messages give the writer no credit when they leave: they were exempt, or
         came from a former writer."""
 
@@ -124,7 +124,7 @@ class InputQueue:
             pass
         self.reader.close()
         self.reader = reader
-        self.stale = len(self.messages)
+        self.uncredited = len(self.messages)
 
     def accept(self, token: Token) -> None:
         """Take one token from another worker, which counted it."""
@@ -169,10 +169,10 @@ class InputQueue:
 
     def exempt(self, time: int) -> None:
         """Exempt the messages captured up to `time`, ns, from the depth: the sender may go on beyond them."""
-        before = self.stale
-        while self.stale < len(self.messages) and self.messages[self.stale].header.time <= time:
-            self.stale += 1
-        exempted = self.stale - before
+        before = self.uncredited
+        while self.uncredited < len(self.messages) and self.messages[self.uncredited].header.time <= time:
+            self.uncredited += 1
+        exempted = self.uncredited - before
         if self.reader is None:
             self.depth += exempted
             if exempted:
@@ -213,8 +213,8 @@ class InputQueue:
 
     def _pop(self) -> Message:
         message = self.messages.popleft()
-        if self.stale:
-            self.stale -= 1
+        if self.uncredited:
+            self.uncredited -= 1
             if self.reader is None:
                 self.depth -= 1
         elif self.reader is not None:
