@@ -88,7 +88,7 @@ def _left_out(sightings: TargetSightings, refined: Refine) -> float:
         cameras = refined(TargetSightings(sightings.pixel[known], sightings.sigma[known]))
         residual = triangulate(cameras, sightings.pixel[~known]).residual
         errors.append(np.hypot(residual[..., 0], residual[..., 1]).ravel())
-    told = np.concatenate(errors)
-    if not np.isfinite(told).any():
+    error = np.concatenate(errors)
+    if not np.isfinite(error).any():
         raise FollowspotError("no place is seen by two cameras")
-    return float(np.nanmedian(told))
+    return float(np.nanmedian(error))
