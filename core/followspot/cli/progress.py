@@ -35,8 +35,8 @@ class ProgressBar:
         self._line = self._shown = time.monotonic()
         """When the last line was printed, and when a state came last, s."""
         self._rate = _Rate(_LINE_EVERY if self.terminal else _LEAST)
-        self._told = False, False
-        """Whether the last line told of a fault, and of a stop."""
+        self._line_state = False, False
+        """Whether the last line had a fault, and a stop."""
 
     def show(self, progress: Progress, expected: int | None) -> None:
         """Draw the present state. expected: frames in all, None if the sources do not tell."""
@@ -53,9 +53,9 @@ class ProgressBar:
             rate = self._rate.at(now, progress.fired, fresh=fresh)
             self._draw(progress.fired, expected or None, rate, notes)
             return
-        told = bool(fault), bool(stop)
-        if now >= self._line + _LINE_EVERY or told != self._told:
-            self._line, self._told = now, told
+        state = bool(fault), bool(stop)
+        if now >= self._line + _LINE_EVERY or state != self._line_state:
+            self._line, self._line_state = now, state
             rate = self._rate.at(now, progress.fired, fresh=fresh)
             self.say(f"{_frames(progress.fired, expected, rate)}  {notes}".rstrip())
 

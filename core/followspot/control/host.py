@@ -77,15 +77,15 @@ class WorkerStatus:
     age_s: Age | None = None
     host: str = ""
     stages_age_s: Age | None = None
-    """Time since the worker told `stages`, s, which it does less often than that it lives."""
+    """Time since the worker sent `stages`, s; it sends them less often than its sign of life."""
     last_times: dict[str, Nanoseconds] = field(default_factory=dict)
     """Capture times, ns, of the last frames of a limited run, by source, as far as sources know them."""
 
     def later(self, seconds: float) -> WorkerStatus:
         """The status as it is `seconds` later."""
-        heard = None if self.age_s is None else self.age_s + seconds
-        told = None if self.stages_age_s is None else self.stages_age_s + seconds
-        return replace(self, age_s=heard, stages_age_s=told)
+        age = None if self.age_s is None else self.age_s + seconds
+        stages_age = None if self.stages_age_s is None else self.stages_age_s + seconds
+        return replace(self, age_s=age, stages_age_s=stages_age)
 
 
 @dataclass(frozen=True)

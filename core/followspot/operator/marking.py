@@ -22,16 +22,16 @@ def mark(ask: Ask, after: float, note: str, *, wait: bool) -> Moment:
     moment, deadline = None, time.monotonic() + _ANSWER
     while time.monotonic() < deadline:
         try:
-            told = kept(ask)
+            state = kept(ask)
         except NoAnswer:
             raise
         except FollowspotError:
             if moment is None:
                 raise
             return moment  # the run has ended; its recorder completes the file
-        if told is None:
+        if state is None:
             raise NoAnswer("the flight recorder of this run has ended")
-        found = next((one for one in reversed(told.moments) if number in one.marks), None)
+        found = next((one for one in reversed(state.moments) if number in one.marks), None)
         if found is not None and moment is None:
             deadline += after + _WRITING
         moment = found or moment

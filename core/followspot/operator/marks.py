@@ -84,8 +84,8 @@ class Marks:
         self._kept: RecorderState | None = None
         self._over = False
         """Whether the flight recorder has ended before the run."""
-        self._heard = 0.0
-        self._told: dict[str, str] = {}
+        self._reported_at = 0.0
+        self._logged: dict[str, str] = {}
         """The last state of each file that the log has."""
 
     def mark(self, after: float, note: str) -> int:
@@ -95,7 +95,7 @@ class Marks:
                 raise NoAnswer("the flight recorder of this run has ended; nothing of the run is kept")
             if self._kept is None:
                 raise FollowspotError("nothing of this run is kept; start it with --keep 30s")
-            if self._clock() - self._heard > _SILENT or len(self._waiting) >= _MOST_WAITING:
+            if self._clock() - self._reported_at > _SILENT or len(self._waiting) >= _MOST_WAITING:
                 raise NoAnswer("the flight recorder of this run does not answer")
             self._newest += 1
             self._waiting.append(Mark(self._newest, after, note))
@@ -107,12 +107,12 @@ class Marks:
             self._kept, self._over = None, True
             return ()
         with self._guard:
-            self._kept, self._heard = kept, self._clock()
+            self._kept, self._reported_at = kept, self._clock()
             self._waiting = [mark for mark in self._waiting if mark.number > taken]
             waiting = tuple(self._waiting)
         for moment in kept.moments:
-            if self._told.get(moment.file) != moment.state:
-                self._told[moment.file] = moment.state
+            if self._logged.get(moment.file) != moment.state:
+                self._logged[moment.file] = moment.state
                 self._say("warning" if moment.state == "failed" else "info", _line(moment))
         return waiting
 

@@ -145,8 +145,8 @@ class RunView:
         return summed([status.counts for status in self.hosts.values()], self.plan.rows)
 
     def _news(self) -> tuple[str, ...]:
-        told = [(name, line) for name, status in self.hosts.items() for line in status.news]
-        lines = (f"{name}: {line}" if name else line for name, line in told)
+        news = [(name, line) for name, status in self.hosts.items() for line in status.news]
+        lines = (f"{name}: {line}" if name else line for name, line in news)
         return (*self.news, *lines, *self._ledgers_left_out())
 
     def _ledgers_left_out(self) -> Iterator[str]:

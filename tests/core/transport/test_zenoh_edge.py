@@ -185,12 +185,12 @@ def test_a_reader_that_is_there_and_does_not_report_is_waited_for(pair: Pair) ->
     until(lambda: drained(pair.writer).lost == frozenset({0}))
     token = pair.stranger.liveliness().declare_token(f"{SAID}/alive/{QUOTED}/1")
     until(lambda: drained(pair.writer).lost == frozenset())
-    told = {pair.writer._told_at}
+    sent_at = {pair.writer._start_sent_at}
 
     def told_again() -> bool:
         pair.writer.flush()
-        told.add(pair.writer._told_at)
-        return len(told) > 3
+        sent_at.add(pair.writer._start_sent_at)
+        return len(sent_at) > 3
 
     until(told_again)
     assert drained(pair.writer).lost == frozenset()

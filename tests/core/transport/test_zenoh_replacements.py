@@ -59,7 +59,7 @@ def test_a_writer_that_is_gone_is_lost_though_one_before_it_is_still_there(pair:
 def test_a_writer_whose_place_was_taken_is_not_listened_to(pair: Pair) -> None:
     new = replacement(pair)
     until(lambda: pair.reader.poll() == [] and pair.reader.position.writer == 1)
-    pair.writer._tell_start(pair.writer._flow.readers[0])
+    pair.writer._send_start(pair.writer._flow.readers[0])
     pair.writer.send(frame(1))
     new.send(frame(2))
     (message,) = arrived(pair.reader, 1)
@@ -197,7 +197,7 @@ def test_what_a_writer_tells_a_reader_is_not_for_the_one_that_takes_its_place(pa
     pair.writer.send(frame(0))
     late = ZenohReader(pair.session, KEY, NAME, Frame, DEPTH, incarnation=1)
     until(lambda: bool(pair.writer._flow._changes))
-    pair.writer._tell_start(pair.writer._flow.readers[0])
+    pair.writer._send_start(pair.writer._flow.readers[0])
     pair.writer.drain()
     pair.writer.send(frame(1))
     (message,) = arrived(late, 1)

@@ -74,6 +74,6 @@ def _check_input(
     elif port.required and entry.feeds and all(feed.stage in left_out for feed in entry.feeds):
         text = f'input "{entry.port}" of stage "{name}" needs what is left out'
         reasons = [left_out[feed.stage] for feed in entry.feeds]
-        told = "; ".join(reason.text for reason in reasons)
+        why = "; ".join(reason.text for reason in reasons)
         place = entry.place if reasons[0].place is None else entry.place.within(reasons[0].place)
-        mistakes.append(Mistake(place, text, f'{told}; write optional: true for "{name}", too'))
+        mistakes.append(Mistake(place, text, f'{why}; write optional: true for "{name}", too'))

@@ -55,8 +55,8 @@ def mermaid(plan: Plan, *, fold: bool = True) -> str:
 
 def _title(worker: PlannedWorker) -> str:
     title = f"worker {worker.name} on {worker.host}" if worker.host else f"worker {worker.name}"
-    told = str(worker.scheduling)
-    return f"{title}, {told}" if told else title
+    scheduling = str(worker.scheduling)
+    return f"{title}, {scheduling}" if scheduling else title
 
 
 def _edge_rows(lines: Sequence[Line]) -> list[tuple[str, str, str]]:

@@ -94,7 +94,7 @@ def _replace(
         with suppress(*[HostLost] if back else []):
             states |= host.ask(GetStates())
     before = {worker.name: worker.restarts for worker in _workers(hosts)}
-    told = {host.name: frozenset(host.status().news) for host in hosts}
+    earlier = {host.name: frozenset(host.status().news) for host in hosts}
     for host in _each(hosts, "to take the new plan", on_wait):
         own = {stage: state for stage, state in states.items() if new.host_of_stage(stage) == host.name}
         host.ask(MoveOrder(plan=plan_to_data(new), states=own, back=back))
@@ -102,7 +102,7 @@ def _replace(
     try:
         await_running(leaving & {worker.name for worker in new.workers}, hosts, before, on_wait)
     except FollowspotError as error:
-        raise FollowspotError("\n    ".join((str(error), *_faults_since(told, hosts)))) from None
+        raise FollowspotError("\n    ".join((str(error), *_faults_since(earlier, hosts)))) from None
 
 
 def _each(hosts: Sequence[Host], doing: str, on_wait: OnWait) -> Iterator[Host]:
@@ -157,11 +157,11 @@ def _await_back(workers: set[str], hosts: Sequence[Host], before: Mapping[str, i
         on_wait(f"worker {', '.join(behind)} to begin at its old place")
 
 
-def _faults_since(told: Mapping[str, frozenset[str]], hosts: Sequence[Host]) -> Iterator[str]:
-    """The first line of each new fault on a host, with the host. told: the earlier news of each."""
+def _faults_since(earlier: Mapping[str, frozenset[str]], hosts: Sequence[Host]) -> Iterator[str]:
+    """The first line of each new fault on a host, with the host. earlier: the news of each before."""
     for host in hosts:
         for line in host.status().news:
-            if line not in told[host.name] and not line.endswith(" is back"):
+            if line not in earlier[host.name] and not line.endswith(" is back"):
                 yield f"{host.name or 'this host'}: {line.splitlines()[0]}"
 
 

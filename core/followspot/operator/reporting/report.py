@@ -48,8 +48,8 @@ class RunReport:
     @property
     def warnings(self) -> tuple[str, ...]:
         """The news of the run, the warnings of all workers, and what joins did not use."""
-        told = (text for worker in self.workers for text in worker.warnings)
-        return (*self.news, *told, *unused(self.plan, self.edges))
+        warnings = (text for worker in self.workers for text in worker.warnings)
+        return (*self.news, *warnings, *unused(self.plan, self.edges))
 
     @cached_property
     def silences(self) -> tuple[Silence, ...]:

@@ -99,8 +99,8 @@ class HeadReader:
                 return self._head, start + size
         fields, size = unpack_head(memoryview(data)[start:end])
         if len(fields) != 4 or fields[0] != self._codec.name:
-            told = f"{str(fields[0])[:80]} of {len(fields)}"
-            raise InvalidMessage(f"expected {self._codec.name} of 4 parts, not {told}")
+            found = f"{str(fields[0])[:80]} of {len(fields)}"
+            raise InvalidMessage(f"expected {self._codec.name} of 4 parts, not {found}")
         _, source, scalars, columns = fields
         check_source(source)
         head = Head(source, self._codec.scalars(scalars), *self._codec.shapes(columns))

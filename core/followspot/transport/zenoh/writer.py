@@ -65,7 +65,7 @@ class ZenohWriter:
         self._incarnation = incarnation
         self._wakeup = WakeupEvent()
         self._flow = FlowControl(readers, depth, incarnation, self._wakeup.set)
-        self._told_at = 0.0
+        self._start_sent_at = 0.0
         self._pending: Watermark | None = None
         """A watermark that waits for room."""
         self._last: Watermark | None = None
@@ -103,7 +103,7 @@ class ZenohWriter:
     def matched(self) -> bool:
         """Whether every reader is there, knows where to start, and would get what is sent."""
         self._notice()
-        self._tell_again()
+        self._repeat_start()
         joined = all(reader.present and not reader.silent for reader in self._flow.readers)
         return joined and has_subscriber(self._publisher)
 
@@ -137,7 +137,7 @@ class ZenohWriter:
         Changes of readers are left to `drain`, whose caller takes note of them.
         """
         self._wants_credit = True
-        self._tell_again()
+        self._repeat_start()
         self._send_pending()
         return self._pending is None and (self._flow.ended or not self._ending)
 
@@ -172,14 +172,14 @@ class ZenohWriter:
 
     def _notice(self) -> None:
         for reader in self._flow.changes():
-            self._tell_start(reader)
+            self._send_start(reader)
 
-    def _tell_again(self) -> None:
+    def _repeat_start(self) -> None:
         """Repeat the start to silent readers, and ask for them: a new link may have swallowed it."""
-        if time.monotonic() > self._told_at + _REPEAT:
+        if time.monotonic() > self._start_sent_at + _REPEAT:
             for reader in self._flow.readers:
                 if reader.silent:
-                    self._tell_start(reader)
+                    self._send_start(reader)
                     self._ask_for(reader)
 
     def _ask_for(self, reader: ReaderRecord) -> None:
@@ -195,9 +195,9 @@ class ZenohWriter:
         with contextlib.suppress(zenoh.ZError):  # the session is closed
             self._session.liveliness().get(token, answered, timeout=_REPEAT)
 
-    def _tell_start(self, reader: ReaderRecord) -> None:
+    def _send_start(self, reader: ReaderRecord) -> None:
         """Tell a reader which token comes next, and how many messages it was given before."""
-        self._told_at = time.monotonic()
+        self._start_sent_at = time.monotonic()
         start = START.pack(self._incarnation, self._flow.tokens, self._flow.messages, reader.given)
         with contextlib.suppress(zenoh.ZError):  # the session is closed
             self._session.put(
