@@ -55,9 +55,9 @@ def calibrated(args: argparse.Namespace, room: Room | None) -> Calibrated:
     sightings = _sightings(args, known or (), show_progress)
     solved, targets = solve(sightings, known, args.intrinsics, args.length, show_progress), None
     if args.targets is not None:
-        places = find_target_sightings(args.targets, known or (), show_progress)
-        targets = with_targets(solved, places, progress=show_progress)
-        targets = with_targets(targets.solved, places, aligned(args, targets.solved, room), show_progress)
+        clips = find_target_sightings(args.targets, known or (), show_progress)
+        targets = with_targets(solved, clips, progress=show_progress)
+        targets = with_targets(targets.solved, clips, aligned(args, targets.solved, room), show_progress)
         solved = targets.solved
     clear_progress()
     alignment = aligned(args, solved, room)

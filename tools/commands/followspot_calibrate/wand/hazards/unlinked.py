@@ -1,4 +1,4 @@
-"""Why two cameras have hardly any points in common: what their numbers and pixels tell."""
+"""Why two cameras have hardly any points in common: what their numbers and pixels show."""
 
 from __future__ import annotations
 
