@@ -50,6 +50,8 @@ ELSEWHERE = {
     r"followspot room guess": "tests/tools/test_room_guess.py",
     r"followspot compare": "tests/tools/test_compare.py",
     r"followspot sweep": "tests/tools/test_sweep.py",
+    r"python tools/render_crops.py": "tests/tools/test_render_crops.py",
+    r"followspot train headings": "tests/tools/train/test_train_headings.py",
     r"followspot train whole": "tests/tools/train/test_train_whole.py",
     r"followspot train": "tests/tools/train/test_train.py",
     r"followspot run .*--room (?!graphs/)": "tests/integration/test_recordings.py",
