@@ -109,7 +109,12 @@ def test_whoever_gives_up_a_change_hears_whether_the_run_makes_it_all_the_same(
     run = RunHandle("feedc0de", "g", lambda request, timeout: None, pid)
     monkeypatch.setattr(wait_notice, "connected_run", lambda *_: nullcontext(run))
     monkeypatch.setattr(wait_notice, "network_of", lambda _: None)
-    before = {each: signal.getsignal(each) for each in (signal.SIGTERM, signal.SIGHUP)}
+    usual = {
+        signal.SIGINT: signal.default_int_handler,
+        signal.SIGTERM: signal.SIG_DFL,
+        signal.SIGHUP: signal.SIG_DFL,
+    }  # the tests may have been started below nohup, or in the background
+    before = {each: signal.signal(each, handler) for each, handler in usual.items()}
     try:
         with pytest.raises(KeyboardInterrupt), wait_notice.run_with_notices(Namespace(run=None)):
             signal.raise_signal(number)
