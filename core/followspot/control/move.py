@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 from followspot.control.dispatch import Role, RunRequest
 
 MOVE_TIMEOUT = 60.0
-"""Seconds after which workers that left for a move are started again, because nobody ends it."""
+"""Seconds after which workers that left for a move are started again if no operator ends the move."""
 
 
 class MoveOrder(RunRequest):
