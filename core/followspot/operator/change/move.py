@@ -56,21 +56,21 @@ def move_hosts(old: Plan, new: Plan, hosts: Sequence[Host], on_wait: OnWait = no
         host.ask(MoveOrder(plan=plan_to_data(new), trial=True))
     leaving = restarted_workers(old, new)
     try:
-        _replace(new, hosts, leaving, on_wait)
+        _replace(old, new, hosts, leaving, on_wait)
     except GIVEN_UP as error:
-        if left := _go_back(old, hosts, leaving, on_wait):
+        if left := _go_back(new, old, hosts, leaving, on_wait):
             raise FollowspotError("\n    ".join([str(error) or "interrupted", *left])) from None
         raise
 
 
-def _go_back(old: Plan, hosts: Sequence[Host], leaving: set[str], on_wait: OnWait) -> list[str]:
+def _go_back(new: Plan, old: Plan, hosts: Sequence[Host], leaving: set[str], on_wait: OnWait) -> list[str]:
     """Bring all workers back to their old places; those of a silent host begin there when it answers.
 
     Returns what is left to be done, a line each.
     """
     left = []
     try:
-        _replace(old, hosts, leaving, on_wait, back=True)
+        _replace(new, old, hosts, leaving, on_wait, back=True)
     except GIVEN_UP as error:
         left.append(f"on the way back: {str(error) or 'interrupted'}")
     if silent := [host.name for host in hosts if (host.status().age_s or 0.0) > SILENCE]:
@@ -80,7 +80,7 @@ def _go_back(old: Plan, hosts: Sequence[Host], leaving: set[str], on_wait: OnWai
 
 
 def _replace(
-    new: Plan, hosts: Sequence[Host], leaving: set[str], on_wait: OnWait, *, back: bool = False
+    old: Plan, new: Plan, hosts: Sequence[Host], leaving: set[str], on_wait: OnWait, *, back: bool = False
 ) -> None:
     """Let the workers that must restart leave, and start them at their new places.
 
@@ -89,20 +89,38 @@ def _replace(
     for host in _each(hosts, "to stop its workers", on_wait):
         host.ask(MoveOrder(leaving=tuple(sorted(leaving)), back=back))
     _await_absent(leaving, hosts, on_wait)
-    states: dict[str, Any] = {}
-    for host in _each(hosts, "to give the states of its stages", on_wait):
-        with suppress(*[HostLost] if back else []):
-            states |= host.ask(GetStates())
+    states = _states(old, hosts, on_wait, back=back)
     before = {worker.name: worker.restarts for worker in _workers(hosts)}
     earlier = {host.name: frozenset(host.status().news) for host in hosts}
+    own_stages = _own(new)
     for host in _each(hosts, "to take the new plan", on_wait):
-        own = {stage: state for stage, state in states.items() if new.host_of_stage(stage) == host.name}
+        own = {stage: state for stage, state in states.items() if (host.name, stage) in own_stages}
         host.ask(MoveOrder(plan=plan_to_data(new), states=own, back=back))
     await_running = _await_back if back else _await_running
     try:
         await_running(leaving & {worker.name for worker in new.workers}, hosts, before, on_wait)
     except FollowspotError as error:
         raise FollowspotError("\n    ".join((str(error), *_faults_since(earlier, hosts)))) from None
+
+
+def _states(plan: Plan, hosts: Sequence[Host], on_wait: OnWait, *, back: bool) -> dict[str, Any]:
+    """The newest checkpoint of each stage: that of its host by the plan, because others may have old ones.
+
+    back: whether to go on without the states of a host that does not answer. Raises HostLost.
+    """
+    states: dict[str, Any] = {}
+    own = _own(plan)
+    for host in _each(hosts, "to give the states of its stages", on_wait):
+        with suppress(*[HostLost] if back else []):
+            for stage, state in host.ask(GetStates()).items():
+                if stage not in states or (host.name, stage) in own:
+                    states[stage] = state
+    return states
+
+
+def _own(plan: Plan) -> set[tuple[str, str]]:
+    """Each stage, after its host."""
+    return {(plan.host_of(stage.worker), stage.name) for stage in plan.stages}
 
 
 def _each(hosts: Sequence[Host], doing: str, on_wait: OnWait) -> Iterator[Host]:
