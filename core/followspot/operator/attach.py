@@ -14,11 +14,11 @@ from followspot.control.lifecycle import GetOrder, ListedRun, ListRuns, StopRun
 from followspot.control.progress import OnProgress
 from followspot.control.zenoh_rpc import RpcClient, agents
 from followspot.errors import FollowspotError, InputError
-from followspot.graph.change.stages import with_stages
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_from_data
 from followspot.operator.coordinator import Coordinator
 from followspot.operator.discovery import Agents, await_named, discovered_hosts, operator_session, reached
+from followspot.operator.host_plans import conflict, joined
 from followspot.operator.named_run import Listed, chosen, names
 from followspot.operator.new_order import new_order
 from followspot.operator.remote.remote_host import RemoteHost
@@ -160,12 +160,14 @@ def attached(network: Network, wanted: str | None, here: Sequence[Listed] = ()) 
         orders = {name: _order(client, name, run.run) for name in run.hosts}
         # without restart, because an observer must not resume the run
         watched = {name: replace(order, restart=False) for name, order in orders.items()}
-        order = orders[run.hosts[0]]
-        unlisted = {worker.host for worker in plan_from_data(order.plan).workers} - {"", *watched}
+        plans = {name: plan_from_data(order.plan) for name, order in orders.items()}
+        plan, order = joined(plans), orders[run.hosts[0]]
+        unlisted = {worker.host for worker in plan.workers} - {"", *watched}
         watched |= dict.fromkeys(sorted(unlisted), watched[run.hosts[0]])
         hosts = [RemoteHost(client, name, order=order) for name, order in watched.items()]
         others = Agents(client)
-        coordinator = Coordinator(_view(orders), hosts, order, others=others, begun=True, age_s=run.age_s)
+        coordinator = Coordinator(plan, hosts, order, others=others, begun=True, age_s=run.age_s)
+        coordinator.plan_conflict = conflict(plans, plan)
         try:
             for host in hosts:
                 host.watch(silent=host.name in unlisted)
@@ -209,13 +211,6 @@ def _stop_polling(coordinator: Coordinator) -> None:
     for host in coordinator.hosts:
         if isinstance(host, RemoteHost):
             host.leave()
-
-
-def _view(orders: Mapping[str, RunOrder]) -> Plan:
-    """The plan of a run; the parameters of a stage come from its host, because other hosts lack them."""
-    plans = {name: plan_from_data(order.plan) for name, order in orders.items()}
-    own = [s for name, plan in plans.items() for s in plan.stages if plan.host_of(s.worker) == name]
-    return with_stages(next(iter(plans.values())), own)
 
 
 def _order(client: RpcClient, host: str, run: str) -> RunOrder:

@@ -20,6 +20,7 @@ from followspot.log.merged import MergedLog
 from followspot.log.record import LogPage
 from followspot.log.run_log import OnLog
 from followspot.operator.change_under_way import ChangeUnderWay
+from followspot.operator.host_plans import PlanConflict
 from followspot.operator.order_relay import OrderRelay
 from followspot.operator.reporting.report import RunReport
 from followspot.operator.run_events import RunEvents
@@ -72,6 +73,8 @@ class Coordinator:
         """Why a run without restarts ended early: a host was lost, even if it came back."""
         self._events = RunEvents(self.log)
         self.change = ChangeUnderWay()
+        self.plan_conflict: PlanConflict | None = None
+        """What differs between the plans of hosts, if an earlier operator died in the middle of a change."""
         self._sensors_ended = False
         """Whether the order that ends the sensors was sent."""
         self._begun = begun
@@ -274,4 +277,5 @@ class Coordinator:
 
     def _view(self) -> RunView:
         hosts = {host.name: host.status() for host in self.hosts}
-        return RunView(self.plan, hosts, self._events.lines, self._begun)
+        conflict = "" if self.plan_conflict is None else self.plan_conflict.text
+        return RunView(self.plan, hosts, self._events.lines, self._begun, conflict)

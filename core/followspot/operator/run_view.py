@@ -25,13 +25,15 @@ class RunView:
     """One view of a run on all its hosts.
 
     hosts: the newest status of each, by name, "" for the operator's own; news: events that the operator
-    itself noticed; begun: whether the run has started: a host without a status is then out of reach.
+    itself noticed; begun: whether the run has started: a host without a status is then out of reach;
+    plan_conflict: see `RunStatus`.
     """
 
     plan: Plan
     hosts: Mapping[str, HostStatus]
     news: Sequence[str] = ()
     begun: bool = False
+    plan_conflict: str = ""
 
     def workers(self) -> Iterator[WorkerStatus]:
         """The workers of all hosts."""
@@ -45,7 +47,11 @@ class RunView:
         return Progress(
             min(fired, default=0),
             newest,
-            (*faults(self._host_statuses(), self._worker_statuses()), *self.late()),
+            (
+                *filter(None, [self.plan_conflict]),
+                *faults(self._host_statuses(), self._worker_statuses()),
+                *self.late(),
+            ),
         )
 
     def unfinished(self) -> tuple[str, ...]:
@@ -79,6 +85,7 @@ class RunView:
             clocks=self._clocks(),
             hosts=tuple(self._host_statuses()),
             late=self.late(),
+            plan_conflict=self.plan_conflict,
         )
 
     def late(self) -> tuple[str, ...]:

@@ -260,9 +260,11 @@ def test_a_move_says_what_it_waits_for(tmp_path: Path) -> None:
     pools = [WorkerPool("", plan), WorkerPool("pc-left", plan), WorkerPool("pc-right", plan)]
     said: list[str] = []
     move_hosts(plan, moved(plan, ["b"], "pc-right"), pools, said.append)  # type: ignore[arg-type]
-    steps = ("check the new plan", "stop its workers", "give the states of its stages", "take the new plan")
+    hosts = ("this host", "host pc-left", "host pc-right")
+    steps = ("check the new plan", "stop its workers", "give the states of its stages")
     assert said == [
-        f"{host} to {step}" for step in steps for host in ("this host", "host pc-left", "host pc-right")
+        *(f"{host} to {step}" for step in steps for host in hosts),
+        *(f"{host} to take the new plan" for host in ("host pc-right", "this host", "host pc-left")),
     ]
 
 

@@ -14,6 +14,7 @@ from followspot.graph.change.stages import Change, change_of
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.operator.change.change_steps import ChangeSteps, HostPart
+from followspot.operator.change.move import settle_plans
 from followspot.operator.change.rewire import rewire
 from followspot.operator.change_outcome import ChangeOutcome, changed, with_change
 from followspot.operator.change_under_way import GIVEN_UP, OnWait, no_notice
@@ -30,6 +31,7 @@ def change_stages(run: Coordinator, request: ChangeStages) -> ChangeOutcome:
     restore the state of the old stage; the old stages then go on.
     """
     with run.one_change():
+        settle_plans(run)
         found = change_of(run.plan, request.words, request.folder)
         report = changed(run.name, run.plan, found)
         new = with_change(run.plan, found)

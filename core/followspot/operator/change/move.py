@@ -37,6 +37,7 @@ def move_stages(run: Coordinator, request: MoveStages) -> MoveOutcome:
     host refuses, does not answer or a worker cannot start at its new place.
     """
     with run.one_change():
+        settle_plans(run)
         new = moved(run.plan, request.stages, request.place, run.others.names() if run.others else ())
         report = MoveOutcome.of(run.name, run.plan, new)
         if report.stages:
@@ -44,6 +45,19 @@ def move_stages(run: Coordinator, request: MoveStages) -> MoveOutcome:
             move_hosts(run.plan, new, run.hosts, run.change.wait_for)
             run.plan = replace(new, notes=(*new.notes, f"while it ran: {report.text}"))
         return report
+
+
+def settle_plans(run: Coordinator) -> None:
+    """Bring all hosts to the plan of the run, if some have another since a change was interrupted.
+
+    Raises FollowspotError if they cannot be, or a worker cannot start at its place.
+    """
+    if (found := run.plan_conflict) is None:
+        return
+    if not found.curable:
+        raise FollowspotError(found.text)
+    _replace(found.other, run.plan, run.hosts, found.workers(run.plan), run.change.wait_for)
+    run.plan_conflict = None
 
 
 def move_hosts(old: Plan, new: Plan, hosts: Sequence[Host], on_wait: OnWait = no_notice) -> None:
@@ -84,7 +98,9 @@ def _replace(
 ) -> None:
     """Let the workers that must restart leave, and start them at their new places.
 
-    back: on the way back no host may hold up the others. Raises FollowspotError.
+    A host that gets stages takes the plan before those that lose them: one of the two knows their parameters
+    even if the operator dies in between. back: on the way back no host may hold up the others. Raises
+    FollowspotError.
     """
     for host in _each(hosts, "to stop its workers", on_wait):
         host.ask(MoveOrder(leaving=tuple(sorted(leaving)), back=back))
@@ -93,7 +109,10 @@ def _replace(
     before = {worker.name: worker.restarts for worker in _workers(hosts)}
     earlier = {host.name: frozenset(host.status().news) for host in hosts}
     own_stages = _own(new)
-    for host in _each(hosts, "to take the new plan", on_wait):
+    arriving = {host for host, _ in own_stages - _own(old)}
+    for host in _each(
+        sorted(hosts, key=lambda host: host.name not in arriving), "to take the new plan", on_wait
+    ):
         own = {stage: state for stage, state in states.items() if (host.name, stage) in own_stages}
         host.ask(MoveOrder(plan=plan_to_data(new), states=own, back=back))
     await_running = _await_back if back else _await_running
