@@ -90,6 +90,27 @@ def test_a_stage_moves_with_its_state_to_another_worker_and_to_a_new_host(tmp_pa
     assert kinds == {"b.number": "zenoh", "save.number": "zenoh"}
 
 
+def test_the_progress_of_a_run_goes_on_when_its_sink_moves(tmp_path: Path) -> None:
+    (tmp_path / "near.yaml").write_text(NEAR)
+    desk = f"tcp/127.0.0.1:{free_port()}"
+    options = ("--placement", str(tmp_path / "near.yaml"), "--listen", desk)
+    process = start(write_graph(tmp_path, STAGES), tmp_path / "out", *options)
+    name = str(process.pid)
+    agent = near_agent("pc-right", tmp_path, "--connect", desk)
+    try:
+        assert wait_until(lambda: len(values(tmp_path / "out")) > 100, PATIENCE)
+        assert wait_until(lambda: "workers and hosts: one, pc-right, two" in refusal(name), PATIENCE)
+        fired = run_here(name).status().fired
+        assert fired > 50
+        run_here(name).move(["save"], "pc-right")
+        assert run_here(name).status().fired >= fired
+        assert wait_until(lambda: run_here(name).status().fired > fired + 10, PATIENCE), "it counts on"
+    finally:
+        process.kill()
+        agent.process.kill()
+        agent.process.communicate()
+
+
 @pytest.mark.thorough
 def test_a_stage_moves_to_a_host_whose_clock_is_an_hour_off(tmp_path: Path) -> None:
     (tmp_path / "far.yaml").write_text(FAR)

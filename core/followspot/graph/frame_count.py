@@ -1,4 +1,4 @@
-"""Which sources a number of frames counts, and which sources of sensors end with them."""
+"""The sources that a number of frames counts, those of sensors that end with them, and the sinks."""
 
 from __future__ import annotations
 
@@ -18,6 +18,12 @@ def accompanying_sources(plan: Plan) -> frozenset[str]:
 def sources(plan: Plan) -> frozenset[str]:
     """The stages that no edge leads to."""
     return frozenset(stage.name for stage in _sources(plan))
+
+
+def sinks(plan: Plan) -> list[PlannedStage]:
+    """The stages that no edge leads from."""
+    senders = {edge.from_stage for edge in plan.edges}
+    return [stage for stage in plan.stages if stage.name not in senders]
 
 
 def _sources(plan: Plan) -> list[PlannedStage]:

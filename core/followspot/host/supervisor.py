@@ -116,7 +116,7 @@ class Supervisor:
         present = (worker.incarnation for worker in self._pool.workers.values())
         self._latest = 1 + max(self._latest, *present, 0)  # above that of removed workers, too
         for name in self._pool.rearrange(order.plan, order.states, self._leaving):
-            self._spawn_again(name, self._latest)
+            self._spawn_again(name, self._latest, order.fired.get(name))
         self._leaving.clear()
         self._back_at = None
 
@@ -198,8 +198,8 @@ class Supervisor:
             if worker.phase == "running":
                 worker.channel.send_if_open(SendStates())
 
-    def _spawn_again(self, name: str, incarnation: int) -> None:
-        self._pool.spawn(name, incarnation, self._clock.correction(), again=True)
+    def _spawn_again(self, name: str, incarnation: int, fired: int | None = None) -> None:
+        self._pool.spawn(name, incarnation, self._clock.correction(), again=True, fired=fired)
 
 
 def _gone(worker: str) -> str:

@@ -72,13 +72,23 @@ class WorkerPool:
         """The workers that the plan places on this host."""
         return [worker.name for worker in host_workers(self.plan, self._host)]
 
-    def spawn(self, name: str, incarnation: int, correction: Correction, *, again: bool = False) -> None:
+    def spawn(
+        self,
+        name: str,
+        incarnation: int,
+        correction: Correction,
+        *,
+        again: bool = False,
+        fired: int | None = None,
+    ) -> None:
         """Start a worker and send it its plan. Raises OSError.
 
-        correction: offsets to add to its clocks, ns; again: True if other workers may be running already.
+        correction: offsets to add to its clocks, ns; again: True if other workers may be running already;
+        fired: frames that its sinks did elsewhere, None if it goes on from its earlier incarnation.
         """
         before = self.workers.get(name)
-        fired = self.order.fired.get(name, 0) if before is None else before.status().fired
+        if fired is None:
+            fired = self.order.fired.get(name, 0) if before is None else before.status().fired
         worker = self.workers[name] = WorkerProcess(
             name, incarnation, self._starts.start, self._handlers(name), fired
         )

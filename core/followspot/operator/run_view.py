@@ -9,8 +9,8 @@ from followspot.control.clock_status import ClockStatus
 from followspot.control.host import HostStatus, WorkerStatus
 from followspot.control.progress import Progress
 from followspot.control.worker_report import WorkerReport
-from followspot.graph.frame_count import sources
-from followspot.graph.plan import Plan, PlannedStage
+from followspot.graph.frame_count import sinks, sources
+from followspot.graph.plan import Plan
 from followspot.host.heartbeat import SILENCE
 from followspot.operator.budgets import missed, overruns
 from followspot.operator.reporting.report import RunReport, merge, summed
@@ -41,8 +41,8 @@ class RunView:
 
     def progress(self) -> Progress:
         """Frames done by the sink that is furthest behind, or by the sources if the graph has no sink."""
-        sinks = {stage.worker for stage in self._sinks()}
-        fired = [worker.fired for worker in self.workers() if worker.name in sinks]
+        ends = {stage.worker for stage in sinks(self.plan)}
+        fired = [worker.fired for worker in self.workers() if worker.name in ends]
         newest = max((worker.time for worker in self.workers()), default=-1)
         return Progress(
             min(fired, default=0),
@@ -57,7 +57,7 @@ class RunView:
     def unfinished(self) -> tuple[str, ...]:
         """The sinks of workers that have not ended."""
         over = {worker.name for worker in self.workers() if worker.phase == "over"}
-        return tuple(stage.name for stage in self._sinks() if stage.worker not in over)
+        return tuple(stage.name for stage in sinks(self.plan) if stage.worker not in over)
 
     def awaited(self) -> tuple[str, ...]:
         """The silent hosts for which a run that would end goes on: all sources of other hosts have ended."""
@@ -65,10 +65,6 @@ class RunView:
         left = {self.plan.host_of_stage(name) for name in sources(self.plan) - over}
         silent = {host.name for host in self._host_statuses() if host.absent}
         return tuple(sorted(silent)) if self.expected() is not None and left <= silent else ()
-
-    def _sinks(self) -> list[PlannedStage]:
-        senders = {edge.from_stage for edge in self.plan.edges}
-        return [stage for stage in self.plan.stages if stage.name not in senders]
 
     def expected(self) -> int | None:
         """Frames that the run will process; None if no source knows."""

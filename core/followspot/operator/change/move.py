@@ -13,6 +13,7 @@ from followspot.control.move import MOVE_TIMEOUT, MoveOrder
 from followspot.control.observation import GetStates
 from followspot.errors import FollowspotError
 from followspot.graph.change.move import moved, restarted_workers
+from followspot.graph.frame_count import sinks
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_to_data
 from followspot.host.heartbeat import SILENCE
@@ -108,13 +109,13 @@ def _replace(
     states = _states(old, hosts, on_wait, back=back)
     before = {worker.name: worker.restarts for worker in _workers(hosts)}
     earlier = {host.name: frozenset(host.status().news) for host in hosts}
-    own_stages = _own(new)
+    own_stages, fired = _own(new), _fired(old, new, hosts)
     arriving = {host for host, _ in own_stages - _own(old)}
     for host in _each(
         sorted(hosts, key=lambda host: host.name not in arriving), "to take the new plan", on_wait
     ):
         own = {stage: state for stage, state in states.items() if (host.name, stage) in own_stages}
-        host.ask(MoveOrder(plan=plan_to_data(new), states=own, back=back))
+        host.ask(MoveOrder(plan=plan_to_data(new), states=own, fired=fired, back=back))
     await_running = _await_back if back else _await_running
     try:
         await_running(leaving & {worker.name for worker in new.workers}, hosts, before, on_wait)
@@ -135,6 +136,17 @@ def _states(plan: Plan, hosts: Sequence[Host], on_wait: OnWait, *, back: bool) -
                 if stage not in states or (host.name, stage) in own:
                     states[stage] = state
     return states
+
+
+def _fired(old: Plan, new: Plan, hosts: Sequence[Host]) -> dict[str, int]:
+    """Frames done by those workers of the new plan that have sinks: what these did in their old workers."""
+    done = {worker.name: worker.fired for worker in _workers(hosts)}
+    before = {stage.name: stage.worker for stage in old.stages}
+    found: dict[str, int] = {}
+    for sink in sinks(new):
+        count = done.get(before.get(sink.name, ""), done.get(sink.worker, 0))
+        found[sink.worker] = min(count, found.get(sink.worker, count))
+    return found
 
 
 def _own(plan: Plan) -> set[tuple[str, str]]:
