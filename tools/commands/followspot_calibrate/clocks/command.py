@@ -31,7 +31,7 @@ FEWEST = 30
 SETTLED = 1e-4
 """Change from one round to the next at which no other is needed, s."""
 DECIMALS = 6
-"""Largest offset that is written, s."""
+"""Decimals of an offset, s, in the room file, the page, the table and the JSON object."""
 
 
 def calibrate_clocks(args: argparse.Namespace) -> int:
@@ -49,6 +49,7 @@ def calibrate_clocks(args: argparse.Namespace) -> int:
         found = found_in_rounds(plan, Path(folder), args)
     if reference is not None:
         found = found.relative_to(reference)
+    found = replace(found, offset=np.round(found.offset, DECIMALS))
     if not args.dry_run:
         write(args.room, room, found)
     report = args.report or args.room.with_suffix(".clocks.html")
@@ -120,7 +121,7 @@ def check(room: Room, found: Offsets, limit: float) -> None:
 
 def write(path: Path, room: Room, found: Offsets) -> None:
     """Put the offsets into the room file. Raises FollowspotError."""
-    changed = with_offsets(room, np.round(found.offset, DECIMALS))
+    changed = with_offsets(room, found.offset)
     with writing(path):
         room_file.update(path, cameras=changed.cameras)
 
@@ -134,7 +135,7 @@ def as_json(room: Room, found: Offsets) -> str:
     """The offsets as one JSON object, in seconds."""
     columns = (each.tolist() for each in (found.offset, found.sigma, found.sightings))
     cameras = {
-        name: {"clock_offset": round(offset, DECIMALS), "sigma": sigma, "sightings": count}
+        name: {"clock_offset": offset, "sigma": sigma, "sightings": count}
         for name, offset, sigma, count in zip(room.cameras, *columns, strict=True)
     }
     return json.dumps({"room": room.name, "cameras": cameras})
