@@ -4,6 +4,8 @@ import { Header } from "./header.ts";
 import { Legend } from "./legend.ts";
 import { make } from "./make.ts";
 import { Marker } from "./marker.ts";
+import type { Drawn, View } from "./message_views.ts";
+import type { Answer, PageRequest, Run, Scene, ServerMessage } from "./messages.ts";
 import { part } from "./part.ts";
 import { Picker } from "./picker.ts";
 import { Pipeline } from "./pipeline.ts";
@@ -12,12 +14,10 @@ import { Recorder } from "./recorder.ts";
 import { Room } from "./room.ts";
 import { Runs } from "./runs.ts";
 import { Scrubber } from "./scrubber.ts";
-import type { Drawn, View } from "./seen.ts";
 import { Sensors } from "./sensors.ts";
 import { Tiles } from "./tiles.ts";
 import { Timeline } from "./timeline.ts";
 import { Together } from "./together.ts";
-import type { Answer, PageRequest, Run, Scene, Told } from "./told.ts";
 import { Views } from "./views.ts";
 
 const RETRY_MS = 3000;
@@ -89,7 +89,7 @@ const room = Room.on(canvas, part("stage", HTMLElement), part("legend", HTMLElem
 part("flat", HTMLElement).hidden = room !== null;
 canvas.hidden = room === null;
 
-let ended = ""; // how, where this was told
+let ended = ""; // how the run ended, once the server says so
 let shown = "";
 let fused = false;
 
@@ -181,17 +181,17 @@ function takeAnswer(answer: Answer): void {
   }
 }
 
-function take(told: Told): void {
-  if (told.type === "scene") takeScene(told);
-  else if (told.type === "run") takeRun(told);
-  else if (told.type === "view") takeView(told);
-  else if (told.type === "curves") timeline.told(told);
-  else if (told.type === "recording") recorder.update(told);
-  else if (told.type === "kept") marker.update(told);
-  else if (told.type === "position") scrubber.update(told);
-  else if (told.type === "answer") takeAnswer(told);
+function take(message: ServerMessage): void {
+  if (message.type === "scene") takeScene(message);
+  else if (message.type === "run") takeRun(message);
+  else if (message.type === "view") takeView(message);
+  else if (message.type === "curves") timeline.takeCurves(message);
+  else if (message.type === "recording") recorder.update(message);
+  else if (message.type === "kept") marker.update(message);
+  else if (message.type === "position") scrubber.update(message);
+  else if (message.type === "answer") takeAnswer(message);
   else {
-    ended = told.how;
+    ended = message.how;
     socket.close(); // says that this was read: the page's process waits for it
   }
 }

@@ -1,6 +1,6 @@
 // The bones of all skeletons of a port, as lines in the room.
 import { BufferGeometry, Color, Float32BufferAttribute, LineBasicMaterial, LineSegments } from "three";
-import type { SkeletonsView } from "./seen.ts";
+import type { SkeletonsView } from "./message_views.ts";
 
 const HUES = [205, 28, 140, 275, 52, 330];
 

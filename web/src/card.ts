@@ -1,8 +1,8 @@
 // The card of a stage with all its instances.
 import { doing, isFault, largest, lossOf, number, stageOf, worstOf } from "./figures.ts";
 import { make } from "./make.ts";
+import type { EdgeStatus, Run, StageStatus } from "./messages.ts";
 import type { Standing, Step } from "./ranks.ts";
-import type { EdgeStatus, Run, StageStatus } from "./told.ts";
 
 export type Figures = Pick<Run, "stages" | "edges" | "paths">;
 

@@ -3,7 +3,7 @@ import { MOST, ROWS } from "./curves.ts";
 import { choice } from "./field.ts";
 import { stageOf } from "./figures.ts";
 import { make } from "./make.ts";
-import type { Curve, FiguresData } from "./told.ts";
+import type { Curve, FiguresData } from "./messages.ts";
 
 export class CurveForm {
   readonly element = make("form", "", { className: "curves" });
@@ -34,9 +34,9 @@ export class CurveForm {
   }
 
   show(figures: FiguresData, targets: string[]): void {
-    const told = JSON.stringify([figures, targets]);
-    if (told === this.shown) return; // a list that is open stays so
-    this.shown = told;
+    const options = JSON.stringify([figures, targets]);
+    if (options === this.shown) return; // a list that is open stays so
+    this.shown = options;
     this.figures = figures;
     this.element.hidden = !Object.keys(figures.ports).length;
     const before = this.port.value;

@@ -1,7 +1,7 @@
 // The figures of messages that are plotted beside those of the run: chosen by port, row and field.
 import type { Point } from "./history.ts";
 import { KEPT_MS } from "./history.ts";
-import type { Curve, CurvesTold, FiguresData } from "./told.ts";
+import type { Curve, CurveValues, FiguresData } from "./messages.ts";
 
 export const ROWS = "rows"; // the field that is the number of rows
 export const MOST = 8; // at once, as the server allows
@@ -35,7 +35,7 @@ export class Curves {
   }
 
   // now: ms by the clock of this browser.
-  take(now: number, { port, values }: CurvesTold): void {
+  take(now: number, { port, values }: CurveValues): void {
     for (const [row, field, value] of values) {
       const points = this.lines.get(nameOf({ port, row, field }))?.points;
       if (!points || now - (points.at(-1)?.time ?? -APART_MS) < APART_MS) continue;

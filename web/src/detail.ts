@@ -2,8 +2,8 @@
 import { stageOf } from "./figures.ts";
 import { Form, Undo } from "./form.ts";
 import { make } from "./make.ts";
+import type { Answer, Ask, Change, FormData, Run, SaveRequest, StageAbout } from "./messages.ts";
 import { edgeTable, stageTable } from "./tables.ts";
-import type { Answer, Ask, Change, FormData, Run, SaveRequest, StageAbout } from "./told.ts";
 
 export class Detail {
   forms: Record<string, FormData> = {};

@@ -2,8 +2,8 @@
 import type { Card } from "./card.ts";
 import { linksOf } from "./links.ts";
 import { make } from "./make.ts";
+import type { EdgePlan, EdgeStatus } from "./messages.ts";
 import { standings, steps } from "./ranks.ts";
-import type { EdgePlan, EdgeStatus } from "./told.ts";
 import { Wires } from "./wires.ts";
 
 export class Drawing {
@@ -43,7 +43,7 @@ export class Drawing {
     this.list.style.setProperty("--columns", most([...downwards.values()].map(({ column }) => column)));
   }
 
-  // edges: what the run told of them; upright: whether the graph runs downwards.
+  // edges: their newest figures; upright: whether the graph runs downwards.
   draw(plan: EdgePlan[], edges: EdgeStatus[], upright: boolean): void {
     if (!this.element.checkVisibility()) return;
     const outlines = new Map([...this.cards].map(([name, card]) => [name, card.outline]));

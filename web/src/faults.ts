@@ -5,7 +5,7 @@ const SILENT_MS = 2000; // the run's figures come twice a second
 
 export class Faults {
   over = false;
-  private told: string[] = [];
+  private ofRun: string[] = [];
   private heard = performance.now();
   private shown = "";
   private readonly list: HTMLElement;
@@ -16,25 +16,25 @@ export class Faults {
 
   // faults: what the run tells of its hosts and workers.
   take(faults: string[]): void {
-    this.told = faults;
+    this.ofRun = faults;
     this.heard = performance.now();
   }
 
   // Nothing more is to be heard; faults: why, where that is one.
   end(faults: string[]): void {
     this.over = true;
-    this.told = faults;
+    this.ofRun = faults;
   }
 
   // Shows what there is by the clock of this browser; whether nothing is wrong.
   show(): boolean {
     const silent = this.over ? 0 : performance.now() - this.heard;
     const own = silent > SILENT_MS ? [silence(silent)] : [];
-    const lines = [...own, ...this.told];
+    const lines = [...own, ...this.ofRun];
     if (lines.join() !== this.shown) this.list.replaceChildren(...lines.map((line) => make("li", line)));
     this.shown = lines.join();
     this.list.hidden = lines.length === 0;
-    document.body.classList.toggle("old", own.length > 0 || (this.over && this.told.length > 0));
+    document.body.classList.toggle("old", own.length > 0 || (this.over && this.ofRun.length > 0));
     return lines.length === 0;
   }
 }

@@ -1,7 +1,7 @@
 // A parameter: its value, typed or dragged, what it does, its limits and default, and what became of a change.
-import { limitsOf, sliderOf, told } from "./limits.ts";
+import { limitsOf, rangeText, sliderOf } from "./limits.ts";
 import { make } from "./make.ts";
-import type { ParameterData, Value } from "./told.ts";
+import type { ParameterData, Value } from "./messages.ts";
 
 type Control = HTMLInputElement | HTMLSelectElement;
 
@@ -46,7 +46,7 @@ export function parameterField(about: ParameterData, value: Value, ask: (value: 
   const unit = about.unit === "1" ? "" : about.unit;
   const isChoice = about.range.includes(" | ");
   const usual = about.required ? "" : `${textOf(about.default) || "empty"} by default`;
-  const limits = isChoice ? "" : told(limitsOf(about.range));
+  const limits = isChoice ? "" : rangeText(limitsOf(about.range));
   const words = [about.description, [usual, limits].filter(Boolean).join(", ")].filter(Boolean).join(" · ");
   const field = new Field(about.name, unit, words, controlsOf(about, value), ask);
   if (!about.required && JSON.stringify(about.default) !== JSON.stringify(value)) {

@@ -1,5 +1,5 @@
 // Figures and states of stages and edges in words.
-import type { EdgeStatus, Latency, StageStatus, State } from "./told.ts";
+import type { EdgeStatus, Latency, StageStatus, State } from "./messages.ts";
 
 export const LOSSES = ["away", "dropped", "late", "unmatched", "invalid", "lost"] as const;
 type Losses = Pick<EdgeStatus, (typeof LOSSES)[number]>;
@@ -14,7 +14,7 @@ const WORST: State[] = [
   "getting",
   "over",
 ];
-const LASTING_S = 2; // from which on it is told how long a state has lasted
+const LASTING_S = 2; // from which on the page shows how long a state has lasted
 
 export const isFault = (state: State): boolean => state === "absent" || state === "old";
 

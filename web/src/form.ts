@@ -1,7 +1,7 @@
 // What can be changed of a stage while it works: its parameters, and which stage it is.
 import { choice, Field, parameterField, textOf } from "./field.ts";
 import { make } from "./make.ts";
-import type { Ask, Change, FormData, StageAbout } from "./told.ts";
+import type { Ask, Change, FormData, StageAbout } from "./messages.ts";
 
 export class Form {
   readonly element = make("form", "", { onsubmit: (event) => event.preventDefault() });

@@ -1,7 +1,7 @@
 // The first line of the page: which run it is, whether it lives, and its main figures.
 import { lossOf, slowest, span } from "./figures.ts";
+import type { Run, Scene } from "./messages.ts";
 import { part } from "./part.ts";
-import type { Run, Scene } from "./told.ts";
 
 export type Life = "running" | "paused" | "waiting" | "fault" | "ended" | "gone";
 

@@ -1,7 +1,7 @@
 // The figures of the last minutes, of the run and of each stage, and what happened in them.
 import { largest, lossOf, slowest, stageOf } from "./figures.ts";
-import type { TrackColumns } from "./seen.ts";
-import type { Run } from "./told.ts";
+import type { TrackColumns } from "./message_views.ts";
+import type { Run } from "./messages.ts";
 
 export const KEPT_MS = 5 * 60_000;
 const APART_MS = 300; // at least between two samples: what a slow browser gets at once is no rate
@@ -10,9 +10,9 @@ const MARKS = 200; // kept at most
 export const FIGURES = ["rate", "age", "losses", "load"] as const;
 export const TARGET_FIGURES = ["height", "sigma", "residual"] as const;
 export type Figure = (typeof FIGURES)[number] | (typeof TARGET_FIGURES)[number];
-export type Told = Pick<Run, "rate" | "stages" | "edges" | "paths" | "news" | "faults">;
+export type Figures = Pick<Run, "rate" | "stages" | "edges" | "paths" | "news" | "faults">;
 
-// rate: 1/s; age: ms, 95th percentile; losses: until now, from those told on 1/s; load: share of a processor;
+// rate: 1/s; age: ms, 95th percentile; losses: until now, after those 1/s; load: share of a processor;
 // height: of a target, m; sigma: the largest of the three that its track states, m; residual: see residualOf, px.
 type Values = Partial<Record<Figure, number | null>>;
 
@@ -41,12 +41,12 @@ export class History {
   private samples: Sample[] = [];
   private faults = new Map<string, string>();
   private news: string[] = [];
-  private places = new Map<string, Values>(); // of targets that were told of since the last sample
+  private places = new Map<string, Values>(); // of targets since the last sample
 
   // members: the instances of each stage of the graph file; residuals: of targets, px.
   take(
     time: number,
-    run: Told,
+    run: Figures,
     members: Map<string, Set<string>>,
     residuals = new Map<number, number>(),
   ): void {
@@ -80,7 +80,7 @@ export class History {
   }
 
   // What is new since the last time, and what is over.
-  private compare(time: number, { faults, news }: Told): void {
+  private compare(time: number, { faults, news }: Figures): void {
     const now = new Map(faults.map((text) => [text.replace(/[\d.]+/g, ""), text]));
     for (const [key, text] of now) if (!this.faults.has(key)) this.note(time, text, true);
     for (const [key, text] of this.faults) if (!now.has(key)) this.note(time, `over: ${text}`);
@@ -92,7 +92,7 @@ export class History {
   }
 }
 
-function ofRun({ rate, stages, edges, paths }: Told): Values {
+function ofRun({ rate, stages, edges, paths }: Figures): Values {
   return {
     rate,
     age: slowest(paths.filter(({ old }) => !old))?.p95_ms ?? null,
@@ -101,7 +101,7 @@ function ofRun({ rate, stages, edges, paths }: Told): Values {
   };
 }
 
-function ofStage({ stages, edges }: Told, names: Set<string>): Values {
+function ofStage({ stages, edges }: Figures, names: Set<string>): Values {
   const instances = stages.filter(({ stage }) => names.has(stage));
   const inputs = edges.filter(({ to }) => names.has(stageOf(to)));
   return {

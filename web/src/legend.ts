@@ -1,7 +1,7 @@
 // Each target by name and colour, where it is and how well that is known.
 import { make } from "./make.ts";
-import type { TrackColumns } from "./seen.ts";
-import type { TargetData } from "./told.ts";
+import type { TrackColumns } from "./message_views.ts";
+import type { TargetData } from "./messages.ts";
 import type { Triple } from "./triple.ts";
 
 const SILENT_MS = 2000; // longer without a word, the places that are shown are old

@@ -1,5 +1,5 @@
 // The range of a parameter, as the server writes it (">= 0, < 1"), and what a slider makes of it.
-import type { ParameterData, Value } from "./told.ts";
+import type { ParameterData, Value } from "./messages.ts";
 
 export interface Limits {
   low: number | null; // null: none
@@ -27,8 +27,8 @@ export function limitsOf(range: string): Limits {
   return found;
 }
 
-// In words: "more than 0, at most 1"; "" where anything goes.
-export function told({ low, high, above, below }: Limits): string {
+// In words: "more than 0, at most 1"; "" without limits.
+export function rangeText({ low, high, above, below }: Limits): string {
   const parts = [
     low === null ? "" : `${above ? "more than" : "at least"} ${low}`,
     high === null ? "" : `${below ? "less than" : "at most"} ${high}`,

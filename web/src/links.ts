@@ -1,13 +1,13 @@
 // The edges between cards that are seen: all edges between the instances of two cards are one link.
 import { largest, lossOf, number, stageOf } from "./figures.ts";
-import type { EdgePlan, EdgeStatus } from "./told.ts";
+import type { EdgePlan, EdgeStatus } from "./messages.ts";
 
 export interface Link {
   from: string; // name of a card
   to: string;
   kind: string;
   delay: boolean; // leads to a later frame
-  edges: EdgeStatus[]; // none before the run has told its figures
+  edges: EdgeStatus[]; // none before the first figures of the run
 }
 
 // cardOf: of each stage the card that is seen; edges within one card are left out.

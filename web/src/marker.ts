@@ -1,6 +1,6 @@
 // The button that saves the last seconds of a run that keeps them, and what it holds.
 import { size } from "./amounts.ts";
-import type { Answer, Ask, Kept, MarkRequest, Moment } from "./told.ts";
+import type { Answer, Ask, Kept, MarkRequest, Moment } from "./messages.ts";
 
 export interface MarkerParts {
   element: HTMLElement;

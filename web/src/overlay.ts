@@ -8,7 +8,7 @@ import type {
   PosesView,
   SkeletonsView,
   TracksView,
-} from "./seen.ts";
+} from "./message_views.ts";
 
 type Place = [number, number];
 const PERSON_HUES = [205, 28, 140, 275, 52, 330];

@@ -1,8 +1,8 @@
 // Learns a target from a still picture of a camera, in a dialog: click, look at what was learnt, write it.
 import { make } from "./make.ts";
+import type { Answer, Ask, LearntData, PickRequest, StillData } from "./messages.ts";
 import { boxOf, learnRequestOf, learntWords } from "./pick.ts";
 import { penOf } from "./tile.ts";
-import type { Answer, Ask, LearntData, PickRequest, StillData } from "./told.ts";
 
 export class Picker {
   private readonly dialog: HTMLDialogElement;

@@ -2,8 +2,8 @@
 import { Card } from "./card.ts";
 import { Detail } from "./detail.ts";
 import { Drawing } from "./drawing.ts";
+import type { Ask, Change, EdgePlan, Run, SaveRequest, Scene, StageAbout } from "./messages.ts";
 import { SubgraphCard } from "./subgraph_card.ts";
-import type { Ask, Change, EdgePlan, Run, SaveRequest, Scene, StageAbout } from "./told.ts";
 
 export class Pipeline {
   private about = new Map<string, StageAbout>();

@@ -1,5 +1,5 @@
 // The buttons that pause a replay, let it go on, and let it take one step.
-import type { Answer, Ask, Hold, StageStatus } from "./told.ts";
+import type { Answer, Ask, Hold, StageStatus } from "./messages.ts";
 
 const STEP = 1; // capture times of the first camera
 

@@ -1,7 +1,7 @@
 // The record button: which ports, and how the recording is.
 import { clock, size } from "./amounts.ts";
 import { make } from "./make.ts";
-import type { Answer, Ask, Recording, RecordRequest } from "./told.ts";
+import type { Answer, Ask, Recording, RecordRequest } from "./messages.ts";
 
 export interface RecorderParts {
   element: HTMLElement;

@@ -1,5 +1,5 @@
 // How far the blobs of a moment are from where a target is seen by its track.
-import type { BlobsView, Drawn, Images } from "./seen.ts";
+import type { BlobsView, Drawn, Images } from "./message_views.ts";
 
 const SAME_MS = 1; // farther apart in capture time, blobs and tracks are of different frames
 const LATE_MS = 1000; // older than the newest tracks, they tell nothing of now

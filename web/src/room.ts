@@ -4,16 +4,16 @@ import { Bones } from "./bones.ts";
 import { freeOf } from "./free.ts";
 import { arrange } from "./labels.ts";
 import { glowTexture } from "./light.ts";
+import type { PosesView, SkeletonsView } from "./message_views.ts";
+import type { RoomData } from "./messages.ts";
 import { Orbit } from "./orbit.ts";
 import { Person } from "./person.ts";
 import { frustum, grid, patch } from "./scenery.ts";
-import type { PosesView, SkeletonsView } from "./seen.ts";
 import { Target } from "./target.ts";
 import type { Tracked } from "./together.ts";
-import type { RoomData } from "./told.ts";
 
 const NIGHT = 0x06080c;
-const GONE_MS = 1500; // after which who was not told of is not shown
+const GONE_MS = 1500; // after which a target without a new place is not shown
 const SETTLED_MS = 2000; // after which nothing moves any more
 
 export class Room {

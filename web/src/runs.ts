@@ -1,7 +1,7 @@
 // The list of the runs in reach: each with a link to its page, or a button that begins one.
 import { clock } from "./amounts.ts";
 import { make } from "./make.ts";
-import type { Answer, Ask, ListedRun, OpenRequest } from "./told.ts";
+import type { Answer, Ask, ListedRun, OpenRequest } from "./messages.ts";
 
 const LOOK_MS = 3000; // between two looks while the list is open
 

@@ -13,7 +13,7 @@ import {
   Vector3,
 } from "three";
 import { words } from "./light.ts";
-import type { CameraData, PlaneData } from "./told.ts";
+import type { CameraData, PlaneData } from "./messages.ts";
 import type { Triple } from "./triple.ts";
 
 const FRUSTUM = 0.55; // m, as long as a camera is drawn

@@ -1,6 +1,6 @@
 // The time line of a recording: where it stands, a button that plays it, and any moment by a drag.
 import { clock } from "./amounts.ts";
-import type { Ask, Position, SeekRequest, Span } from "./told.ts";
+import type { Ask, Position, SeekRequest, Span } from "./messages.ts";
 
 export interface ScrubberParts {
   element: HTMLElement;

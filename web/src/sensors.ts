@@ -1,11 +1,11 @@
 // One tile for each sensor: the last seconds of an inertial one, the newest message of any other as a table.
 import { number, stageOf } from "./figures.ts";
 import { make } from "./make.ts";
+import type { InertialView, Reading, View } from "./message_views.ts";
+import type { SensorData, StageStatus } from "./messages.ts";
 import { plot, WINDOW_MS } from "./plot.ts";
-import type { InertialView, Reading, View } from "./seen.ts";
 import { table } from "./tables.ts";
 import { penOf, Tile } from "./tile.ts";
-import type { SensorData, StageStatus } from "./told.ts";
 
 const MOST_POINTS = 3000;
 const PLOTS = [

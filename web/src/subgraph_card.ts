@@ -3,7 +3,7 @@ import { Card, type Figures } from "./card.ts";
 import { Drawing } from "./drawing.ts";
 import { largest, slowest, span, stageOf } from "./figures.ts";
 import { make } from "./make.ts";
-import type { EdgeStatus, Latency, Run, StageStatus } from "./told.ts";
+import type { EdgeStatus, Latency, Run, StageStatus } from "./messages.ts";
 
 let made = 0;
 

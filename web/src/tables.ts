@@ -1,7 +1,7 @@
 // The instances of an open card, and its edges, as tables.
 import { isFault, LOSSES, lasting, number } from "./figures.ts";
 import { make } from "./make.ts";
-import type { EdgeStatus, StageStatus } from "./told.ts";
+import type { EdgeStatus, StageStatus } from "./messages.ts";
 
 type Cell = string | number | HTMLElement;
 const OUTCOMES = ["delivered", "dropped", "late", "unmatched", "invalid", "lost", "in_flight"] as const;

@@ -18,7 +18,7 @@ import {
 } from "three";
 import { Axes } from "./axes.ts";
 import { glow, words } from "./light.ts";
-import type { TargetData } from "./told.ts";
+import type { TargetData } from "./messages.ts";
 import { fill, line } from "./trail.ts";
 import type { Triple } from "./triple.ts";
 

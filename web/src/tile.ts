@@ -1,6 +1,6 @@
 // A tile with a name, that says how old what it shows is.
 import { make } from "./make.ts";
-import type { StageStatus, State } from "./told.ts";
+import type { StageStatus, State } from "./messages.ts";
 
 const SILENT_MS = 2000; // longer without anything new, what is shown is old
 

@@ -1,9 +1,9 @@
 // One tile for each camera: its picture, and over it what belongs to its moment.
 import { make } from "./make.ts";
+import type { Drawn } from "./message_views.ts";
+import type { CameraData, RoomData, StageAbout, StageStatus } from "./messages.ts";
 import { overlay } from "./overlay.ts";
-import type { Drawn } from "./seen.ts";
 import { penOf, Tile } from "./tile.ts";
-import type { CameraData, RoomData, StageAbout, StageStatus } from "./told.ts";
 import type { Views } from "./views.ts";
 
 const MOST_PICTURES = 12; // of a camera that are kept: over a second at ten a second

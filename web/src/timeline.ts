@@ -4,19 +4,19 @@ import { CurveForm } from "./curve_form.ts";
 import { Curves, MOST, nameOf, unitOf } from "./curves.ts";
 import { FIGURES, type Figure, History, type Mark, TARGET_FIGURES, targetKey } from "./history.ts";
 import { make } from "./make.ts";
-import { residualsOf } from "./residual.ts";
-import type { Drawn, TrackColumns } from "./seen.ts";
+import type { Drawn, TrackColumns } from "./message_views.ts";
 import type {
   Answer,
   Ask,
   Curve,
-  CurvesTold,
+  CurveValues,
   FiguresData,
   PlotRequest,
   Run,
   StageAbout,
   TargetData,
-} from "./told.ts";
+} from "./messages.ts";
+import { residualsOf } from "./residual.ts";
 
 const LINES = 60; // of the log
 const TITLES: Record<Figure, [title: string, unit: string, factor: number]> = {
@@ -92,7 +92,7 @@ export class Timeline {
     this.history.note(Date.now(), text);
   }
 
-  told(curves: CurvesTold): void {
+  takeCurves(curves: CurveValues): void {
     this.curves.take(Date.now(), curves);
   }
 

@@ -1,5 +1,5 @@
 // Trackers beside each other: a target that one of them has lost may be tracked by another.
-import type { TrackColumns } from "./seen.ts";
+import type { TrackColumns } from "./message_views.ts";
 
 const GONE_MS = 1000; // of capture time, after which a tracker that says nothing more is left out
 

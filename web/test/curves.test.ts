@@ -4,10 +4,10 @@ import { test } from "node:test";
 import { linesOf, precise } from "../src/chart.ts";
 import { Curves, MOST, MOST_POINTS, nameOf, unitOf } from "../src/curves.ts";
 import { KEPT_MS } from "../src/history.ts";
-import type { CurvesTold } from "../src/told.ts";
+import type { CurveValues } from "../src/messages.ts";
 
 const Z = { port: "track.tracks", row: "red", field: "z" };
-const told = (value: number | null, field = "z"): CurvesTold => ({
+const values = (value: number | null, field = "z"): CurveValues => ({
   type: "curves",
   port: "track.tracks",
   time: 0,
@@ -25,27 +25,27 @@ test("a figure is named as its port, row and field, and has the unit of its type
   assert.equal(unitOf({ ...Z, port: "gone.out" }, figures), "");
 });
 
-test("what is told of a chosen figure becomes its line, and nothing else", () => {
+test("the values of a chosen figure become its line, and nothing else", () => {
   const curves = new Curves();
   assert.ok(curves.add(Z));
   assert.ok(!curves.add({ ...Z })); // it is there already
-  curves.take(0, told(1.5));
-  curves.take(50, told(9)); // faster than a line is drawn
-  curves.take(200, told(null));
-  curves.take(400, told(7, "x")); // chosen by another browser
+  curves.take(0, values(1.5));
+  curves.take(50, values(9)); // faster than a line is drawn
+  curves.take(200, values(null));
+  curves.take(400, values(7, "x")); // chosen by another browser
   assert.deepEqual(curves.points(Z, 400), [
     { time: 0, value: 1.5 },
     { time: 200, value: null },
   ]);
   curves.remove(Z);
-  curves.take(600, told(1));
+  curves.take(600, values(1));
   assert.deepEqual(curves.points(Z, 600), []);
 });
 
 test("lines and their number have limits", () => {
   const curves = new Curves();
   curves.add(Z);
-  for (let i = 0; i < MOST_POINTS + 500; i++) curves.take(100 * i, told(i));
+  for (let i = 0; i < MOST_POINTS + 500; i++) curves.take(100 * i, values(i));
   const now = 100 * (MOST_POINTS + 499);
   const points = curves.points(Z, now);
   assert.ok(points.length <= MOST_POINTS && points[0].time >= now - KEPT_MS);

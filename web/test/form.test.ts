@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Undo } from "../src/form.ts";
-import { limitsOf, sliderOf, told } from "../src/limits.ts";
-import type { Change } from "../src/told.ts";
+import { limitsOf, rangeText, sliderOf } from "../src/limits.ts";
+import type { Change } from "../src/messages.ts";
 
 const parameter = (type: string, range: string, usual: number) => ({
   name: "n",
@@ -14,10 +14,10 @@ const parameter = (type: string, range: string, usual: number) => ({
   description: "",
 });
 
-test("a range is told in words", () => {
-  assert.equal(told(limitsOf("> 0, <= 1")), "more than 0, at most 1");
-  assert.equal(told(limitsOf(">= -3.5, < 1e-3")), "at least -3.5, less than 0.001");
-  assert.equal(told(limitsOf("")), "");
+test("a range has a text", () => {
+  assert.equal(rangeText(limitsOf("> 0, <= 1")), "more than 0, at most 1");
+  assert.equal(rangeText(limitsOf(">= -3.5, < 1e-3")), "at least -3.5, less than 0.001");
+  assert.equal(rangeText(limitsOf("")), "");
 });
 
 test("a slider keeps to the limits, and where there are none goes some way beyond the value", () => {

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { held, said } from "../src/marker.ts";
-import type { Kept, Moment } from "../src/told.ts";
+import type { Kept, Moment } from "../src/messages.ts";
 
 const MOMENT: Moment = {
   file: "/runs/demo/moment-20261123-200000.mcap",

@@ -19,7 +19,7 @@ function view(port: string, time: number, ...rows: Row[]) {
 
 test("a target is drawn as the tracker has it that tracks it", () => {
   const together = new Together();
-  const told = [
+  const found = [
     view("stage.tracks", 1000, [0, "predicted", 1], [1, "tracked", 2]),
     view("hall.tracks", 990, [0, "tracked", 3], [2, "missing", 4]),
     view("stage.tracks", 1010, [0, "tracked", 5]),
@@ -28,7 +28,7 @@ test("a target is drawn as the tracker has it that tracks it", () => {
     const { time, target, state, xyz } = together.take(one);
     return [time, target.map((t, i) => [t, state[i], xyz[i][0]])];
   });
-  assert.deepEqual(told, [
+  assert.deepEqual(found, [
     [
       1000,
       [

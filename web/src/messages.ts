@@ -1,5 +1,5 @@
-// What the server tells a browser, as tools/commands/followspot_page makes it; lengths in m, px or s as noted there.
-import type { View } from "./seen.ts";
+// The messages between server and browser, as tools/commands/followspot_page makes and reads them; units as there.
+import type { View } from "./message_views.ts";
 import type { Triple } from "./triple.ts";
 
 export type Value = string | number | boolean | null | Value[] | { [key: string]: Value };
@@ -99,7 +99,7 @@ export interface Scene {
   forms: Record<string, FormData>;
   ports: string[];
   recorded: Span | null; // of a recording that is shown instead of a run
-  others: boolean; // whether the page tells of other runs
+  others: boolean; // whether the page lists other runs
   replay: boolean;
   figures: FiguresData;
 }
@@ -282,7 +282,7 @@ export interface Curve {
 }
 
 // The newest values of the figures of a port that browsers plot. time: ms of capture time.
-export interface CurvesTold {
+export interface CurveValues {
   type: "curves";
   port: string;
   time: number;
@@ -294,7 +294,7 @@ export interface End {
   how: string;
 }
 
-export type Told = Scene | Run | View | CurvesTold | Recording | Kept | Position | Answer | End;
+export type ServerMessage = Scene | Run | View | CurveValues | Recording | Kept | Position | Answer | End;
 
 export interface Change {
   stage: string;
