@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from followspot.errors import FollowspotError, InputError, Mistake
     from followspot.library.connect import ConnectedRun, connect
     from followspot.library.graph import Graph
-    from followspot.library.keep import Keep
+    from followspot.library.keep_options import Keep
     from followspot.library.own_run import OwnRun, RunFailed
     from followspot.library.recording import Recording, open_recording
     from followspot.library.report import Report
@@ -47,7 +47,7 @@ _HOME = {
     "ConnectedRun": "library.connect",
     "connect": "library.connect",
     "Graph": "library.graph",
-    "Keep": "library.keep",
+    "Keep": "library.keep_options",
     "Recording": "library.recording",
     "open_recording": "library.recording",
     "Report": "library.report",

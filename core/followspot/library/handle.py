@@ -11,7 +11,7 @@ from followspot.control.tapping import Tapping
 from followspot.log.file import read_log
 from followspot.log.record import LEVELS, LogRecord
 from followspot.operator.connect import connected_run, run_here, runs_here
-from followspot.operator.marks import Mark, Moment, RecorderState
+from followspot.operator.mark_queue import Mark, Moment, RecorderState
 from followspot.operator.run_handle import RunHandle
 from followspot.operator.run_status import OLD, RunStatus, is_old, is_stale
 from followspot.worker.ledger import COUNTS, LOSSES, SOURCE_LOSSES, EdgeCount

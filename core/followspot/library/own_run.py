@@ -13,7 +13,7 @@ from followspot.control.dispatch import Dispatcher, Request
 from followspot.control.lifecycle import StopRun
 from followspot.control.unix_socket import serve_requests
 from followspot.errors import FollowspotError
-from followspot.library.keeping import StartKeeping, keep_nothing
+from followspot.library.flight_recorder import StartRecorder, no_recorder
 from followspot.library.report import Report
 from followspot.library.script_handle import ScriptHandle
 from followspot.library.subscription import Subscription
@@ -50,7 +50,7 @@ class OwnRun(ScriptHandle):
         sinks: SubscriptionSinks,
         ready: AbstractContextManager[PreparedRun],
         out: Path,
-        keep: StartKeeping,
+        keep: StartRecorder,
     ) -> None:
         super().__init__("", sinks.plan.graph, self._asked, failure=self._failure)
         self.out = out
@@ -67,7 +67,7 @@ class OwnRun(ScriptHandle):
         threading.Thread(target=self._live, args=(ready, keep), name="run", daemon=True).start()
         try:
             self._begun.wait(_BEGIN)
-            if keep is not keep_nothing:
+            if keep is not no_recorder:
                 self._await_recorder()
         except BaseException:  # after Ctrl-C no script has this handle, and so none could end the run
             self._abandon()
@@ -138,7 +138,7 @@ class OwnRun(ScriptHandle):
         if self._dispatcher is not None:
             self.stop()
 
-    def _live(self, ready: AbstractContextManager[PreparedRun], keep: StartKeeping) -> None:
+    def _live(self, ready: AbstractContextManager[PreparedRun], keep: StartRecorder) -> None:
         """The life of the run, in a thread: prepare, run, and tell all that wait for its end."""
         try:
             with ready as (coordinator, around):

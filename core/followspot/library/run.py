@@ -10,9 +10,9 @@ from typing import Any, Unpack
 
 from followspot.errors import InputError, Mistake
 from followspot.graph.arrange import EdgeChoice
+from followspot.library.flight_recorder import recorder_of
 from followspot.library.graph import Graph
-from followspot.library.keep import Keep
-from followspot.library.keeping import keeping
+from followspot.library.keep_options import Keep
 from followspot.library.own_run import OwnRun
 from followspot.library.plan_settings import PlanSettings, plan_of, whole_number
 from followspot.library.subscription_sinks import SubscriptionSinks
@@ -82,7 +82,7 @@ def run(
     for mistake in plan.warnings:
         warnings.warn(str(mistake), stacklevel=2)
     sinks = SubscriptionSinks(plan, ports)
-    kept = keeping(sinks.plan, keep)
+    kept = recorder_of(sinks.plan, keep)
     folder = Path(out or Path("runs") / f"{plan.graph}-{time.strftime('%Y%m%d-%H%M%S')}")
     folder.mkdir(parents=True, exist_ok=True)
     ready = prepared(

@@ -14,7 +14,7 @@ from followspot.graph.plan_data import plan_to_data
 from followspot.operator.change.hot_swap import change_stages
 from followspot.operator.change.move import move_stages
 from followspot.operator.coordinator import Coordinator
-from followspot.operator.marks import Marks
+from followspot.operator.mark_queue import MarkQueue
 from followspot.operator.run_requests import (
     ChangeStages,
     ExchangeMarks,
@@ -37,7 +37,7 @@ def run_dispatcher(
     stop: ends the sources of the run; `Coordinator.stop` by default.
     """
     end = run.stop if stop is None else stop
-    marks = Marks(run.log.say)
+    marks = MarkQueue(run.log.say)
 
     def status(_: GetStatus) -> RunStatus:
         found = run.status()

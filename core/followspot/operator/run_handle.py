@@ -19,8 +19,8 @@ from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_from_data
 from followspot.log.record import LogPage
 from followspot.operator.change_outcome import ChangeOutcome, MoveOutcome
-from followspot.operator.marking import kept, mark
-from followspot.operator.marks import Mark, Moment, RecorderState
+from followspot.operator.mark_queue import Mark, Moment, RecorderState
+from followspot.operator.mark_request import kept, mark
 from followspot.operator.run_requests import (
     ChangeStages,
     ExchangeMarks,

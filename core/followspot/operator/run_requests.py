@@ -11,7 +11,7 @@ import pydantic
 from followspot.control.dispatch import Request, Role
 from followspot.graph.plan import Written
 from followspot.operator.change_outcome import ChangeOutcome, MoveOutcome
-from followspot.operator.marks import Mark, RecorderState
+from followspot.operator.mark_queue import Mark, RecorderState
 from followspot.operator.run_status import RunStatus
 from followspot.ranges import Count
 from followspot.transport.zenoh.network import Network

@@ -13,7 +13,7 @@ from types import MappingProxyType
 from followspot.errors import InputError
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan
-from followspot.library.keep import Keep, bytes_of, seconds_of
+from followspot.library.keep_options import Keep, bytes_of, seconds_of
 from followspot.messages import Message
 from followspot.plugins.registry import OFFERED
 from followspot_record.flight.order import FlightOrder

@@ -7,7 +7,7 @@ import json
 from dataclasses import asdict
 
 from followspot.cli.wait_notice import run_with_notices
-from followspot.library.keep import seconds_of
+from followspot.library.keep_options import seconds_of
 
 
 def mark_command(args: argparse.Namespace) -> int:

@@ -6,9 +6,9 @@ import pytest
 
 from followspot.control.dispatch import NoAnswer
 from followspot.errors import FollowspotError, InputError
-from followspot.library.keep import bytes_of, seconds_of
+from followspot.library.keep_options import bytes_of, seconds_of
 from followspot.log.record import Level
-from followspot.operator.marks import Mark, Marks, Moment, RecorderState
+from followspot.operator.mark_queue import Mark, MarkQueue, Moment, RecorderState
 
 KEPT = RecorderState(30.0, 2, 30.0, 100, 1000, 20, 0)
 
@@ -17,7 +17,7 @@ class Log:
     def __init__(self) -> None:
         self.now = 0.0
         self.lines: list[tuple[Level, str]] = []
-        self.marks = Marks(lambda level, text: self.lines.append((level, text)), lambda: self.now)
+        self.marks = MarkQueue(lambda level, text: self.lines.append((level, text)), lambda: self.now)
 
 
 def test_a_mark_of_a_run_that_keeps_nothing_says_how_to_keep() -> None:

@@ -8,25 +8,25 @@ from functools import partial
 
 from followspot.errors import InputError
 from followspot.graph.plan import Plan
-from followspot.library.keep import Keep, seconds_of
+from followspot.library.keep_options import Keep, seconds_of
 from followspot.plugins.loaded_hooks import load_hooks
 
 OnErrors = Callable[[Sequence[str]], None]
 """Takes the errors of a run, none if it succeeded."""
-StartKeeping = Callable[[str], AbstractContextManager[OnErrors]]
-"""Keeps a run of this name while the context is open."""
+StartRecorder = Callable[[str], AbstractContextManager[OnErrors]]
+"""Records a run of this name while the context is open."""
 
 
 @contextmanager
-def keep_nothing(run: str) -> Iterator[OnErrors]:
-    """Keep nothing."""
+def no_recorder(run: str) -> Iterator[OnErrors]:
+    """Record nothing."""
     yield lambda errors: None
 
 
-def keeping(plan: Plan, keep: str | float | Keep | None) -> StartKeeping:
-    """What keeps runs of this plan; see `followspot.run`. Raises FollowspotError if it cannot be kept so."""
+def recorder_of(plan: Plan, keep: str | float | Keep | None) -> StartRecorder:
+    """The flight recorder of runs of this plan; see `followspot.run`. Raises FollowspotError."""
     if keep is None:
-        return keep_nothing
+        return no_recorder
     keepers = load_hooks().keepers
     if not keepers:
         raise InputError.of("nothing installed keeps runs", "install followspot as a whole")

@@ -67,7 +67,7 @@ class RecorderState:
     moments: tuple[Moment, ...] = ()
 
 
-class Marks:
+class MarkQueue:
     """Hands marks to the flight recorder of a run. Safe from any thread.
 
     say: writes to the run's log; monotonic: a clock, s.

@@ -6,7 +6,7 @@ import time
 
 from followspot.control.dispatch import Ask, NoAnswer
 from followspot.errors import FollowspotError
-from followspot.operator.marks import Moment, RecorderState
+from followspot.operator.mark_queue import Moment, RecorderState
 from followspot.operator.run_requests import GetRecorderState, MarkMoment
 
 _POLL_INTERVAL = 0.1
