@@ -191,6 +191,7 @@ def test_a_sweep_runs_every_point_once_and_goes_on_where_it_was(
     assert [row["fuse.uses"] for row in told["rows"]] == ["balls.mean_shift", "balls.mean"]
     assert all(row["rmse_mm"] > 0 for row in told["rows"])
     assert told["best"] in told["rows"]
+    assert told["without_effect"] == []
     made = {path: path.stat().st_mtime_ns for path in tmp_path.glob(f"*/*/{SUMMARY}")}
     assert len(made) == 2
     assert main(words) == 0

@@ -157,7 +157,7 @@ def test_hz_has_no_rate_of_a_port_whose_stage_is_absent_or_that_is_silent(
     measured = hz.Measured(run(lambda: status[0]), ["fuse.out"])
     measured.take("fuse.out", Rhythm(100, 20.0, 50.0, 1.0, 60.0, 80.0))
     (pace,) = measured.paces()
-    assert (pace.data()["rate"], pace.data()["unheard"]) == (20.0, "")
+    assert (pace.data()["rate"], pace.data()["stale"]) == (20.0, "")
     now[0] += 5.0
     (pace,) = measured.paces()
     assert (pace.data()["rate"], pace.data()["silent_s"]) == (None, 5.0)
@@ -167,7 +167,7 @@ def test_hz_has_no_rate_of_a_port_whose_stage_is_absent_or_that_is_silent(
     assert measured.paces()[0].data()["rate"] == 0.2
     status[0] = GONE
     (pace,) = measured.paces()
-    assert (pace.data()["rate"], pace.data()["unheard"]) == (None, "absent")
+    assert (pace.data()["rate"], pace.data()["stale"]) == (None, "absent")
     lines = hz.text([pace], measured.faults()).splitlines()
     assert lines[0] == "! host pc-left is absent: last heard 12 s ago"
     assert lines[2].startswith("! fuse.out ")

@@ -46,7 +46,12 @@ def sweep(args: argparse.Namespace) -> int:
     drawn = draw(found, axes, args.best, out)
     without_effect = axes_without_effect(results, axes)
     if args.json:
-        whole = {"rows": found, "best": best(found, args.best), "idle": without_effect, "out": str(out)}
+        whole = {
+            "rows": found,
+            "best": best(found, args.best),
+            "without_effect": without_effect,
+            "out": str(out),
+        }
         print(json.dumps(whole))
     else:
         said = "".join(

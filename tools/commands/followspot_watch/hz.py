@@ -39,7 +39,7 @@ class Pace:
     """The measurement of one port.
 
     silent_s: seconds since the last measurement; dropped: messages lost on all edges from the port since the
-    run began, with those that no reader was connected for; unheard: "absent" or "old" if the worker of the
+    run began, with those that no reader was connected for; stale: "absent" or "old" if the worker of the
     stage is silent, too.
     """
 
@@ -47,20 +47,20 @@ class Pace:
     measured: Rhythm | None
     silent_s: float
     dropped: int
-    unheard: str = ""
+    stale: str = ""
 
     @property
     def rhythm(self) -> Rhythm | None:
         """The measurement; None after a silence that is far longer than the usual gap."""
         usual = 0.0 if self.measured is None else self.measured.worst_ms / 1000.0
-        return None if self.unheard or self.silent_s > max(SILENCE, 3.0 * usual) else self.measured
+        return None if self.stale or self.silent_s > max(SILENCE, 3.0 * usual) else self.measured
 
     def data(self) -> dict[str, Any]:
         """In JSON types; null if the port sent nothing while it was measured, or nothing lately."""
         names = [name for name, _ in Rhythm.scalars]
         known = {name: getattr(self.rhythm, name) if self.rhythm else None for name in names}
         rounded = {n: round(v, 3) if isinstance(v, float) else v for n, v in known.items()}
-        state = {"silent_s": round(self.silent_s, 1), "unheard": self.unheard}
+        state = {"silent_s": round(self.silent_s, 1), "stale": self.stale}
         return {"port": self.port, **rounded, **state, "dropped": self.dropped}
 
 
@@ -105,13 +105,13 @@ class Measured:
         """One for each port, in the order of the graph."""
         now = time.monotonic()
         self._picture.renew(lambda: self._run.status(_PERIOD))
-        unheard = {s.stage: s.state for worker, s in self._picture.stages() if is_stale(worker)}
+        stale = {s.stage: s.state for worker, s in self._picture.stages() if is_stale(worker)}
         lost = dropped(self._picture)
         found = []
         for port in self.ports:
             rhythm, at = self._measurements.get(port, (None, self._since))
             stage = port.rpartition(".")[0]
-            found.append(Pace(port, rhythm, now - at, lost.get(port, 0), unheard.get(stage, "")))
+            found.append(Pace(port, rhythm, now - at, lost.get(port, 0), stale.get(stage, "")))
         return found
 
     def faults(self) -> Sequence[str]:
@@ -140,13 +140,13 @@ def report(paces: Sequence[Pace], faults: Sequence[str] = (), most: int | None =
     """
     head = ("port", "per second", "mean ms", "jitter ms", "p95 ms", "worst ms", "messages", "dropped", "")
     paces = paces[:most]
-    ports = grid(head, [_row(pace) for pace in paces], [bool(pace.unheard) for pace in paces])
+    ports = grid(head, [_row(pace) for pace in paces], [bool(pace.stale) for pace in paces])
     return blocks([*(line(fault, bad=True) for fault in faults), ports])
 
 
 def _row(pace: Pace) -> tuple[str, ...]:
     r = pace.rhythm
-    problems = (pace.unheard, f"silent for {pace.silent_s:.0f} s" if pace.silent_s >= SILENCE else "")
+    problems = (pace.stale, f"silent for {pace.silent_s:.0f} s" if pace.silent_s >= SILENCE else "")
     silent = ", ".join(word for word in problems if word)
     if r is None:
         return (pace.port, *("-",) * 5, "0", str(pace.dropped), silent)
