@@ -15,7 +15,7 @@ from pydantic_core import PydanticSerializationError
 
 from followspot.document import Node, plain
 from followspot.errors import Mistake, Place, did_you_mean
-from followspot.plugins.renamed import renamed
+from followspot.plugins.former_names import new_names
 from followspot.stage import Stage
 from followspot.stage_params import PathIn, PathOut, StageParams
 
@@ -133,7 +133,7 @@ def _mistake(detail: Any, stage: type[Stage], noun: str, params: Mapping[str, No
         missing = f'{noun} needs the parameter "{name}"'
         return Mistake(node.key if node is not None else place, missing, f"add with: {{{name}: ...}}{about}")
     if kind == "extra_forbidden" and node is not None:
-        word = renamed(stage).get(name, name)
+        word = new_names(stage).get(name, name)
         known = did_you_mean(word, fields, "parameters") if len(location) == 1 else "remove it"
         return Mistake(node.key, f'{noun} has no parameter "{name}"', known)
     problem = str(detail["msg"]).replace("Input should", "it must").replace("Value error, ", "")

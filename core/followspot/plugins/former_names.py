@@ -1,4 +1,4 @@
-"""Parameters that have other names now: a plugin lists them in `renamed.yaml` beside its modules."""
+"""Parameters that have other names now: a plugin lists them in `former_names.yaml` beside its modules."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import yaml
 from followspot.stage import Stage
 
 
-def renamed(stage: type[Stage]) -> dict[str, str]:
+def new_names(stage: type[Stage]) -> dict[str, str]:
     """New names of the stage's parameters by their old ones.
 
     The file has a mapping for each class of stages, which its subclasses inherit.
     """
     package = sys.modules[stage.__module__.partition(".")[0]]
-    file = Path(getattr(package, "__file__", None) or "").parent / "renamed.yaml"
+    file = Path(getattr(package, "__file__", None) or "").parent / "former_names.yaml"
     table = yaml.safe_load(file.read_text()) if file.is_file() else {}
     return {old: new for kind in stage.__mro__ for old, new in table.get(kind.__name__, {}).items()}

@@ -7,8 +7,8 @@ import pytest
 from followspot.errors import Mistake
 from followspot.graph.parameters import validated
 from followspot.plugins.catalogue import catalogue
+from followspot.plugins.former_names import new_names
 from followspot.plugins.registry import load_stage
-from followspot.plugins.renamed import renamed
 from followspot.stage import Stage
 from followspot.stage_params import StageParams
 from followspot.yaml_reader import parse
@@ -19,7 +19,7 @@ NAMES = [name for name, entry in catalogue().items() if entry.distribution == "f
 @pytest.mark.parametrize("name", NAMES)
 def test_every_former_name_is_refused_with_the_new_one(name: str) -> None:
     stage = load_stage(name)
-    for old, new in renamed(stage).items():
+    for old, new in new_names(stage).items():
         params = parse(f"{{{old}: 1}}", "graph.yaml").value
         mistakes: list[Mistake] = []
         validated(stage, f'stage "x" ({name})', params, parse("x", "graph.yaml").place, mistakes)
@@ -28,8 +28,8 @@ def test_every_former_name_is_refused_with_the_new_one(name: str) -> None:
 
 
 def test_the_detectors_and_the_tracker_know_former_names() -> None:
-    assert renamed(load_stage("balls.kalman"))["fade"] == "fade_time"
-    assert renamed(load_stage("balls.color_blobs"))["smallest"] == "minimum_area"
+    assert new_names(load_stage("balls.kalman"))["fade"] == "fade_time"
+    assert new_names(load_stage("balls.color_blobs"))["smallest"] == "minimum_area"
 
 
 def test_a_plugin_without_the_file_renames_nothing() -> None:
@@ -37,4 +37,4 @@ def test_a_plugin_without_the_file_renames_nothing() -> None:
         class Params(StageParams):
             pass
 
-    assert renamed(Plain) == {}
+    assert new_names(Plain) == {}
