@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 
-from followspot.control.host import Host, HostLost, Others, RunOrder, WorkerStatus
+from followspot.control.host import Host, Others, RunOrder, WorkerStatus
 from followspot.control.lifecycle import EndWorkers, StartRun, StopRun
 from followspot.control.progress import PROGRESS_PERIOD, OnProgress
 from followspot.control.relay import Relayed
@@ -27,6 +27,7 @@ from followspot.operator.run_events import RunEvents
 from followspot.operator.run_status import RunStatus
 from followspot.operator.run_view import RunView
 from followspot.operator.sensor_end import order_at_end, order_at_start
+from followspot.operator.silent_hosts import SilentHosts
 
 _STOP_TIMEOUT = 20.0
 """Seconds that hosts have to end their workers after a stop."""
@@ -67,11 +68,10 @@ class Coordinator:
         self._ended: set[str] = set()
         """Workers that have ended, as announced to the hosts."""
         self._stop_deadline: float | None = None
-        self._silent: dict[str, str] = {}
-        """Hosts that do not answer, each with the reason as far as it is known."""
         self._cut_short = ""
         """Why a run without restarts ended early: a host was lost, even if it came back."""
         self._events = RunEvents(self.log)
+        self._silent = SilentHosts(self._events)
         self.change = ChangeUnderWay()
         self.plan_conflict: PlanConflict | None = None
         """What differs between the plans of hosts, if an earlier operator died in the middle of a change."""
@@ -131,9 +131,9 @@ class Coordinator:
         """Block until a run that has begun ends, or until `leave`; return its report."""
         started = time.monotonic() - self._age_s
         self._watch_to_end(on_progress)
-        self._note_lost_hosts()
+        self._silent.renew(self.hosts)
         self.log.gather()
-        report = self._view().report(time.monotonic() - started, self._silent, stopped=self.stopped)
+        report = self._view().report(time.monotonic() - started, self._silent.reasons, stopped=self.stopped)
         return replace(report, errors=(self._cut_short,)) if self._cut_short and report.ok else report
 
     def status(self) -> RunStatus:
@@ -199,14 +199,6 @@ class Coordinator:
             if self.order.restart:
                 self._announce_ended_workers()
 
-    def _note_lost_hosts(self) -> None:
-        """Note once more why hosts are lost: one may have lost the run since it was polled last."""
-        for host in self.hosts:
-            try:
-                host.attend(0.0)
-            except HostLost as error:
-                self._silent[host.name] = str(error)
-
     def _end_sensors(self, order_of: Callable[[Plan, Iterable[WorkerStatus]], EndSensors | None]) -> None:
         """Send the order that ends the sensors of a run of N frames, as soon as it is known."""
         if self._sensors_ended or self.order.frames is None or not accompanying_sources(self.plan):
@@ -227,18 +219,12 @@ class Coordinator:
     def _poll_hosts(self, on_progress: OnProgress | None) -> None:
         """Take the newest status of each host, and report what has changed."""
         for host in self.hosts:
-            try:
-                host.attend(PROGRESS_PERIOD / len(self.hosts))
-                if self._silent.pop(host.name, None):
-                    self._events.add(f"host {host.name} is back", "info")
-            except HostLost as error:
-                if host.name not in self._silent:
-                    self._events.add(str(error), "warning")
-                self._silent[host.name] = str(error)
-                if self._stop_deadline is None and self._ends_run(host):
-                    self._cut_short = f"{error}: the run, which has no --restart, ended early"
+            self._silent.attend(host, PROGRESS_PERIOD / len(self.hosts))
+            if self._stop_deadline is None and self._ends_run(host):
+                why = self._silent.reasons[host.name]
+                self._cut_short = f"{why}: the run, which has no --restart, ended early"
         stopping = self._stop_deadline is not None
-        self._events.notice(self._view(), silence=bool(self._silent) and not stopping)
+        self._events.notice(self._view(), silence=bool(self._silent.reasons) and not stopping)
         self.log.gather()
         if on_progress is not None:
             view = self._view()
@@ -256,7 +242,7 @@ class Coordinator:
     def _over(self, host: Host) -> bool:
         """True if all workers of a host have ended, or if the operator no longer waits for the host."""
         status = host.status()
-        if host.name in self._silent:
+        if host in self._silent:
             end = self._stop_deadline
             undelivered = end is not None and time.monotonic() > end - _STOP_TIMEOUT + _DELIVERY_TIMEOUT
             ended = status.age_s is not None and status.all("over")
@@ -265,12 +251,12 @@ class Coordinator:
 
     def _failed(self) -> bool:
         """True if a worker failed, or a host was lost in a run without restarts: either ends the run."""
-        lost = any(self._ends_run(host) for host in self.hosts if host.name in self._silent)
+        lost = any(map(self._ends_run, self.hosts))
         return lost or any(w.phase == "over" and w.report and w.report.error for w in self._workers())
 
-    def _ends_run(self, silent: Host) -> bool:
-        """Whether the run cannot go on without a host that does not answer: some worker there goes on."""
-        return not (self.order.restart or silent.status().all("over"))
+    def _ends_run(self, host: Host) -> bool:
+        """Whether the run cannot go on because a host does not answer: some worker there goes on."""
+        return host in self._silent and not (self.order.restart or host.status().all("over"))
 
     def _workers(self) -> Iterator[WorkerStatus]:
         return self._view().workers()
