@@ -25,13 +25,13 @@ from followspot_persons.likelihood.walkable import Walkable
 from followspot_persons.panorama import turn_of
 from followspot_persons.particles.girth import girths_of
 from followspot_persons.slow_instance.appearance_params import AppearanceParams
-from followspot_persons.slow_instance.bodies import Bodies
 from followspot_persons.slow_instance.box_assignment import BoxAssignment
 from followspot_persons.slow_instance.foreground_box import STEP, shares, without_others
 from followspot_persons.slow_instance.foreground_people import completed
 from followspot_persons.slow_instance.known_person import KnownPerson, missed
 from followspot_persons.slow_instance.observation import Observation
 from followspot_persons.slow_instance.person_update import PersonUpdate
+from followspot_persons.slow_instance.projected_bodies import ProjectedBodies
 from followspot_persons.slow_instance.recognition import Recognition
 from followspot_persons.slow_instance.reported import reported
 
@@ -53,7 +53,7 @@ class Appearance(Stage):
     def setup(self) -> None:
         self.shape = read_shape(self.params.shape)
         self.relations = read_relations(self.params.color_relations, self.shape.names)
-        self.bodies = Bodies(self.camera, self.shape)
+        self.bodies = ProjectedBodies(self.camera, self.shape)
         p = self.params
         self.recognition = Recognition(p.confirmation_score, p.minimum_likeness, self.relations)
         self.assignment = BoxAssignment(self.camera, self.shape, self.relations, p.specific_beats_generic)

@@ -30,12 +30,12 @@ from followspot_persons.particles.condensation import Search
 from followspot_persons.particles.spawning import spawned
 from followspot_persons.particles.track import MINIMUM_SHOWN, Track, coasted, updated
 from followspot_persons.slow_instance.appearance_params import AppearanceParams
-from followspot_persons.slow_instance.bodies import Bodies
 from followspot_persons.slow_instance.box_assignment import FAR, NEAR, BoxAssignment
 from followspot_persons.slow_instance.foreground_box import foreground_box, shares
 from followspot_persons.slow_instance.known_person import KnownPerson, missed
 from followspot_persons.slow_instance.observation import Observation
 from followspot_persons.slow_instance.part_box import Stood, by_size, stood
+from followspot_persons.slow_instance.projected_bodies import ProjectedBodies
 
 SHARP_VISIBILITY = 0.3
 """Cosine of the steepest view of a feature whose colour is learnt."""
@@ -58,7 +58,7 @@ class PersonUpdate:
     girths: ShapeModel
     weights: Weights
     walkable: Walkable | None
-    bodies: Bodies
+    bodies: ProjectedBodies
     assignment: BoxAssignment
     random: Callable[[], np.random.Generator]
 

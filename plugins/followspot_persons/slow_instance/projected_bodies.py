@@ -1,4 +1,4 @@
-"""Where the slow instance's people are in the picture."""
+"""The people of the slow instance, projected into the picture of a camera."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PART = 0.8
 
 
 @dataclass(frozen=True, eq=False)
-class Bodies:
+class ProjectedBodies:
     """Of one camera, with the shape model."""
 
     camera: Camera
