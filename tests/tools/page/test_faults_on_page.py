@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import signal
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -65,70 +66,76 @@ def send(page: Shown, ms: int) -> None:
     page.send("track.tracks", at(ms, tracks(1)))
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")
-def test_a_dead_host_and_a_silent_run_are_seen_at_once_in_a_browser(tmp_path: Path) -> None:
+@pytest.fixture
+def shown(tmp_path: Path) -> Iterator[tuple[Shown, Browser]]:
+    """A run that goes well, and a browser that shows a picture of one of its six cameras."""
+    if CHROMIUM is None:
+        pytest.skip("needs chromium")
     with served(tmp_path / "run") as page, browser(tmp_path / "chromium") as chromium:
         page.status = well(page.plan)
         chromium.open(page.url, 1280, 800)
         chromium.wait("document.querySelector('#life').dataset.life === 'running'")
         chromium.wait("document.querySelectorAll('figure').length === 6")
-        assert chromium.ask("document.querySelector('#faults').hidden")
-        assert chromium.ask("document.querySelectorAll('figure.absent, button.bad').length") == 0
-        bottoms = "[...document.querySelectorAll('figure')].map((f) => f.getBoundingClientRect().bottom)"
-        area = "document.querySelector('#tiles').getBoundingClientRect().bottom"
-        assert chromium.ask(f"Math.max(...{bottoms}) <= {area}")  # all cameras are in sight
         send(page, 40)
         chromium.wait("document.querySelectorAll('figure:not(.dark)').length === 1")
+        yield page, chromium
 
-        page.status = replace(page.status, change_awaits="host pc-left to build the new stages")
-        waits = "a change waits for host pc-left to build the new stages"
-        chromium.wait(f"document.querySelector('#news').innerText === {waits!r}")
 
-        page.status = gone(page.status)
-        chromium.wait("document.querySelectorAll('figure.absent').length === 6")
-        assert chromium.ask("document.querySelector('#faults').innerText").startswith(
-            "host pc-left is absent: last heard 1"
-        )
-        assert chromium.ask("document.querySelector('#life').textContent") == "fault"
-        assert chromium.ask("document.title").startswith("! ")
-        assert is_red(color(chromium, "#faults", "backgroundColor"))
-        assert is_red(color(chromium, "#life", "color"))
-        assert is_red(color(chromium, "figure.absent", "outlineColor"))
-        assert is_red(color(chromium, "#pipeline button.bad", "backgroundColor"))
-        cards = chromium.ask(
-            "[...document.querySelectorAll('#pipeline button.bad .state')].map(e => e.innerText)"
-        )
-        assert [re.sub(r"\d+ s", "N s", card) for card in cards] == ["6 of 6 absent since N s"]
-        chromium.wait("/these places are [0-9]+ s old/.test(document.querySelector('#legend').dataset.old)")
+def test_without_faults_all_cameras_are_in_sight_and_nothing_is_marked(shown: tuple[Shown, Browser]) -> None:
+    page, chromium = shown
+    assert chromium.ask("document.querySelector('#faults').hidden")
+    assert chromium.ask("document.querySelectorAll('figure.absent, button.bad').length") == 0
+    bottoms = "[...document.querySelectorAll('figure')].map((f) => f.getBoundingClientRect().bottom)"
+    area = "document.querySelector('#tiles').getBoundingClientRect().bottom"
+    assert chromium.ask(f"Math.max(...{bottoms}) <= {area}")
+    page.status = replace(page.status, change_awaits="host pc-left to build the new stages")
+    waits = "a change waits for host pc-left to build the new stages"
+    chromium.wait(f"document.querySelector('#news').innerText === {waits!r}")
 
-        chromium.ask("document.querySelector('#over').click()")
-        chromium.wait("/host pc-left is absent/.test(document.querySelector('.log .fault')?.innerText)")
-        assert chromium.ask("document.querySelectorAll('.plot line.fault').length") == 4  # one in each plot
 
-        page.status = well(page.plan)
-        chromium.wait("/over: host pc-left is absent/.test(document.querySelector('.log').innerText)")
-        chromium.wait("document.querySelectorAll('figure.absent').length === 0")
-        chromium.wait("document.querySelector('#life').dataset.life === 'running'")
-        send(page, 80)
-        chromium.wait("document.querySelectorAll('figure.old').length === 0")
+def test_a_dead_host_is_seen_at_once_until_it_is_back(shown: tuple[Shown, Browser]) -> None:
+    page, chromium = shown
+    page.status = gone(page.status)
+    chromium.wait("document.querySelectorAll('figure.absent').length === 6")
+    faults = chromium.ask("document.querySelector('#faults').innerText")
+    assert faults.startswith("host pc-left is absent: last heard 1")
+    assert chromium.ask("document.querySelector('#life').textContent") == "fault"
+    assert chromium.ask("document.title").startswith("! ")
+    assert is_red(color(chromium, "#faults", "backgroundColor"))
+    assert is_red(color(chromium, "#life", "color"))
+    assert is_red(color(chromium, "figure.absent", "outlineColor"))
+    assert is_red(color(chromium, "#pipeline button.bad", "backgroundColor"))
+    bad = "[...document.querySelectorAll('#pipeline button.bad .state')].map(e => e.innerText)"
+    assert [re.sub(r"\d+ s", "N s", card) for card in chromium.ask(bad)] == ["6 of 6 absent since N s"]
+    chromium.wait("/these places are [0-9]+ s old/.test(document.querySelector('#legend').dataset.old)")
+    chromium.ask("document.querySelector('#over').click()")
+    chromium.wait("/host pc-left is absent/.test(document.querySelector('.log .fault')?.innerText)")
+    assert chromium.ask("document.querySelectorAll('.plot line.fault').length") == 4, "one in each plot"
 
-        os.kill(page.pid, signal.SIGSTOP)
-        chromium.wait("document.querySelector('#life').dataset.life === 'fault'")
-        assert re.match(
-            r"this page has heard nothing of the run for \d+ s",
-            chromium.ask("document.querySelector('#faults').innerText"),
-        )
-        assert chromium.ask("document.body.classList.contains('old')")
-        chromium.wait("document.querySelectorAll('figure.old').length === 1")
-        os.kill(page.pid, signal.SIGCONT)
-        chromium.wait("document.querySelector('#life').dataset.life === 'running'")
-        assert chromium.errors == []
+    page.status = well(page.plan)
+    chromium.wait("/over: host pc-left is absent/.test(document.querySelector('.log').innerText)")
+    chromium.wait("document.querySelectorAll('figure.absent').length === 0")
+    chromium.wait("document.querySelector('#life').dataset.life === 'running'")
+    send(page, 80)
+    chromium.wait("document.querySelectorAll('figure.old').length === 0")
+    assert chromium.errors == []
 
-        os.kill(page.pid, signal.SIGKILL)
-        chromium.wait("document.querySelector('#life').dataset.life === 'gone'")
-        assert chromium.ask("document.querySelector('#faults').innerText").startswith(
-            "this page has lost its run"
-        )
+
+def test_a_run_that_hangs_or_is_killed_is_seen_at_once(shown: tuple[Shown, Browser]) -> None:
+    page, chromium = shown
+    os.kill(page.pid, signal.SIGSTOP)
+    chromium.wait("document.querySelector('#life').dataset.life === 'fault'")
+    faults = chromium.ask("document.querySelector('#faults').innerText")
+    assert re.match(r"this page has heard nothing of the run for \d+ s", faults)
+    assert chromium.ask("document.body.classList.contains('old')")
+    chromium.wait("document.querySelectorAll('figure.old').length === 1")
+    os.kill(page.pid, signal.SIGCONT)
+    chromium.wait("document.querySelector('#life').dataset.life === 'running'")
+    assert chromium.errors == []
+    os.kill(page.pid, signal.SIGKILL)
+    chromium.wait("document.querySelector('#life').dataset.life === 'gone'")
+    faults = chromium.ask("document.querySelector('#faults').innerText")
+    assert faults.startswith("this page has lost its run")
 
 
 def samples(run: RunMonitor, targets: metrics.Targets) -> dict[str, float]:
