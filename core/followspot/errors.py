@@ -163,7 +163,7 @@ def require_unused(path: Path, *sources: Path) -> None:
 @contextmanager
 def writing(path: Path) -> Iterator[None]:
     """Raise FollowspotError for an OSError of the block; path: named in place of the OSError's
-    file, which may be a temporary one, or none where the disk is full.
+    file, which may be a temporary one, or none if the disk is full.
     """
     try:
         yield

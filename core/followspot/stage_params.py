@@ -88,7 +88,7 @@ class StageParams(pydantic.BaseModel):
     @pydantic.field_validator("*", mode="before")
     @classmethod
     def _check_switches(cls, value: Any, info: pydantic.ValidationInfo) -> Any:
-        """Raises ValueError for true or false where a number is meant: pydantic takes them for 1 and 0."""
+        """Raises ValueError for true or false in place of a number: pydantic takes them for 1 and 0."""
         types = tuple(_plain_types(cls.model_fields[info.field_name or ""].annotation))
         numbers = any(kind in (int, float) for kind in types)
         if numbers and not any(kind in (bool, Any, object) for kind in types) and _has_switch(value):
@@ -103,7 +103,7 @@ class StageParams(pydantic.BaseModel):
 
     @pydantic.model_validator(mode="after")
     def _check_pairs(self) -> Self:
-        """Raises ValueError where `minimum_x` is more than `maximum_x`."""
+        """Raises ValueError if `minimum_x` is more than `maximum_x`."""
         values = dict(self)
         for name, least in values.items():
             other = name.replace("minimum_", "maximum_", 1) if name.startswith("minimum_") else ""

@@ -10,7 +10,7 @@ from followspot.errors import FollowspotError
 
 
 def check_system() -> None:
-    """Raises FollowspotError where a run cannot start: on other systems than Linux."""
+    """Raises FollowspotError if a run cannot start: on other systems than Linux."""
     needed = {
         "memfd_create, for memory that workers share": hasattr(os, "memfd_create"),
         "eventfd, which wakes a worker": hasattr(os, "eventfd"),

@@ -99,7 +99,7 @@ class Pairs(Message):
     """True if the pair alone may start a track: confirmed, and no other colour camera contradicts it."""
     targets: Array = column("N", "T", dtype="?")
     clutter: Array = column("N", 2)
-    """Share of the usual clutter around each blob: below 1 where its view lately showed nothing of the kind
+    """Share of the usual clutter around each blob: below 1 if its view lately showed nothing of the kind
     while a target was lost that the blob may be."""
 
 

@@ -176,7 +176,7 @@ class PersonSlots:
         return self.slots
 
     def state(self) -> Any:
-        """Who has which slot, for `restore`: lights are patched to numbers, whatever happens to a worker."""
+        """The slot of each target, for `restore`: lights keep their numbers when a worker starts again."""
         return {"slots": to_plain(self.slots), "row": to_plain(self._row), "seen": self._seen}
 
     def restore(self, state: Any) -> None:

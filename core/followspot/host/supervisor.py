@@ -126,7 +126,7 @@ class Supervisor:
         return all(workers[name].phase in ("absent", "over") for name in self._leaving if name in workers)
 
     def _bring_back(self) -> None:
-        """Let workers that left for a move begin at their old places: nobody ends the move."""
+        """Let workers that left for a move begin at their old places: no operator has ended the move."""
         back, self._back_at = sorted(self._leaving), None
         self._leaving.clear()
         self.move_given_up = True

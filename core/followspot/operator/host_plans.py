@@ -17,7 +17,7 @@ class PlanConflict:
     """Two plans of one run. other: the plan of some hosts, which is not that of the run.
 
     text: a line that says what differs, and the remedy; curable: whether all hosts can be brought to the
-    run's plan: nobody knows the parameters of a stage whose host has dropped it while no other has it.
+    run's plan: some host has the parameters of each of its stages.
     """
 
     other: Plan

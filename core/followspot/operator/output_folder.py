@@ -18,9 +18,9 @@ from followspot.plugins.registry import load_stage
 def reserved(folder: Path) -> Iterator[None]:
     """Make a folder and keep other runs out of it while the block runs.
 
-    The lock ends with the process, however that ends. A disk without locks keeps nobody out. The present
-    folder is not reserved: it is that of runs without outputs. Raises FollowspotError if a run writes there
-    or the folder cannot be made.
+    The lock ends with the process, however that ends. On a file system without locks no run is kept out. The
+    present folder is not reserved: it is that of runs without outputs. Raises FollowspotError if a run writes
+    there or the folder cannot be made.
     """
     if folder == Path():
         yield

@@ -40,20 +40,20 @@ class Connections:
         self._waiting: dict[asyncio.Protocol, asyncio.Transport] = {}
         """Idle connections, longest wait first."""
 
-    def enter(self, who: asyncio.Protocol, transport: asyncio.Transport) -> None:
-        """Add an idle connection; the oldest makes room if there are too many."""
-        self._waiting.pop(who, None)
-        self._waiting[who] = transport
+    def enter(self, connection: asyncio.Protocol, transport: asyncio.Transport) -> None:
+        """Add an idle connection; close the oldest if there are too many."""
+        self._waiting.pop(connection, None)
+        self._waiting[connection] = transport
         if len(self._waiting) > MAX_WAITING:
             self.expel(next(iter(self._waiting)), "crowded")
 
-    def leave(self, who: asyncio.Protocol) -> None:
+    def leave(self, connection: asyncio.Protocol) -> None:
         """Remove a connection that was closed or became a viewer."""
-        self._waiting.pop(who, None)
+        self._waiting.pop(connection, None)
 
-    def expel(self, who: asyncio.Protocol, reason: str) -> None:
+    def expel(self, connection: asyncio.Protocol, reason: str) -> None:
         """Close the connection at once; what it has not read yet is lost."""
-        transport = self._waiting.pop(who, None)
+        transport = self._waiting.pop(connection, None)
         if transport is not None:
             self.refused[reason] += 1
             transport.abort()

@@ -136,7 +136,7 @@ def text(same: bool, rows: Sequence[Compared], notes: Sequence[str]) -> str:
 
 
 def _unproved(rows: Sequence[Compared]) -> str:
-    """The result where not all is the same; without any difference, the recording ends early."""
+    """The result if not all is the same; without any difference, the recording ends early."""
     if not any(row.messages for row in rows):
         return "nothing is repeated"
     return "different" if any(row.difference for row in rows) else "the same up to there"

@@ -18,7 +18,7 @@ _INTERFACE = (
 )
 _OPTIONAL: Schema = {
     "type": "boolean",
-    "description": "true: where the room has nothing for it, it is left out",
+    "description": "true: leave it out if the room has nothing for it",
 }
 FOR_PORT: Schema = {"type": "string", "pattern": r"^[\w.]+\[[\w.]+\]$", "description": "NAME[STAGE.PORT]"}
 

@@ -54,7 +54,7 @@ def takes_noise(trial: Trial) -> Iterator[str]:
 
 
 def goes_on_without_a_camera(trial: Trial) -> Iterator[str]:
-    """Where a camera is gone a join has one message less; where all are gone, none."""
+    """A join has one message less if a camera is gone, and none if all are."""
     inputs = [
         () if port.several else value for port, value in zip(trial.ports.inputs, trial.inputs(), strict=True)
     ]
@@ -216,7 +216,7 @@ def _check_lagged(trial: Trial, items: Sequence[Any], frame: int) -> None:
 
 
 def _returned(trial: Trial) -> list[Any]:
-    """What an instance returns for three frames; nothing where it fails, which other promises tell."""
+    """What an instance returns for three frames; nothing if it fails, which other promises report."""
     returned: list[Any] = []
     if trial.computes:
         with contextlib.suppress(Exception), trial.at_work(seed=1) as stage:

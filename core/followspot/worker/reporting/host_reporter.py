@@ -99,7 +99,7 @@ class HostReporter:
 
 
 def _progress(scheduler: Scheduler) -> Progress:
-    """How far the worker has come: its sinks that still have inputs, else its stages that nobody reads, else
+    """How far the worker has come: its sinks that still have inputs, else its stages without readers, else
     its sources.
     """
     sources = scheduler.sources.all

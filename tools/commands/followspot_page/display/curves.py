@@ -47,7 +47,7 @@ class Curves:
         for curve in curves:
             if curve.port not in known:
                 raise FollowspotError(f"there is no port {curve.port} whose figures this page plots")
-        others = (curve for who, of in self._chosen.items() if who is not browser for curve in of)
+        others = (curve for one, chosen in self._chosen.items() if one is not browser for curve in chosen)
         if len({curve.port for curve in (*others, *curves)}) > MOST_PORTS:
             raise FollowspotError(f"browsers plot figures of {MOST_PORTS} ports already")
         self._chosen[browser] = tuple(curves)

@@ -1,1 +1,1 @@
-"""The web server of a page: its routes, who may enter, and the socket of each browser."""
+"""The web server of a page: its routes, access control, and the socket of each browser."""
