@@ -82,7 +82,7 @@ def run(room: Path, others: int, frames: int, folder: Path) -> dict[str, float]:
     if not told["ok"]:
         raise SystemExit("\n".join(told["errors"]))
     everybody = told["persons"]["all"]
-    (looked,) = (edge for edge in told["edges"] if edge["to"].startswith("look/"))
+    (sampled,) = (edge for edge in told["edges"] if edge["to"].startswith("sampler/"))
     (path,) = (path for path in told["paths"] if path["to"] == "save")
     figures = {
         "coverage, %": 100 * everybody["coverage"],
@@ -91,8 +91,8 @@ def run(room: Path, others: int, frames: int, folder: Path) -> dict[str, float]:
         "false, %": 100 * everybody["false_share"],
         "switches": everybody["identity_switches"],
         "p50, ms": path["p50_ms"],
-        "searched": looked["delivered"],
-        "dropped": looked["dropped"],
+        "searched": sampled["delivered"],
+        "dropped": sampled["dropped"],
     }
     return {name: nan if value is None else value for name, value in figures.items()}
 

@@ -62,7 +62,7 @@ def test_balls_and_people_share_the_cameras_of_a_show() -> None:
     readers = {edge.to_stage for edge in plan.edges if edge.from_stage == "camera/left"}
     assert readers == {
         "balls/color/left",
-        "people/look/left",
+        "people/sampler/left",
         "people/gradients/left",
         "people/pose/left",
     }

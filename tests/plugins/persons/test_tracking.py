@@ -27,10 +27,10 @@ from followspot_persons.fast_instance.pose_history import (
 )
 from followspot_persons.fast_instance.slow_pose import SlowPose
 from followspot_persons.fast_instance.tracked_person import poses_of
+from followspot_persons.frame_sampler import FrameSampler
 from followspot_persons.hog.likelihood import heading_log_likelihood
 from followspot_persons.likelihood.fitness import Detection, Fitness, Picture, Weights
 from followspot_persons.likelihood.occlusion import Shades, covered
-from followspot_persons.look import Look
 from followspot_persons.particles.girth import girths_of
 from followspot_persons.particles.spawning import farthest, spawned
 from followspot_persons.particles.track import Track
@@ -246,7 +246,7 @@ def ready(stage, camera, **params):
 
 def test_a_look_passes_the_picture_on_as_it_is():
     frame = Frame(camera="c", pixels=np.zeros((4, 4, 3), np.uint8))
-    assert ready(Look, perspective()).process(frame) is frame
+    assert ready(FrameSampler, perspective()).process(frame) is frame
 
 
 def watched(tracker, number, pose):

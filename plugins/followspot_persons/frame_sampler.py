@@ -1,0 +1,19 @@
+"""Samples the pictures of a camera for the slow instance, at the rate that it can take (section 5)."""
+
+from __future__ import annotations
+
+from followspot import Stage
+from followspot.tracking import Frame
+
+
+class FrameSampler(Stage):
+    """Give several slow stages the same picture of a camera: the newest when they have time for one.
+
+    This takes `policy: latest` on its input and `depth: 1` behind it: the pictures between are dropped before
+    any work was done on them. A recorded camera waits instead.
+    """
+
+    per_camera = True
+
+    def process(self, frame: Frame) -> Frame:
+        return frame
