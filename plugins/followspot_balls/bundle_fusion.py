@@ -8,7 +8,7 @@ import numpy as np
 
 from followspot import Array, Field, Latest
 from followspot.tracking import Candidates, Forecast, Positions
-from followspot_balls.association.recovery_evidence import appearing, recovery_credit
+from followspot_balls.association.recovery_evidence import DOUBTED, appearing
 from followspot_balls.fusion.blob_assignment import Claims, assigned, shares, squared_errors
 from followspot_balls.fusion.contradiction import contradicted
 from followspot_balls.fusion.validation import Fusion
@@ -82,6 +82,13 @@ class Bundle(Fusion):
             unit="1",
             description="factor on the cutoff for a lost target in three views; raising it recovers more",
         )
+        vote_clutter: float = Field(
+            0.05,
+            gt=0,
+            unit="1",
+            description="density of whatever else a blob may be over that of a whole blob at its target's "
+            "centre; raising it lets more views that agree badly outvote fewer that agree well",
+        )
         color_vote_bonus: float = Field(
             0.5,
             ge=0,
@@ -135,7 +142,7 @@ class Bundle(Fusion):
         table = blob_table(candidates, len(self.P))
         sizes = self.outlines.at_unit_depth(table.xy, table.area)
         claims = Claims(table.xy, table.targets[target], sizes, self.radii[target], lost[target])
-        credit = seeds[target] * self.credit(candidates, target, claims.lost, forecast)
+        credit = np.where(seeds[target], self.credit(candidates, target, claims.lost, forecast), -np.inf)
         start = candidates.xyz[self.votes(candidates.xyz, credit, claims).argmax(axis=1)]
         expected = self.expectation(target, claims.lost, forecast)
         fit = self.refined(start, claims, expected, self.cutoff(candidates, target, lost))
@@ -155,32 +162,35 @@ class Bundle(Fusion):
         return self.validated(seen, candidates, forecast)
 
     def credit(self, candidates: Candidates, target: Array, lost: Array, forecast: Forecast | None) -> Array:
-        """Factor of the candidates' votes, (M, N): from their distance to the forecast, or from their
-        evidence.
+        """Logarithm of each candidate's prior, (M, N): by its distance to the forecast, or by its evidence.
+
+        target: (M,); lost: (M,) bool, which have no forecast.
         """
-        evidence = np.broadcast_to(recovery_credit(candidates), (len(target), len(candidates.xyz)))
+        evidence = np.log(np.where(candidates.evident, 1.0, DOUBTED))
         if forecast is None or lost.all():
-            return evidence
+            return np.broadcast_to(evidence, (len(target), len(evidence)))
         distance2 = np.square(candidates.xyz - forecast.xyz[target][:, None]).sum(axis=2)
-        return np.where(lost[:, None], evidence, np.exp(-distance2 / (2 * self.params.prior_sigma**2)))
+        return np.where(lost[:, None], evidence, -distance2 / (2 * self.params.prior_sigma**2))
 
     def votes(self, xyz: Array, credit: Array, claims: Claims) -> Array:
-        """Agreement of all views with each candidate as the position of each target: (M, N).
+        """Logarithm of the posterior of each candidate as the position of each target: (M, N).
 
-        A view votes by a Cauchy density whose squared width, px^2, grows with the sigma of its blob, as the
-        cutoff of the fit does: a fragment supports an exact candidate less than a whole blob does, and
-        contradicts a near one less.
-        xyz: (N, 3) m; credit: (M, N) factors, 0 for candidates that are not in question.
+        The views are independent, so what they say multiplies: several that agree on a place outvote two
+        that fit another one better, and a forecast that is off by a ball's width. A blob is a target's by a
+        Cauchy density whose squared width, px^2, grows with the sigma of its blob, as the cutoff of the fit
+        does: a fragment supports an exact candidate less than a whole blob does, and contradicts a near one
+        less. Else it is something that lies there by chance.
+        xyz: (N, 3) m; credit: (M, N) of :meth:`credit`, -inf for candidates that are not in question.
         """
-        row, candidate = np.nonzero(credit)
+        row, candidate = np.nonzero(credit > -np.inf)
         seen = point_images(self.P, xyz[candidate])
         squares = squared_errors(claims.xy, seen, claims.possible[row])
         sigma = np.sqrt(self.variance(shares(claims, seen.depth, row)))
         width2 = self.params.vote_scale**2 / self.params.blob_sigma * sigma
-        agreement = np.sqrt(width2) / (width2 + squares)
-        votes = np.zeros(credit.shape)
-        best = np.ascontiguousarray(agreement.transpose(2, 0, 1)).max(axis=0)  # five times as fast as axis=2
-        votes[row, candidate] = best @ self.voice * credit[row, candidate]
+        density = np.sqrt(width2) / (width2 + squares)
+        nearest = np.ascontiguousarray(density.transpose(2, 0, 1)).max(axis=0)  # five times as fast as axis=2
+        votes = credit.copy()
+        votes[row, candidate] += np.log1p(nearest / self.params.vote_clutter) @ self.voice
         return votes
 
     def variance(self, share: Array) -> Array:
