@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.commands import command
+from tests.commands import command, launch
 from tests.integration.hosts import Agent, near_agent
 from tests.integration.running import STAGES, balanced, start, wait_until, write_graph
 
@@ -100,6 +100,13 @@ class Detached:
         """Move `b`."""
         self.command("move", "b", place, "--plugin", str(STAGES))
 
+    def attach_says(self) -> str:
+        """The second line of `followspot attach`; the first says where the run is."""
+        with launch("attach", "--run", self.name, *self.connect) as watching:
+            lines = [watching.stderr.readline().rstrip() for _ in range(2)]
+            watching.kill()
+        return lines[1]
+
     def faults(self) -> list[str]:
         """The faults that `followspot top` shows."""
         found: list[str] = json.loads(self.command("top", "--json"))["faults"]
@@ -141,6 +148,7 @@ def test_after_a_move_that_died_the_next_brings_all_hosts_to_one_plan(run: Detac
     assert "by that of pc-left, b is in worker left" in fault
     assert "by that of pc-right, b is in worker right" in fault
     assert fault.endswith("the next move, swap or set of the run brings all hosts to one plan first")
+    assert run.attach_says() == f"followspot: {fault}"
     run.move(place)
     values = run.grows()
     assert values[0] > begun[-1], "it counts on"
