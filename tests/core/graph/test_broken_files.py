@@ -6,12 +6,16 @@ import re
 from pathlib import Path
 
 import pytest
-from tests.core.graph.broken_files import ALL, Broken
+from tests.core.graph.broken_case import Broken
+from tests.core.graph.broken_graphs import ENVELOPE, EXPANSION, SYNTAX
+from tests.core.graph.broken_rooms import PLACEMENTS, ROOMS
+from tests.core.graph.broken_stages import PARAMETERS, PORTS
 from tests.core.graph.files import GRAPH, PLACEMENT, ROOM, TOY, write
 
 from followspot.errors import InputError
 from followspot.graph.compile import compile_graph
 
+ALL = [*SYNTAX, *ENVELOPE, *EXPANSION, *PORTS, *PARAMETERS, *ROOMS, *PLACEMENTS]
 _GOOD = {"graph": GRAPH, "room": ROOM, "placement": PLACEMENT}
 
 
