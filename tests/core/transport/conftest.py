@@ -1,4 +1,4 @@
-"""Rings with both ends in the process of the test."""
+"""Rings and Zenoh edges with both ends in the process of the test."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 from tests.core.transport.rings import Ring
+from tests.core.transport.zenoh_pair import Pair
 
 
 @pytest.fixture
@@ -19,3 +20,10 @@ def shared() -> Iterator[Ring]:
     """One writer, three readers."""
     with Ring(3) as made:
         yield made
+
+
+@pytest.fixture
+def pair() -> Iterator[Pair]:
+    made = Pair()
+    yield made
+    made.close()

@@ -5,10 +5,8 @@ Whatever comes is refused and counted, and a good message still passes afterward
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
-from tests.core.transport.test_zenoh_edge import DEPTH, KEY, SAID, Pair, arrived, frame, until
+from tests.core.transport.zenoh_pair import DEPTH, KEY, SAID, Pair, arrived, frame, until
 
 from followspot.messages import MAX_SEQ, MAX_TIME, Header, identical, stamped
 from followspot.transport.codec import pack
@@ -17,13 +15,6 @@ from followspot.transport.zenoh.terms import CREDIT, NUMBER, START, WINDOW
 
 READER = "color%2Fcam0.frame"
 EXTREME = (2**63, 2**64 - 1, 2**63 - 1, MAX_COUNT + 1)
-
-
-@pytest.fixture
-def pair() -> Iterator[Pair]:
-    made = Pair()
-    yield made
-    made.close()
 
 
 def alive(pair: Pair) -> None:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any, cast
 
 import pytest
 import zenoh
-from tests.core.transport.test_zenoh_edge import DEPTH, KEY, NAME, QUOTED, SAID, Pair, arrived, frame, until
+from tests.core.transport.zenoh_pair import DEPTH, KEY, NAME, QUOTED, SAID, Pair, arrived, frame, until
 
 from followspot.messages import identical
 from followspot.tracking import Frame
@@ -15,13 +14,6 @@ from followspot.transport.codec import pack
 from followspot.transport.token import ABSENT, END, Invalid, Watermark
 from followspot.transport.zenoh.edge import ZenohReader, ZenohWriter, open_session
 from followspot.transport.zenoh.terms import CREDIT, NUMBER, START
-
-
-@pytest.fixture
-def pair() -> Iterator[Pair]:
-    made = Pair()
-    yield made
-    made.close()
 
 
 def replacement(pair: Pair, incarnation: int = 1) -> ZenohWriter:
