@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from tests.core.graph.files import GRAPH, ROOM, TOY
@@ -10,6 +11,9 @@ from tests.core.graph.files import GRAPH, ROOM, TOY
 from followspot.graph.change.stages import change_of
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedStage
+from followspot.graph.plan_data import plan_from_data, plan_to_data
+from followspot.graph.subgraph_use import SubgraphUse
+from followspot.operator.change_outcome import with_change
 
 TRACKER = """\
 graph: tracker
@@ -58,3 +62,18 @@ def edges(plan: Plan) -> list[str]:
 def changed_stages(plan: Plan, words: Sequence[str], folder: Path = Path()) -> tuple[PlannedStage, ...]:
     """The stages that change, in their new form."""
     return change_of(plan, words, folder).stages
+
+
+def travelled(plan: Plan) -> Plan:
+    """The plan as an agent has it."""
+    return plan_from_data(json.loads(json.dumps(plan_to_data(plan))))
+
+
+def after(plan: Plan, *words: str) -> Plan:
+    """The plan after a change, as an agent has it."""
+    return travelled(with_change(plan, change_of(plan, words)))
+
+
+def by_name(uses: Iterable[SubgraphUse]) -> dict[str, SubgraphUse]:
+    """Uses of sub-graphs by their full names."""
+    return {use.name: use for use in uses}

@@ -48,6 +48,7 @@ targets:
 truth: {uses: toy.knowing, with: {path: truth.csv}}
 """
 
+HERE = ROOM.replace("    host: pc-left\n", "")
 PLACEMENT = """\
 placement: two
 workers:

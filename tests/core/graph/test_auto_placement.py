@@ -7,8 +7,7 @@ import json
 from pathlib import Path
 
 import pytest
-from tests.core.graph.files import TOY, write
-from tests.core.graph.test_placement import HERE
+from tests.core.graph.files import HERE, TOY, write
 
 from followspot.errors import InputError
 from followspot.graph import placement

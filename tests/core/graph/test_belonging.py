@@ -6,37 +6,19 @@ from pathlib import Path
 
 import pytest
 from tests.core.graph.composed import edges, planned, write
-from tests.core.graph.files import ROOM, TOY
+from tests.core.graph.files import TOY
+from tests.core.graph.subgraph_files import DETECTORS, TAGGED, ZONE
 
 from followspot.cli.main import main as command
 from followspot.errors import InputError
 from followspot.graph.compile import compile_graph
 
-TAGGED = ROOM.replace("    kind: color\n", "    kind: color\n    tags: {zone: hall}\n").replace(
-    "    kind: infrared\n", "    kind: infrared\n    tags: {zone: stage}\n"
-)
 SHARED = TAGGED.replace("{zone: hall}", "{zone: [hall, stage]}")
-ZONE = """\
-graph: zone
-inputs:  {blobs: gather.blobs}
-outputs: {blobs: gather}
-stages:
-  own:    {uses: toy.any, in: {blobs: gather}}
-  gather: {uses: toy.pair, in: {blobs: other}}
-  other:  {uses: toy.pair, in: {blobs: gather}}
-"""
-MAIN = """\
-graph: main
-room: room.yaml
-stages:
-  eyes:   {uses: room.source, each: cameras}
-  detect: {uses: toy.detect, each: cameras, in: {frame: eyes}}
-"""
 
 
 def readers(folder: Path, stages: str, room: str = TAGGED) -> list[str]:
     """The edges of these stages, beside cameras and detectors."""
-    plan = planned(folder, MAIN + stages, room=room, zone=ZONE)
+    plan = planned(folder, DETECTORS + stages, room=room, zone=ZONE)
     return [
         edge
         for edge in edges(plan)
@@ -106,7 +88,7 @@ def test_an_input_of_a_port_gets_the_cameras_that_the_sub_graph_sees(tmp_path: P
     assert readers(tmp_path, text) == ["detect/cam1.out -> area/gather.blobs"]
     outer = "graph: outer\ninputs: {blobs: area.blobs}\nstages:\n" + text.replace("in: {blobs: detect}", "")
     text = '  more: {graph: outer.yaml, cameras: "cameras[kind=infrared]", in: {blobs: detect}}\n'
-    plan = planned(tmp_path, MAIN + text, room=SHARED, zone=ZONE, outer=outer)
+    plan = planned(tmp_path, DETECTORS + text, room=SHARED, zone=ZONE, outer=outer)
     assert [e for e in edges(plan) if e.endswith("gather.blobs")] == [
         "detect/cam1.out -> more/area/gather.blobs"
     ]
@@ -119,7 +101,7 @@ def test_sensors_without_the_tag_feed_every_member(tmp_path: Path) -> None:
   area: {graph: hint.yaml, each: zones, in: {hint: imu, blobs: detect}}
 """
     hint = ZONE.replace("{blobs: gather.blobs}", "{blobs: gather.blobs, hint: own.hint}")
-    found = edges(planned(tmp_path, MAIN + text, room=room, hint=hint))
+    found = edges(planned(tmp_path, DETECTORS + text, room=room, hint=hint))
     assert [edge for edge in found if edge.startswith("imu")] == [
         "imu/imu0.out -> area/hall/own.hint",
         "imu/imu0.out -> area/stage/own.hint",
@@ -143,7 +125,7 @@ def test_the_flat_file_says_what_stages_belong_to(tmp_path: Path, capsys: pytest
   few:  {graph: zone.yaml, cameras: "cameras[kind=color]", in: {blobs: detect}}
   show: {uses: toy.any, each: zones, in: {blobs: area.blobs}}
 """
-    write(tmp_path, main=MAIN + text, room=TAGGED, zone=ZONE)
+    write(tmp_path, main=DETECTORS + text, room=TAGGED, zone=ZONE)
     plan = compile_graph(tmp_path / "main.yaml", plugin_files=[TOY])
     assert command(["graph", str(tmp_path / "main.yaml"), "--plugin", TOY, "--flat"]) == 0
     (tmp_path / "flat.yaml").write_text(capsys.readouterr().out)

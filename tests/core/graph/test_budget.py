@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from tests.core.graph.files import TOY, write
-from tests.core.graph.test_placement import HERE
+from tests.core.graph.files import HERE, TOY, write
 
 from followspot.errors import InputError
 from followspot.graph.budget import Budget

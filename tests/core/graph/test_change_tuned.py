@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from tests.core.graph.composed import TRACKER, changed_stages, planned, stage, write
 from tests.core.graph.files import ROOM, TOY
-from tests.core.graph.test_subgraphs import SHARED
+from tests.core.graph.subgraph_files import SHARED
 
 from followspot.errors import InputError
 from followspot.graph.change.stages import change_of

@@ -8,7 +8,7 @@ import pytest
 import yaml
 from tests.core.graph.composed import write
 from tests.core.graph.files import TOY
-from tests.core.graph.test_subgraphs import MIDDLE, NESTED, SHARED, TWO
+from tests.core.graph.subgraph_files import MIDDLE, NESTED, SHARED, TWO
 
 from followspot.cli.main import main
 from followspot.document import dump, plain

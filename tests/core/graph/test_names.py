@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from tests.core.graph.composed import changed_stages, planned, write
 from tests.core.graph.files import TOY
-from tests.core.graph.test_subgraphs import MIDDLE, NESTED, SHARED
+from tests.core.graph.subgraph_files import MIDDLE, NESTED, SHARED
 
 from followspot.errors import InputError
 from followspot.graph.change.move import moved

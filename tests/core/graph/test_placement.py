@@ -7,13 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.core.graph.files import ROOM, TOY, write
+from tests.core.graph.files import HERE, ROOM, TOY, write
 
 from followspot.errors import InputError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedWorker
-
-HERE = ROOM.replace("    host: pc-left\n", "")
 
 
 def planned(folder: Path, placement: str | None, room: str = HERE, **options: Any) -> Plan:

@@ -8,9 +8,8 @@ from itertools import product
 from pathlib import Path
 
 import pytest
-from tests.core.graph.composed import TRACKER, edges, names, planned, stage
-from tests.core.graph.test_subgraph_in_place import NESTED, WING, after, by_name, travelled
-from tests.core.graph.test_subgraphs import EACH, SHARED, TWO, ZONED
+from tests.core.graph.composed import TRACKER, after, by_name, edges, names, planned, stage, travelled
+from tests.core.graph.subgraph_files import EACH, SHARED, TWO, WING, WINGS, ZONED
 
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.change.difference import only_worker
@@ -46,7 +45,7 @@ OTHER_PORT = TRACKER.replace("blobs: detect}\nstages", "blobs: pair}\nstages")
 @pytest.mark.parametrize(
     ("main", "file"),
     [
-        *product([SHARED, BY_INTERFACE, TWO, NESTED], [SMOOTHED, PER_CAMERA, SHORT]),
+        *product([SHARED, BY_INTERFACE, TWO, WINGS], [SMOOTHED, PER_CAMERA, SHORT]),
         *product([SHARED], [POLITE, OPEN, OTHER_PORT]),
     ],
 )

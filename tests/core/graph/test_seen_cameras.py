@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from tests.core.graph.composed import planned
-from tests.core.graph.test_belonging import MAIN as DETECTORS
-from tests.core.graph.test_belonging import TAGGED, ZONE
+from tests.core.graph.subgraph_files import DETECTORS, TAGGED, ZONE
 
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_from_data, plan_to_data

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from tests.core.graph.composed import TRACKER, planned, write
-from tests.core.graph.test_subgraphs import EACH, SHARED, ZONED
+from tests.core.graph.subgraph_files import EACH, SHARED, ZONED
 
 from followspot.errors import InputError
 from followspot.graph.change.stages import change_of

@@ -3,62 +3,29 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tests.core.graph.composed import TRACKER, planned, stage
+from tests.core.graph.composed import TRACKER, after, by_name, planned, stage, travelled
 from tests.core.graph.files import ROOM
-from tests.core.graph.test_subgraphs import EACH, SHARED, TWO, ZONED
+from tests.core.graph.subgraph_files import EACH, SHARED, TWO, WING, WINGS, ZONED
 
 from followspot.control.plan_transfer import packed
 from followspot.errors import InputError
 from followspot.graph.change.stages import change_of
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedWorker
-from followspot.graph.plan_data import plan_from_data, plan_to_data
-from followspot.graph.subgraph_use import SubgraphUse
-from followspot.operator.change_outcome import with_change
 
-NESTED = """\
-graph: nested
-room: room.yaml
-stages:
-  wing: {graph: wing.yaml, each: zones, in: {pictures: eyes}, with: {level: 0.25}}
-  eyes: {uses: room.source, each: cameras}
-  pair: {uses: toy.pair, in: {blobs: wing.blobs}}
-"""
-WING = """\
-graph: wing
-params: {level: [inner.level]}
-inputs: {pictures: inner.frames}
-outputs: {blobs: inner.blobs}
-stages:
-  inner: {graph: tracker.yaml, cameras: "cameras[kind=color|infrared]"}
-"""
 GRAPHS = Path(__file__).parents[3] / "graphs"
 AGAIN = TRACKER.replace("uses: toy.detect", "uses: toy.detect_again")
-
-
-def travelled(plan: Plan) -> Plan:
-    """The plan as an agent has it."""
-    return plan_from_data(json.loads(json.dumps(plan_to_data(plan))))
-
-
-def after(plan: Plan, *words: str) -> Plan:
-    return travelled(with_change(plan, change_of(plan, words)))
-
-
-def by_name(uses: Iterable[SubgraphUse]) -> dict[str, SubgraphUse]:
-    return {use.name: use for use in uses}
 
 
 def levels(plan: Plan) -> dict[str, float]:
     return {one.name: one.params["level"] for one in plan.stages if "level" in one.params}
 
 
-@pytest.mark.parametrize("main", [SHARED, EACH, TWO, NESTED])
+@pytest.mark.parametrize("main", [SHARED, EACH, TWO, WINGS])
 def test_its_own_file_in_the_place_of_a_sub_graph_changes_nothing(tmp_path: Path, main: str) -> None:
     plan = travelled(planned(tmp_path, main, room=ZONED, wing=WING))
     for use in plan.subgraphs:
@@ -93,7 +60,7 @@ def test_only_the_new_file_is_read(tmp_path: Path) -> None:
 
 
 def test_an_inner_and_an_outer_sub_graph_are_known_by_their_names(tmp_path: Path) -> None:
-    plan = travelled(planned(tmp_path, NESTED, room=ZONED, wing=WING, again=AGAIN))
+    plan = travelled(planned(tmp_path, WINGS, room=ZONED, wing=WING, again=AGAIN))
     inner = after(plan, f"wing/hall/inner={tmp_path / 'again.yaml'}")
     assert {s.name for s in inner.stages if s.uses == "toy.detect_again"} == {
         "wing/hall/inner/detect/cam0",

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from tests.core.graph.composed import TRACKER, planned
-from tests.core.graph.test_subgraphs import MIDDLE, NESTED, SHARED
+from tests.core.graph.subgraph_files import MIDDLE, NESTED, SHARED
 
 from followspot.errors import InputError
 from followspot.graph.output_ports import chosen_ports, output_ports, port_names

@@ -6,25 +6,7 @@ from pathlib import Path
 
 import pytest
 from tests.core.graph.composed import TRACKER, edges, names, planned, stage
-from tests.core.graph.files import ROOM
-
-TWO = """\
-graph: building
-room: room.yaml
-stages:
-  left:  {graph: tracker.yaml, cameras: "cameras[name=cam0]", with: {level: 0.25}}
-  right: {graph: tracker.yaml, cameras: "cameras[kind=infrared]"}
-  save:  {uses: toy.save, in: {tracks: left.tracks}, with: {path: left.csv}}
-  other: {uses: toy.save, in: {tracks: right.tracks}, with: {path: right.csv}}
-"""
-SHARED = """\
-graph: building
-room: room.yaml
-stages:
-  eyes: {uses: room.source, each: cameras}
-  hall: {graph: tracker.yaml, in: {frames: eyes}}
-  save: {uses: toy.save, in: {tracks: hall.tracks}}
-"""
+from tests.core.graph.subgraph_files import EACH, MIDDLE, NESTED, SHARED, TWO, ZONED
 
 
 def test_a_file_that_is_used_twice_is_two_sets_of_stages(tmp_path: Path) -> None:
@@ -93,17 +75,6 @@ def test_an_only_output_needs_no_name_and_may_be_a_stage_with_cameras(tmp_path: 
         "hall/detect/cam0.out -> all.blobs",
         "hall/detect/cam1.out -> all.blobs",
     ]
-
-
-MIDDLE = """\
-graph: middle
-params: {level: inner.level}
-inputs: {frames: inner.frames}
-outputs: {tracks: inner.tracks}
-stages:
-  inner: {graph: tracker.yaml, cameras: "cameras[kind=color|infrared]"}
-"""
-NESTED = SHARED.replace("tracker.yaml", "middle.yaml, with: {level: 0.75}, cameras: 'cameras[name=cam1]'")
 
 
 def test_levels_pass_on_parameters_inputs_outputs_and_cameras(tmp_path: Path) -> None:
@@ -201,19 +172,6 @@ def test_a_stage_without_cameras_gets_those_of_its_sub_graph_only(tmp_path: Path
         "eyes/cam1.out -> hall/detect/cam1.frame",
         "eyes/cam1.out -> hall/all.frames",
     ]
-
-
-ZONED = ROOM.replace("    kind: color\n", "    kind: color\n    tags: {zone: hall}\n").replace(
-    "    kind: infrared\n", "    kind: infrared\n    tags: {zone: [stage, hall]}\n"
-)
-EACH = """\
-graph: building
-room: room.yaml
-stages:
-  tracker: {graph: tracker.yaml, each: zones}
-  pair:    {uses: toy.pair, in: {blobs: tracker.blobs}}
-  only:    {uses: toy.save, in: {tracks: tracker/stage/track.tracks}}
-"""
 
 
 def test_a_sub_graph_fans_out_over_the_values_of_a_tag(tmp_path: Path) -> None:
