@@ -19,12 +19,14 @@ a:    {uses: ticks.live, with: {count: 1000000, period: 0.02}}
 hall: {graph: one.yaml, in: {number: a}}
 b:    {uses: ticks.tally, in: {number: hall}, with: {step: 3}}
 save: {uses: ticks.write, in: {number: b}}
+c:    {uses: ticks.tally, in: {number: b}}
+more: {uses: ticks.write, in: {number: c}, with: {path: more.csv}}
 """
 PLACEMENT = """
 placement: hosts
 workers:
   left:  {host: pc-left, stages: [a, hall, b]}
-  right: {host: pc-right, stages: [save]}
+  right: {host: pc-right, stages: [save, c, more]}
 """
 ONE = """
 inputs: {number: t.number}
@@ -56,9 +58,9 @@ network = Network(connect=tuple(sys.argv[5:]))
 with attached(network, sys.argv[4]) as attachment:
     attachment.coordinator.change = DiesAt()
     run = handle_of(attachment, network)
-    run.move(["b"], "pc-right") if sys.argv[2] == "move" else run.change(["hall=two.yaml"])
+    run.move(["b"], "pc-right") if sys.argv[2] == "move" else run.change(sys.argv[2].split())
 """
-"""Moves `b` or swaps `hall`, and kills itself when it would wait for what its first argument says."""
+"""Moves `b` or changes stages, and kills itself when it would wait for what its first argument says."""
 
 
 class Detached:
@@ -84,7 +86,7 @@ class Detached:
         return [word for agent in self.agents for word in ("--connect", agent.endpoint)]
 
     def dies(self, change: str, at: str) -> None:
-        """Begin a "move" or "swap"; the command is killed when it would wait for `at`."""
+        """Begin a "move" of `b`, or a change; the command is killed when it would wait for `at`."""
         words = [at, change, str(STAGES), self.name, *(agent.endpoint for agent in self.agents)]
         script = [sys.executable, "-c", DYING, *words]
         done = subprocess.run(script, check=False, timeout=60, cwd=self.folder)
@@ -156,9 +158,19 @@ def test_after_a_move_that_died_the_next_brings_all_hosts_to_one_plan(run: Detac
     assert run.faults() == []
 
 
+def test_a_set_that_died_names_the_host_that_lacks_it(run: Detached) -> None:
+    run.grows()
+    run.dies("b.step=7 c.step=9", "host pc-right to let the new stages take over")
+    values = run.grows()[-2:]
+    assert values[1] - values[0] == 7, "the other host has it"
+    (fault,) = run.faults()
+    assert fault.startswith("host pc-right built new stages that have not taken over")
+    assert fault.endswith("if this stays, repeat the change")
+
+
 def test_after_a_swap_that_died_the_next_change_brings_all_hosts_to_one_plan(run: Detached) -> None:
     begun = run.grows()
-    run.dies("swap", "host pc-right to take the new plan")
+    run.dies("hall=two.yaml", "host pc-right to take the new plan")
     (fault, *_) = run.faults()
     assert "by that of pc-left, hall/u is in worker left; by that of pc-right, hall/u is absent" in fault
     assert "hall/u: term = 7" in run.command("set", "hall/u.term=7", "--plugin", str(STAGES))

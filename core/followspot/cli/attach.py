@@ -37,8 +37,8 @@ def _run(args: argparse.Namespace) -> int:
     with attached(network, args.run) as attachment:
         run = attachment.found
         print(f"run {run.run[:8]} of {run.graph} on {', '.join(run.hosts)}", file=sys.stderr, flush=True)
-        if attachment.coordinator.plan_conflict is not None:
-            print(f"followspot: {attachment.coordinator.plan_conflict.text}", file=sys.stderr, flush=True)
+        if change := attachment.coordinator.status().unfinished_change:
+            print(f"followspot: {change}", file=sys.stderr, flush=True)
         if args.stop:
             attachment.coordinator.stop()
         bar = ProgressBar()

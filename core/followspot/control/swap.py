@@ -16,6 +16,8 @@ from followspot.ranges import Count, Nanoseconds
 
 Step = Literal["build", "hold", "rest", "take_over", "go_on", "discard"]
 ChangePhase = Literal["building", "built", "held", "resting", "done", "failed"]
+BEFORE_TAKE_OVER: tuple[ChangePhase, ...] = ("built", "held", "resting")
+"""Phases in which a host waits for the operator: its new stages are built."""
 
 
 class ChangeOrder(RunRequest):

@@ -264,4 +264,5 @@ class Coordinator:
     def _view(self) -> RunView:
         hosts = {host.name: host.status() for host in self.hosts}
         conflict = "" if self.plan_conflict is None else self.plan_conflict.text
-        return RunView(self.plan, hosts, self._events.lines, self._begun, conflict)
+        changing = bool(self.change.waits_for)
+        return RunView(self.plan, hosts, self._events.lines, self._begun, conflict, changing)

@@ -33,8 +33,8 @@ class RunStatus:
     one edge after the other; fired: frames done; expected: frames to be done, None if no source knows; news:
     events of the run, a line each; clocks: of the hosts that follow a reference clock, "" for the operator's
     own; hosts: the remote hosts; late: a line for each path that misses its budget; change_awaits: what the
-    change under way waits for, "" if nothing; plan_conflict: what differs between the plans of hosts, and the
-    remedy, "" if nothing.
+    change under way waits for, "" if nothing; unfinished_change: what a change
+    that was interrupted left on hosts, and the remedy, "" if nothing.
     """
 
     workers: tuple[WorkerStatus, ...]
@@ -46,7 +46,7 @@ class RunStatus:
     hosts: tuple[SeenHost, ...] = ()
     late: tuple[str, ...] = ()
     change_awaits: str = ""
-    plan_conflict: str = ""
+    unfinished_change: str = ""
 
     def later(self, seconds: float) -> RunStatus:
         """The status as it is `seconds` later."""
@@ -57,10 +57,9 @@ class RunStatus:
     def faults(self) -> tuple[str, ...]:
         """A line for each absent or old host or worker, each edge that stalls, path that misses its budget.
 
-        The first says what differs between the plans of hosts. A faulty host's workers have no line of their
-        own.
+        The first says what an interrupted change left. A faulty host's workers have no line of their own.
         """
-        return (*filter(None, [self.plan_conflict]), *faults(self.hosts, self.workers), *self.late)
+        return (*filter(None, [self.unfinished_change]), *faults(self.hosts, self.workers), *self.late)
 
     def edges(self, plan: Plan) -> Iterator[tuple[PlannedEdge, EdgeCount]]:
         """Each edge with its counts."""

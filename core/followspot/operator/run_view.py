@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 from followspot.control.clock_status import ClockStatus
 from followspot.control.host import HostStatus, WorkerStatus
 from followspot.control.progress import Progress
+from followspot.control.swap import BEFORE_TAKE_OVER
 from followspot.control.worker_report import WorkerReport
 from followspot.graph.frame_count import sinks, sources
 from followspot.graph.plan import Plan
 from followspot.host.heartbeat import SILENCE
 from followspot.operator.budgets import missed, overruns
+from followspot.operator.change_under_way import named
 from followspot.operator.reporting.report import RunReport, merge, summed
 from followspot.operator.run_status import RunStatus, SeenHost, faults
 from followspot.operator.sensor_end import ended_stages
@@ -26,7 +28,8 @@ class RunView:
 
     hosts: the newest status of each, by name, "" for the operator's own; news: events that the operator
     itself noticed; begun: whether the run has started: a host without a status is then out of reach;
-    plan_conflict: see `RunStatus`.
+    plan_conflict: what differs between the plans of hosts, "" if nothing; changing: whether the operator
+    leads a change.
     """
 
     plan: Plan
@@ -34,6 +37,7 @@ class RunView:
     news: Sequence[str] = ()
     begun: bool = False
     plan_conflict: str = ""
+    changing: bool = False
 
     def workers(self) -> Iterator[WorkerStatus]:
         """The workers of all hosts."""
@@ -48,7 +52,7 @@ class RunView:
             min(fired, default=0),
             newest,
             (
-                *filter(None, [self.plan_conflict]),
+                *filter(None, [self.unfinished_change()]),
                 *faults(self._host_statuses(), self._worker_statuses()),
                 *self.late(),
             ),
@@ -81,8 +85,18 @@ class RunView:
             clocks=self._clocks(),
             hosts=tuple(self._host_statuses()),
             late=self.late(),
-            plan_conflict=self.plan_conflict,
+            unfinished_change=self.unfinished_change(),
         )
+
+    def unfinished_change(self) -> str:
+        """What a change that was interrupted left on hosts, "" while the operator leads one."""
+        if self.changing:
+            return ""
+        built = [name for name, status in self.hosts.items() if status.change.phase in BEFORE_TAKE_OVER]
+        if self.plan_conflict or not built:
+            return self.plan_conflict
+        line = f"{named(built)} built new stages that have not taken over: a change is under way, or was"
+        return f"{line} interrupted, and others may have theirs already; if this stays, repeat the change"
 
     def late(self) -> tuple[str, ...]:
         """A line for each path that misses its budget."""
