@@ -15,6 +15,7 @@ from followspot.geometry import project
 from followspot_persons.background.ghost import is_ghost
 from followspot_persons.background.scene import Scene
 from followspot_persons.body.standing import WAIST, knows_floor, rise
+from followspot_persons.body.stature import PROPORTION_SIGMA
 from followspot_persons.body.view import HEIGHT
 
 WIDTH = 0.3
@@ -58,6 +59,17 @@ class Contact:
     def later(self, seconds: float) -> Contact:
         """The same some seconds later, when the person may have walked."""
         return Contact(self.distance, float(np.hypot(self.sigma, WALK * seconds)))
+
+    def with_size(self, size: Contact) -> Contact:
+        """The same after a picture in which the size of the body says that it stands there.
+
+        The error of its proportions is one in all pictures: sizes tell no distance better than to
+        `PROPORTION_SIGMA`, as in the filter of Schmidt (1966).
+        """
+        gain = self.sigma**2 / (self.sigma**2 + size.sigma**2)
+        distance = self.distance + gain * (size.distance - self.distance)
+        surest = min(self.sigma, PROPORTION_SIGMA * distance)
+        return Contact(distance, max(self.sigma * (1 - gain) ** 0.5, surest))
 
     def agrees(self, other: Contact) -> bool:
         """Whether both can be of one person."""

@@ -73,13 +73,19 @@ class KnownPerson:
             first=first,
         )
 
-    def contact_after(self, measured: Contact | None, seconds: float) -> Contact | None:
-        """The floor contact some seconds later: as measured, or vaguely as before while the feet are hidden.
+    def contact_after(self, measured: Contact | None, size: Contact | None, seconds: float) -> Contact | None:
+        """The floor contact some seconds later: as measured, or as the size of the body corrects it while
+        the feet are hidden.
 
-        Feet that the person could not have reached in this time are those of another person.
+        Feet that the person could not have reached in this time are those of another person. size: where the
+        box says that the person stands, None if it says nothing.
         """
-        before = self.contact.later(seconds) if self.contact else None
-        return measured if before is None or (measured is not None and measured.agrees(before)) else before
+        if self.contact is None:
+            return measured
+        before = self.contact.later(seconds)
+        if measured is not None and measured.agrees(before):
+            return measured
+        return before if size is None else before.with_size(size)
 
 
 def missed(

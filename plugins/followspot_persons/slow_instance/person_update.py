@@ -156,7 +156,7 @@ class PersonUpdate:
         body_seen = view(self.camera, self.shape, there.pose[None])
         if box is None or self.assignment.fits_average_better(person, body_seen, box, picture):
             return None
-        detection = Detection(box, np.zeros(0), np.zeros(0))
+        detection = Detection(box, np.zeros(0), np.zeros(0), certainty=0.0)
         known = stood(seen.scene, detection, there.pose, person.stature.estimate[0], others)
         track, contact = self._updated(person, known, picture, seen, joined=known.part)
         shown = presence(seen.scene, track.pose, others)
@@ -192,8 +192,9 @@ class PersonUpdate:
 
         known: the detection beside the floor; joined: whether a share of the particles begins there.
         """
-        contact = person.contact_after(known.contact, seen.seconds)
-        fitness = self._fitness(picture, known.detection, contact or by_size(self.camera, known.detection))
+        size = None if known.part else by_size(self.camera, known.detection)
+        contact = person.contact_after(known.contact, size, seen.seconds)
+        fitness = self._fitness(picture, known.detection, contact or size)
         search = Search(self.params.particles)
         before = self._joined(person.track, known.detection) if joined else person.track
         return updated(before, seen.seconds, fitness, self.girths, search, self.random()), contact

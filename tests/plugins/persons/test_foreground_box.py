@@ -10,6 +10,7 @@ from tests.plugins.persons.drawn import SHIRT, perspective, standing
 from tests.plugins.persons.test_appearance import Show
 from tests.plugins.persons.test_background import FEWEST, room_with
 
+from followspot_persons.background.floor_contact import STRIDE_SIGMA, Contact
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.upper_body_box import RATIO
 from followspot_persons.body.view import view
@@ -98,6 +99,20 @@ def test_who_was_taken_for_somebody_far_away_is_where_the_feet_are_at_once():
     show.stage.people = [replace(person, track=far, contact=None)]
     told = show.see_pixels(room_with(standing(3.0)).pixels, boxed=[], score=1.0)
     assert told.pose[0, 0] == pytest.approx(3.0, abs=0.5)
+
+
+def test_the_foreground_alone_measures_no_size_and_so_no_distance():
+    """Its box is as large as the person is expected to be: a distance of hidden feet grows vague."""
+    show = Show(foreground_boxes=False)
+    show.leave(FEWEST)
+    for _ in range(4):
+        show.see(standing(2.6))
+    (person,) = show.stage.people
+    show.stage.people = [replace(person, contact=Contact(2.6))]
+    for _ in range(4):
+        told = show.see(standing(2.6), boxed=[])
+    assert told.person.tolist() == [1]
+    assert told.contact[0, 1] ** -0.5 == pytest.approx(np.hypot(STRIDE_SIGMA, 1.0), abs=0.1)
 
 
 def test_boxes_on_furniture_are_nobodys_who_came_later():

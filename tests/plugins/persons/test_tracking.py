@@ -15,6 +15,7 @@ from followspot.tracking import PREDICTED, TRACKED, Frame
 from followspot_persons.background.floor_contact import STRIDE_SIGMA, WALK, Contact
 from followspot_persons.body.shape import read_shape, with_girth
 from followspot_persons.body.standing import standing as told
+from followspot_persons.body.stature import PROPORTION_SIGMA
 from followspot_persons.body.view import HEADING, view
 from followspot_persons.color.difference import read_relations
 from followspot_persons.color.hsi import from_plane
@@ -147,10 +148,32 @@ def test_feet_where_nobody_walks_to_in_this_time_are_somebody_elses():
         standing(3.0)[None], 45, 1.0, 0, comparable=True, contact=Contact(4.4, STRIDE_SIGMA)
     )
     near = Contact(4.0, STRIDE_SIGMA)
-    assert person.contact_after(near, 0.2) == near
-    assert person.contact_after(Contact(3.3, STRIDE_SIGMA), 0.2) == person.contact.later(0.2)
-    assert person.contact_after(Contact(3.3, STRIDE_SIGMA), 1.0).distance == 3.3
-    assert person.contact_after(None, 0.2) == person.contact.later(0.2)
+    assert person.contact_after(near, None, 0.2) == near
+    assert person.contact_after(Contact(3.3, STRIDE_SIGMA), None, 0.2) == person.contact.later(0.2)
+    assert person.contact_after(Contact(3.3, STRIDE_SIGMA), None, 1.0).distance == 3.3
+    assert person.contact_after(None, None, 0.2) == person.contact.later(0.2)
+
+
+def test_feet_that_the_size_of_the_body_contradicts_refuse_no_others_for_long():
+    """Who parts the legs in a step was taken to stand at 5.5 m; boxes and the feet say 3.9 m, five times a
+    second.
+    """
+    person = KnownPerson.tentative(
+        standing(3.9)[None], 45, 1.0, 0, comparable=True, contact=Contact(5.5, STRIDE_SIGMA)
+    )
+    size, feet = Contact(3.9, 0.4), Contact(3.9, STRIDE_SIGMA)
+    for _ in range(3):
+        person = replace(person, contact=person.contact_after(feet, size, 0.2))
+    assert person.contact == feet
+
+
+def test_sizes_of_many_boxes_tell_a_distance_no_better_than_proportions_do():
+    contact, size = Contact(4.0, STRIDE_SIGMA), Contact(4.4, 0.4)
+    assert contact.with_size(size).sigma == STRIDE_SIGMA
+    for _ in range(50):
+        contact = contact.later(0.2).with_size(size)
+    assert contact.distance == pytest.approx(4.4, abs=0.01)
+    assert contact.sigma == pytest.approx(PROPORTION_SIGMA * 4.4, rel=0.01)
 
 
 def test_two_hearings_tell_where_a_walker_is_by_now():
