@@ -193,7 +193,8 @@ class PersonUpdate:
         known: the detection beside the floor; joined: whether a share of the particles begins there.
         """
         size = None if known.part else by_size(self.camera, known.detection)
-        contact = person.contact_after(known.contact, size, seen.seconds)
+        age = (seen.now - person.seen) * NANOSECOND
+        contact = person.contact_after(known.contact, size, age)
         fitness = self._fitness(picture, known.detection, contact or size)
         search = Search(self.params.particles)
         before = self._joined(person.track, known.detection) if joined else person.track

@@ -328,3 +328,15 @@ def test_the_slow_instance_tells_where_feet_are_and_that_none_were_seen_before()
     swaying = [np.roll(room_with(true).pixels, shift, axis=1) for shift in (0, 2, 0)]
     told = [new.see_pixels(pixels, boxed=[true], score=3.0) for pixels in swaying][-1]
     assert told.contact.tolist() == [[0.0, 0.0]]
+
+
+def test_who_was_not_seen_for_some_time_may_have_walked_on_since():
+    """Feet 2 m nearer after 1.5 s are the same person's; after half a second they are not."""
+    show, before, after = Show(), standing(4.6), standing(2.6)
+    show.leave(FEWEST)
+    for _ in range(4):
+        show.see_pixels(room_with(before).pixels, boxed=[before], score=3.0)
+    show.leave(2)
+    told = show.see_pixels(room_with(after).pixels, boxed=[after], score=3.0)
+    assert told.person.tolist() == [1]
+    assert told.contact[0, 0] == pytest.approx(2.6, abs=0.1)
