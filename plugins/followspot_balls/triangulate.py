@@ -20,6 +20,9 @@ from followspot_balls.scene.targets import lost_targets, target_radii, tracked_t
 
 SAME_COLOR = 0.8
 """Bhattacharyya coefficient of two templates above which colour does not distinguish the targets (eq. 2)."""
+SOUGHT = 0.75
+"""Part of `plane_tolerance` for a target that is not tracked: light on a plane and a reflector beside it meet
+in the plane, a few centimetres below where a ball would lie."""
 
 
 class Triangulate(Stage):
@@ -44,7 +47,7 @@ class Triangulate(Stage):
             description="search radius over the last displacement; raising it survives turns",
         )
         minimum_evident_area: float = Field(
-            0.4,
+            0.33,
             ge=0,
             unit="1",
             description="smallest blob area of an evident pair over the expected one; raising it avoids "
@@ -75,7 +78,8 @@ class Triangulate(Stage):
         plane_tolerance: float = Field(
             0.04,
             unit="m",
-            description="depth to which a target may sink into a plane; raising it tolerates inexact planes",
+            description="depth to which a tracked target may sink into a plane, three quarters of that for "
+            "another; raising it tolerates inexact planes",
         )
 
     params: Params
@@ -105,8 +109,8 @@ class Triangulate(Stage):
         pairs = numbered(pairs, self.cameras)
         xyz = self.rays.points(pairs)
         shares = self.unit_shares(xyz, pairs)
-        targets = pairs.targets & self.within(xyz, pairs, forecast) & self.above_planes(xyz)
         tracked = tracked_targets(forecast, len(self.radii))
+        targets = pairs.targets & self.within(xyz, pairs, forecast) & self.above_planes(xyz, tracked)
         smaller = np.minimum(shares[:, :1], shares[:, 1:])
         whole = smaller >= self.params.minimum_evident_area * self.radii2
         if np.count_nonzero(tracked) < tracked.size:
@@ -150,12 +154,11 @@ class Triangulate(Stage):
         """Radius of each target's search sphere, (T,) m."""
         return search_spheres(forecast, self.params.minimum_search_radius, self.params.search_radius_scale)
 
-    def above_planes(self, xyz: Array) -> Array:
-        """Which targets could lie there without sinking into a plane: (N, T) bool."""
+    def above_planes(self, xyz: Array, tracked: Array) -> Array:
+        """Which targets could lie there without sinking into a plane: (N, T) bool. tracked: (T,) bool."""
         height = xyz @ self.planes[:, :3].T + self.planes[:, 3]
-        return np.asarray(
-            height.min(axis=1, initial=np.inf)[:, None] >= self.radii - self.params.plane_tolerance
-        )
+        depth = np.where(tracked, 1.0, SOUGHT) * self.params.plane_tolerance
+        return np.asarray(height.min(axis=1, initial=np.inf)[:, None] >= self.radii - depth)
 
     def unclaimed(self, pairs: Pairs, forecast: Forecast | None) -> Array:
         """Which pairs may be a target's although others are tracked: (N, T) bool.
