@@ -14,7 +14,8 @@ from followspot.graph.distinct_mistakes import distinct_mistakes
 from followspot.graph.expand import expand
 from followspot.graph.load import Loaded, load
 from followspot.graph.placement import Placed, place
-from followspot.graph.plan import Plan, Written
+from followspot.graph.plan import Plan
+from followspot.graph.provenance import Written
 from followspot.graph.tune import tuned
 from followspot.plugins.registry import use_plugin_files
 

@@ -12,7 +12,7 @@ from followspot.graph.check import Checked
 from followspot.graph.instances import CheckedStage, Instance
 from followspot.graph.override import WHILE_IT_RAN, is_set, options
 from followspot.graph.parameters import plain_default
-from followspot.graph.plan import ParameterOrigin
+from followspot.graph.provenance import ParameterOrigin
 
 _Row = tuple[str, str, str]
 """A parameter, its value, and the origin of the value."""

@@ -14,6 +14,7 @@ from followspot.document import Node
 from followspot.errors import Mistake
 from followspot.graph.budget import Budget
 from followspot.graph.depths import LIVE_DEPTH, MAX_DEPTH, MAX_IN_TRANSIT
+from followspot.graph.provenance import ParameterOrigin, Written
 from followspot.graph.scheduling import Scheduling
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.ranges import Wait
@@ -129,25 +130,6 @@ def nearest_kind(start: PlannedWorker, end: PlannedWorker) -> EdgeKind:
     if start.host != end.host:
         return "zenoh"
     return "reference" if start.name == end.name else "ring"
-
-
-@dataclass(frozen=True)
-class ParameterOrigin:
-    """What gave a parameter its value. kept: `--set` or a change did, so a tune of the room leaves it."""
-
-    text: str
-    kept: bool = False
-
-
-@dataclass(frozen=True)
-class Written:
-    """The files that a plan was made of, absolute paths. room: "" for the graph's own; cameras: the part of
-    the room that takes part, all if there are none.
-    """
-
-    graph: str
-    room: str = ""
-    cameras: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

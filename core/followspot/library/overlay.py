@@ -14,7 +14,8 @@ from typing import Any
 
 from followspot.errors import FollowspotError, writing
 from followspot.graph.compile import compile_graph
-from followspot.graph.plan import Plan, PlannedStage, Written
+from followspot.graph.plan import Plan, PlannedStage
+from followspot.graph.provenance import Written
 from followspot.operator.run_handle import RunHandle
 from followspot.valid_names import is_name
 

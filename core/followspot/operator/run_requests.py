@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar
 import pydantic
 
 from followspot.control.dispatch import Request, Role
-from followspot.graph.plan import Written
+from followspot.graph.provenance import Written
 from followspot.operator.change_outcome import ChangeOutcome, MoveOutcome
 from followspot.operator.mark_queue import Mark, RecorderState
 from followspot.operator.run_status import RunStatus

@@ -18,7 +18,8 @@ from followspot.graph.names import enclosing
 from followspot.graph.override import SUBGRAPH, Override, read_override
 from followspot.graph.parameter_origin import origin_of
 from followspot.graph.parameters import output_paths, plain_default, validated
-from followspot.graph.plan import ParameterOrigin, Plan, PlannedStage
+from followspot.graph.plan import Plan, PlannedStage
+from followspot.graph.provenance import ParameterOrigin
 from followspot.graph.subgraph_use import SubgraphUse, is_given_by_set
 from followspot.graph.tune import tunes_of
 from followspot.plugins.registry import PluginError, load_stage

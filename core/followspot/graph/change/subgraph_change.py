@@ -18,7 +18,8 @@ from followspot.graph.change.subgraph_plan import GIVEN, ComposedFile, composed_
 from followspot.graph.instances import CheckedStage
 from followspot.graph.override import WHILE_IT_RAN, is_set
 from followspot.graph.parameter_origin import origin_of
-from followspot.graph.plan import ParameterOrigin, Plan, PlannedStage
+from followspot.graph.plan import Plan, PlannedStage
+from followspot.graph.provenance import ParameterOrigin
 from followspot.graph.subgraph_use import SubgraphUse
 
 BY_A_CHANGE = ParameterOrigin("while it ran", kept=True)

@@ -1,0 +1,24 @@
+"""The provenance of a plan: the files that it was made of, and what gave parameters their values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class ParameterOrigin:
+    """What gave a parameter its value. kept: `--set` or a change did, so a tune of the room leaves it."""
+
+    text: str
+    kept: bool = False
+
+
+@dataclass(frozen=True)
+class Written:
+    """The files that a plan was made of, absolute paths. room: "" for the graph's own; cameras: the part of
+    the room that takes part, all if there are none.
+    """
+
+    graph: str
+    room: str = ""
+    cameras: tuple[str, ...] = ()
