@@ -43,8 +43,8 @@ class Gate:
         return self.words[WATCHED] != 0
 
     @watched.setter
-    def watched(self, somebody: bool) -> None:
-        self.words[WATCHED] = somebody
+    def watched(self, shown: bool) -> None:
+        self.words[WATCHED] = shown
 
     def moment(self, time: int) -> int:
         """The newest chosen time, ns, up to a capture time: each tap shows its first message from then on.

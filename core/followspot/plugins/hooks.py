@@ -48,7 +48,7 @@ class Command:
         return f"{self.parent} {self.name}" if self.parent else self.name
 
 
-def _nobody(_args: argparse.Namespace) -> AbstractContextManager[None]:
+def _no_observer(_args: argparse.Namespace) -> AbstractContextManager[None]:
     """Default of `watch`: no observer."""
     return nullcontext()
 
@@ -64,7 +64,7 @@ class PlanOptions:
 
     configure: Callable[[argparse.ArgumentParser], None]
     change: Callable[[Any, argparse.Namespace], Any]
-    watch: Callable[[argparse.Namespace], AbstractContextManager[None]] = _nobody
+    watch: Callable[[argparse.Namespace], AbstractContextManager[None]] = _no_observer
 
 
 @dataclass(frozen=True)

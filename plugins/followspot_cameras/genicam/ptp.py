@@ -49,7 +49,7 @@ def ptp_state(names: Collection[str], read: Callable[[str], str], execute: Calla
 
 
 def ptp_problem(names: Collection[str], read: Callable[[str], str], execute: Callable[[str], None]) -> str:
-    """Why the clock of a camera that takes part in PTP is that of nobody else; "" if it is none.
+    """Why the clock of a camera follows no PTP master; "" if it does, if it is one, or without PTP.
 
     Arguments are those of `ptp_state`. Raises ConnectionError if the camera is gone.
     """

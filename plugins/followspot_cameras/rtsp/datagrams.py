@@ -17,14 +17,14 @@ from followspot_cameras.rtsp.transport import PICTURES, REPORTS
 ATTEMPTS = 64
 """To find two free ports in a row, the first of them even (RFC 3550, section 11)."""
 RECEIVED = 4 << 20
-"""Bytes that the system is asked to keep while nobody reads: a key picture comes all at once."""
+"""Bytes that the system is asked to keep between two reads: a key picture comes all at once."""
 TURN = 64
 """Datagrams of a port that are read before the other one has its turn."""
 LONGEST = 1 << 16
 ANSWER = 0.001
 """Wait for the rest of an answer on the connection, s: none is needed here."""
 EMPTY_REPORT = struct.pack(">BBHI", 0x80, 201, 1, 0)
-"""A receiver report about nobody: it opens the way through firewalls that let answers pass."""
+"""A receiver report about no sender: it opens the way through firewalls that let answers pass."""
 
 
 class Datagrams:

@@ -44,4 +44,4 @@ class Interleaved:
         """Nothing is left to choose."""
 
     def close(self) -> None:
-        """The connection is closed by whoever opened it."""
+        """Nothing is left to close: the caller that opened the connection closes it."""

@@ -70,7 +70,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs=4,
         metavar=("X0", "Y0", "X1", "Y1"),
         help="part of the floor that the truth of persons covers (m), for MOTA and IDF1: poses outside it "
-        "that are near nobody do not count",
+        "that are near no person do not count",
     )
     parser.add_argument(
         "--json", action="store_true", help="print one JSON object: target or person -> figures"

@@ -47,7 +47,7 @@ def train(
     report_progress: Callable[[str], None],
     units: int = UNITS,
 ) -> Network:
-    """A network that was trained on the examples: whether somebody is there, and directions of the parts."""
+    """A network that was trained on the examples: whether a person is there, and directions of the parts."""
     count, inputs = examples.inputs.shape
     mean = examples.inputs.mean(axis=0, dtype=np.float32)
     spread = examples.inputs.std(axis=0, dtype=np.float32) + np.float32(1e-3)

@@ -13,7 +13,7 @@ from followspot.worker.taps.port_taps import taps_at
 
 
 def close_leaving(runner: StageRunner) -> None:
-    """Close a stage that leaves the graph; warn if it does not close, or if somebody reads its ports."""
+    """Close a stage that leaves the graph; warn if it does not close, or if a tap reads its ports."""
     discard_sampled(runner.join, kept=())
     _end_taps(runner)
     try:
