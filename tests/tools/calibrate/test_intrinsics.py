@@ -1,42 +1,27 @@
 """`calibrate intrinsics`: lenses from pictures of boards."""
 
 import io
-import json
-import re
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import cv2
 import numpy as np
 import pytest
 from tests.datasets import dataset, needs_data
 from tests.tools.calibrate.drawn_boards import Photographer, lens, places
+from tests.tools.calibrate.intrinsics_command import BOARD, SIZE
 
-from followspot import at
 from followspot.cli.main import main
-from followspot.errors import FollowspotError, InputError
+from followspot.errors import FollowspotError
 from followspot.geometry import project
-from followspot.messages import Array
-from followspot.plugins.catalogue import catalogue
-from followspot.port_marks import Source
-from followspot.room import Camera, Room, StageUse
-from followspot.room_file import load, save
-from followspot.stage import Stage
-from followspot.stage_params import Field, StageParams
-from followspot.tracking import Frame
+from followspot.room import Camera
+from followspot.room_file import load
 from followspot_calibrate.boards.board import parse_board
 from followspot_calibrate.boards.detection import Detector, View
-from followspot_calibrate.boards.pictures import live_pictures
 from followspot_calibrate.intrinsics.calibration import calibrate_lens
 from followspot_calibrate.intrinsics.collecting import collect
 from followspot_calibrate.intrinsics.coverage import Coverage, coverage
 from followspot_calibrate.intrinsics.fitting import NoFit, fit
 from followspot_calibrate.intrinsics.selection import diverse, sharp
-
-CHARUCO = "charuco:7x5:0.04:DICT_4X4_50"
-BOARD = parse_board(CHARUCO)
-SIZE = (640, 480)
 
 
 def seen(
@@ -177,178 +162,6 @@ def test_diverse_views_leave_out_repetitions() -> None:
     assert sorted(view.frame // 10 for view in chosen) == list(range(10))
 
 
-class Films(Stage):
-    """A live camera that shows a board."""
-
-    live = True
-    per_camera = True
-    shown: list[Array] = []  # noqa: RUF012  # set by the test
-
-    class Params(StageParams):
-        device: int = Field(0, description="any", unit="1")
-
-    def process(self) -> Source[Frame]:
-        for number, picture in enumerate(self.shown):
-            yield at(number, Frame(camera=self.camera.name, pixels=picture[:, :, None]))
-
-
-def test_live_camera_is_its_source_and_still_views_count_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    photographer = Photographer(lens(), BOARD)
-    Films.shown = [photographer.picture(place) for place in places(0.45, (0.3, 0.2), 3) for _ in range(4)]
-    monkeypatch.setattr("followspot_calibrate.boards.pictures.load_stage", lambda name: Films)
-    camera = lens(source=StageUse("cameras.device", {}))
-    collected = collect("cam0", live_pictures(camera), None, Detector(BOARD), io.StringIO())
-    assert (collected.looked_at, len(collected.views)) == (12, 3)
-
-
-def test_device_becomes_the_source_of_a_new_camera(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    photographer = Photographer(lens(), BOARD)
-    Films.shown = [photographer.picture(place) for place in places(0.42, (0.35, 0.25), 6)]
-    monkeypatch.setattr("followspot_calibrate.boards.pictures.load_stage", lambda name: Films)
-    assert intrinsics(tmp_path, "--device", "cam0=2", "--size", "640x480") == 0
-    camera = load(tmp_path / "room.yaml").cameras["cam0"]
-    assert camera.source is not None
-    assert (camera.source.uses, camera.source.params) == ("cameras.device", {"device": 2})
-    assert camera.matrix[0, 0] == pytest.approx(520, rel=0.01)
-
-
-def test_live_needs_a_live_source() -> None:
-    assert catalogue()["cameras.video"]
-    for source in (None, StageUse("cameras.video", {})):
-        with pytest.raises(InputError, match=r"camera cam0 has no live source\n.*cameras.device"):
-            next(live_pictures(lens(source=source)))
-
-
-def test_ctrl_c_ends_a_live_camera_with_what_was_seen() -> None:
-    picture = Photographer(lens(), BOARD).picture(places(0.45, (0.3, 0.2), 1)[0])
-
-    def interrupted() -> Iterator[tuple[int, Array]]:
-        yield 0, picture
-        raise KeyboardInterrupt
-
-    assert len(collect("cam0", interrupted(), None, Detector(BOARD), io.StringIO()).views) == 1
-
-
-def playing(folder: Path) -> Camera:
-    """A camera whose live source shows a board at eight places."""
-    photographer = Photographer(lens(), BOARD)
-    film = cv2.VideoWriter(str(folder / "board.avi"), cv2.VideoWriter.fourcc(*"MJPG"), 30, SIZE)
-    for place in places(0.42, (0.35, 0.25), 8):
-        film.write(cv2.cvtColor(photographer.picture(place), cv2.COLOR_GRAY2BGR))
-    film.release()
-    return lens(source=StageUse("cameras.playback", {"path": "board.avi", "speed": 1000}))
-
-
-def test_a_camera_of_the_room_is_calibrated_live(tmp_path: Path) -> None:
-    """A recording that plays as a live camera does, from the room file to the lens in it."""
-    camera = replace(playing(tmp_path), matrix=np.eye(3))
-    save(Room("studio", {camera.name: camera}), tmp_path / "room.yaml")
-    assert intrinsics(tmp_path, "--live") == 0
-    found = load(tmp_path / "room.yaml").cameras[camera.name]
-    assert found.matrix[0, 0] == pytest.approx(lens().matrix[0, 0], rel=0.02)
-    assert found.source is not None
-    assert found.source.uses == "cameras.playback"
-
-
-def test_a_missing_device_is_told_at_once_and_the_others_are_kept(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    camera = playing(tmp_path)
-    save(Room("studio", {camera.name: camera}), tmp_path / "room.yaml")
-    assert intrinsics(tmp_path, "--live", "--device", "absent=77") == 1
-    told = capsys.readouterr()
-    assert "absent: its camera gives no pictures: is it connected, and free?" in told.err
-    assert camera.name in told.out
-    assert list(load(tmp_path / "room.yaml").cameras) == [camera.name]
-
-
-class Terminal(io.StringIO):
-    def isatty(self) -> bool:
-        return True
-
-
-def test_terminal_shows_the_coverage_and_is_left_clean() -> None:
-    pictures = enumerate(map(Photographer(lens(), BOARD).picture, places(0.45, (0.3, 0.2), 2)))
-    terminal = Terminal()
-    collect("cam0", iter(pictures), 2, Detector(BOARD), terminal)
-    text = terminal.getvalue()
-    assert "cam0: 2 views in 2 of 2 pictures" in text
-    assert "still missing: " in text
-    assert text.endswith("\x1b[2K"), "the last line is wiped"
-    drawn, wiped = text.count("\n"), text.count("\x1b[1A")
-    assert drawn == wiped > 0, "every line is drawn over or wiped"
-
-    collect("cam0", iter([]), 0, Detector(BOARD), nothing := Terminal())
-    assert not re.sub(r"\x1b\[[?\d;]*[A-Za-z]", "", nothing.getvalue()).strip()
-
-
-def test_pictures_of_two_sizes_are_refused() -> None:
-    pictures = [(0, np.zeros((480, 640), "u1")), (1, np.zeros((240, 320), "u1"))]
-    with pytest.raises(InputError, match="picture 1 is 320x240 px, those before it 640x480"):
-        collect("cam0", iter(pictures), 2, Detector(BOARD), io.StringIO())
-
-
-@pytest.fixture(scope="module")
-def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Pictures of a board in one camera."""
-    folder, photographer = tmp_path_factory.mktemp("cam0"), Photographer(lens(), BOARD)
-    for number, place in enumerate(places(0.42, (0.35, 0.25), 10)):
-        cv2.imwrite(str(folder / f"{number}.png"), photographer.picture(place))
-    return folder
-
-
-@pytest.fixture
-def boards(tmp_path: Path, pictures: Path) -> Path:
-    """A folder with the pictures of one camera."""
-    (tmp_path / "boards").mkdir()
-    (tmp_path / "boards/cam0").symlink_to(pictures)
-    return tmp_path
-
-
-def intrinsics(folder: Path, *more: str) -> int:
-    room = ["--room", str(folder / "room.yaml")]
-    return main(["calibrate", "intrinsics", *room, "--board", CHARUCO, *more])
-
-
-def test_command_makes_a_room_file(boards: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert intrinsics(boards, "--videos", str(boards / "boards"), "--json") == 0
-    answer = json.loads(capsys.readouterr().out)["cam0"]
-    camera = load(boards / "room.yaml").cameras["cam0"]
-    assert (camera.size, camera.model, camera.kind) == (SIZE, "pinhole", "color")
-    np.testing.assert_array_equal(camera.matrix, answer["matrix"])
-    assert answer["rms_px"] < 0.15
-    assert len(answer["views"]) == 10
-    assert answer["coverage"]["share"] > 0.4
-
-
-def test_command_replaces_the_lens_and_nothing_else(boards: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    before = lens(kind="infrared", translation=np.array([1.0, 2.0, 3.0]), host="pc", size=(320, 240))
-    save(Room("r", {"cam0": before, "cam1": lens(name="cam1")}), boards / "room.yaml")
-    text = (boards / "room.yaml").read_text()
-    (boards / "room.yaml").write_text(f"# mine\n{text}")
-    assert intrinsics(boards, "--clip", f"cam0={boards / 'boards/cam0'}") == 0
-    after = load(boards / "room.yaml").cameras
-    np.testing.assert_array_equal(after["cam0"].translation, [1, 2, 3])
-    np.testing.assert_array_equal(after["cam1"].matrix, lens().matrix)
-    assert (after["cam0"].kind, after["cam0"].host, after["cam0"].size) == ("infrared", "pc", SIZE)
-    assert (boards / "room.yaml").read_text().startswith("# mine\n")
-    told = capsys.readouterr()
-    assert "cam0: its pose was found with another lens" in told.err
-    assert f"the page to look at: {boards / 'room.intrinsics.html'}" in told.out
-    page = (boards / "room.intrinsics.html").read_text()
-    assert "cam0: its pose was found with another lens" in page
-    assert "10 of 10" in page
-
-
-def test_command_names_the_camera_without_a_board(boards: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (boards / "boards/cam1").mkdir()
-    cv2.imwrite(str(boards / "boards/cam1/0.png"), np.zeros((480, 640), "u1"))
-    assert intrinsics(boards, "--videos", str(boards / "boards")) == 1
-    error = capsys.readouterr().err
-    assert "cam1: 0 usable views of the board, at least 3 are needed (1 pictures searched)" in error
-    assert list(load(boards / "room.yaml").cameras) == ["cam0"]
-
-
 def test_views_of_another_board_give_no_lens_that_a_room_file_would_refuse() -> None:
     other = parse_board("charuco:5x7:0.04:DICT_4X4_50")
     told = (
@@ -364,58 +177,6 @@ def test_a_lens_that_explains_nothing_is_none_though_its_numbers_are_small() -> 
     mixed = [replace(view, label=rng.permutation(view.label)) for view in seen(lens())]
     with pytest.raises(NoFit, match=r"no lens .* an error of [4-9]\d px; is --model pinhole right\?$"):
         calibrate_lens("cam0", mixed, BOARD, SIZE, "pinhole")
-
-
-def test_command_asks_for_the_board_if_the_search_for_a_lens_runs_away(
-    boards: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr("followspot_calibrate.intrinsics.calibration.MOST_DISTORTION", 1e-9)
-    assert intrinsics(boards, "--videos", str(boards / "boards")) == 1
-    error = capsys.readouterr().err
-    assert "cam0: no lens explains the views" in error
-    assert "is --board charuco:7x5:0.04:DICT_4X4_50 right?" in error
-    assert not (boards / "room.yaml").exists()
-
-
-def test_command_takes_the_chosen_cameras_only(boards: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    clip = str(boards / "boards/cam0")
-    clips = ["--clip", f"left={clip}", "--clip", f"right={clip}"]
-    assert intrinsics(boards, *clips, "--camera", "middle") == 2
-    assert "--camera middle: no pictures of it are given" in capsys.readouterr().err
-    assert intrinsics(boards, "--videos", str(boards / "boards"), "--camera", "cam0", "cam1") == 2
-    assert "--camera cam1: no pictures of it are given" in capsys.readouterr().err
-    assert not (boards / "room.yaml").exists()
-    assert intrinsics(boards, *clips, "--camera", "right") == 0
-    assert list(load(boards / "room.yaml").cameras) == ["right"]
-
-
-def test_command_takes_one_recording_of_a_camera(boards: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    clip = f"cam0={boards / 'boards/cam0'}"
-    assert intrinsics(boards, "--clip", clip, "--clip", clip) == 2
-    assert "cam0 has another recording" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("arguments", "complaint"),
-    [
-        (["--live", "--videos", "x"], "or live cameras (--live, --device), one of them"),
-        (["--device", "cam0"], "--device cam0 is no CAMERA=DEVICE"),
-        (["--device", "cam0=0", "--size", "big"], "--size big is no WIDTHxHEIGHT"),
-        (["--live"], "has no cameras"),
-        ([], "give recordings"),
-        (["--live", "--camera", "x"], 'has no camera "x"'),
-        (["--videos", "nowhere"], "nowhere is not a folder"),
-        (["--clip", "cam0"], "--clip cam0: this is no CAMERA=PATH"),
-        (["--clip", "cam0=nowhere"], "nowhere is not there"),
-        (["--videos", "x", "--pictures", "0"], "--pictures 0 is less than 1"),
-    ],
-)
-def test_command_refuses_what_it_cannot_do(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], complaint: str
-) -> None:
-    assert intrinsics(tmp_path, *arguments) == 2
-    assert complaint in capsys.readouterr().err
-    assert not (tmp_path / "room.yaml").exists()
 
 
 @needs_data("room-pose2sim-single-4cam")
