@@ -26,7 +26,8 @@ class KnownPerson:
     upper body that differs from the background, None while there is no background; comparable: whether the
     person came after the background, or once differed from it, and so is no part of it; left: whether the
     last picture shows the background where the person would be; contact: where the person stood at the last
-    update, None if the feet were not seen; stirring: how much has changed against the background; first:
+    update, None if the feet were not seen; sized: the same by the sizes of boxes, None before the second one,
+    for the first placed the particles; stirring: how much has changed against the background; first:
     (H, W, 3) u1, picture of the first box, as long as nothing about the person has changed since, then None.
     """
 
@@ -44,6 +45,7 @@ class KnownPerson:
     stature: Stature = field(default_factory=Stature)
     left: bool = False
     contact: Contact | None = None
+    sized: Contact | None = None
     stirring: Stirring = Stirring()
     first: Array | None = None
 
@@ -85,6 +87,13 @@ class KnownPerson:
         before = self.contact.later(seconds)
         if measured is not None and measured.agrees(before):
             return measured
+        return before if size is None else before.with_size(size)
+
+    def sized_after(self, size: Contact | None, seconds: float) -> Contact | None:
+        """Where sizes say that the person stands some seconds later; size: of a new box, None without one."""
+        if self.sized is None:
+            return size
+        before = self.sized.later(seconds)
         return before if size is None else before.with_size(size)
 
 

@@ -105,7 +105,8 @@ class PersonUpdate:
         person whom they hide is theirs.
         """
         known = stood(seen.scene, detection, person.track.pose, person.stature.estimate[0], others)
-        track, contact = self._updated(person, known, picture, seen, joined=True)
+        moved = self._updated(person, known, picture, seen, joined=True)
+        track = moved.track
         if track.shown < MINIMUM_SHOWN:
             longest = self.params.maximum_missed_time
             return missed(replace(person, track=track), 0.0, seen.now, longest, left=False)
@@ -121,7 +122,7 @@ class PersonUpdate:
         share = averaged(person.foreground, shown)
         comparable = person.comparable or (share or 0.0) >= THERE
         return replace(
-            person,
+            moved,
             track=replace(track, stature=stature.estimate),
             stature=stature,
             foreground=share,
@@ -130,7 +131,6 @@ class PersonUpdate:
             seen=seen.now,
             boxed=seen.now,
             left=False,
-            contact=contact,
             stirring=stirring,
             first=self._unchanged(person, stirring, track.pose, others, seen),
             hits=person.hits + 1,
@@ -158,11 +158,11 @@ class PersonUpdate:
             return None
         detection = Detection(box, np.zeros(0), np.zeros(0), certainty=0.0)
         known = stood(seen.scene, detection, there.pose, person.stature.estimate[0], others)
-        track, contact = self._updated(person, known, picture, seen, joined=known.part)
-        shown = presence(seen.scene, track.pose, others)
+        moved = self._updated(person, known, picture, seen, joined=known.part)
+        shown = presence(seen.scene, moved.track.pose, others)
         stature = person.stature.stood(None if shown is None else shown.height)
-        track = replace(track, stature=stature.estimate)
-        return replace(person, track=track, stature=stature, contact=contact, seen=seen.now, left=False)
+        track = replace(moved.track, stature=stature.estimate)
+        return replace(moved, track=track, stature=stature, seen=seen.now, left=False)
 
     def after_part(self, person: KnownPerson, free: Array, seen: Observation) -> KnownPerson | None:
         """The person, held in place, after a picture that shows a part of the body; None if it shows none.
@@ -187,18 +187,19 @@ class PersonUpdate:
 
     def _updated(
         self, person: KnownPerson, known: Stood, picture: Picture, seen: Observation, *, joined: bool
-    ) -> tuple[Track, Contact | None]:
+    ) -> KnownPerson:
         """The person's track after the picture of a detection, and where the person stands.
 
         known: the detection beside the floor; joined: whether a share of the particles begins there.
         """
         size = None if known.part else by_size(self.camera, known.detection)
         age = (seen.now - person.seen) * NANOSECOND
-        contact = person.contact_after(known.contact, size, age)
-        fitness = self._fitness(picture, known.detection, contact or size)
+        contact, sized = person.contact_after(known.contact, size, age), person.sized_after(size, age)
+        fitness = self._fitness(picture, known.detection, contact or sized)
         search = Search(self.params.particles)
         before = self._joined(person.track, known.detection) if joined else person.track
-        return updated(before, seen.seconds, fitness, self.girths, search, self.random()), contact
+        track = updated(before, seen.seconds, fitness, self.girths, search, self.random())
+        return replace(person, track=track, contact=contact, sized=sized)
 
     def _boxed_lately(self, person: KnownPerson, seen: Observation) -> bool:
         """Whether somebody is known, and had a box not long ago: what is no upper body may prolong this."""

@@ -176,6 +176,18 @@ def test_sizes_of_many_boxes_tell_a_distance_no_better_than_proportions_do():
     assert contact.sigma == pytest.approx(PROPORTION_SIGMA * 4.4, rel=0.01)
 
 
+def test_sizes_of_boxes_in_a_row_tell_the_distance_together():
+    person = KnownPerson.tentative(standing(3.0)[None], 45, 1.0, 0, comparable=True, contact=None)
+    assert person.sized_after(None, 0.2) is None
+    told = []
+    for number in range(20):
+        size = Contact(3.3 if number % 2 else 2.7, 0.3)
+        person = replace(person, sized=person.sized_after(size, 0.2))
+        told.append(person.sized.distance)
+    assert np.abs(np.array(told[10:]) - 3.0).max() < 0.2
+    assert person.sized_after(None, 1.0) == person.sized.later(1.0)
+
+
 def test_two_hearings_tell_where_a_walker_is_by_now():
     first, second = SlowPose(0, standing(1.0)), SlowPose(SECOND // 2, standing(1.4))
     assert second.forecast(first, 0.5)[0] == pytest.approx(1.8)
