@@ -9,11 +9,11 @@ import numpy as np
 from followspot import Array, Field, Latest
 from followspot.tracking import Candidates, Forecast, Positions
 from followspot_balls.association.recovery_evidence import DOUBTED, appearing
-from followspot_balls.fusion.blob_assignment import Claims, assigned, shares, squared_errors
+from followspot_balls.fusion.blob_assignment import Claims, assigned, shares
 from followspot_balls.fusion.contradiction import contradicted
 from followspot_balls.fusion.validation import Fusion
 from followspot_balls.measurement.blob_table import blob_table
-from followspot_balls.measurement.center_precision import Outlines, variance
+from followspot_balls.measurement.center_precision import variance
 from followspot_balls.measurement.glow_shift import glow_sigma
 from followspot_balls.measurement.points import (
     PARAMETERS,
@@ -25,7 +25,6 @@ from followspot_balls.measurement.points import (
     glowing_projection,
     images,
     linearised,
-    point_images,
     solved,
     weighted,
 )
@@ -61,15 +60,8 @@ class Bundle(Fusion):
     """Minimise the robust reprojection error of each target over all cameras, one blob in each."""
 
     class Params(Fusion.Params):
-        """Starts, outliers, and the part of the forecast."""
+        """Outliers, and the part of the forecast."""
 
-        vote_scale: float = Field(
-            1.0,
-            gt=0,
-            unit="px",
-            description="error that halves the vote of a whole blob for a start; raising it tolerates bad "
-            "calibration",
-        )
         outlier_cutoff: float = Field(
             4.0,
             gt=0,
@@ -81,25 +73,6 @@ class Bundle(Fusion):
             gt=0,
             unit="1",
             description="factor on the cutoff for a lost target in three views; raising it recovers more",
-        )
-        vote_clutter: float = Field(
-            0.05,
-            gt=0,
-            unit="1",
-            description="density of whatever else a blob may be over that of a whole blob at its target's "
-            "centre; raising it lets more views that agree badly outvote fewer that agree well",
-        )
-        color_vote_bonus: float = Field(
-            0.5,
-            ge=0,
-            unit="1",
-            description="extra weight of a colour camera's vote for a start; raising it helps in crowds",
-        )
-        prior_sigma: float = Field(
-            0.15,
-            gt=0,
-            unit="m",
-            description="sigma of the start around the forecast; raising it lets targets jump",
         )
         forecast_weight: float = Field(
             0.3,
@@ -128,9 +101,7 @@ class Bundle(Fusion):
         cameras = list(self.room.cameras.values())
         self.P = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
         self.color = np.array([c.kind == "color" for c in cameras], bool)
-        self.voice = 1 + self.params.color_vote_bonus * self.color
         self.planes = np.array(list(self.room.planes.values())).reshape(-1, 4)
-        self.outlines = Outlines(self.room)
 
     def process(self, candidates: Candidates, forecast: Latest[Forecast] = None) -> Positions:
         candidates = numbered(candidates, self.cameras)
@@ -140,10 +111,9 @@ class Bundle(Fusion):
         if not len(target):
             return Positions.empty()
         table = blob_table(candidates, len(self.P))
-        sizes = self.outlines.at_unit_depth(table.xy, table.area)
-        claims = Claims(table.xy, table.targets[target], sizes, self.radii[target], lost[target])
-        credit = np.where(seeds[target], self.credit(candidates, target, claims.lost, forecast), -np.inf)
-        start = candidates.xyz[self.votes(candidates.xyz, credit, claims).argmax(axis=1)]
+        claims = self.claims(table, target, lost[target])
+        prior = np.where(seeds[target], self.prior(candidates, target, claims.lost, forecast), -np.inf)
+        start = candidates.xyz[self.votes.posterior(candidates.xyz, prior, claims).argmax(axis=1)]
         expected = self.expectation(target, claims.lost, forecast)
         fit = self.refined(start, claims, expected, self.cutoff(candidates, target, lost))
         agreeing = (fit.slot[:, candidates.view] == table.slot) & (fit.trust[:, candidates.view] > USED)
@@ -161,7 +131,7 @@ class Bundle(Fusion):
         seen = positions if used.any(axis=1).all() else positions.where(positions.support > 0)
         return self.validated(seen, candidates, forecast)
 
-    def credit(self, candidates: Candidates, target: Array, lost: Array, forecast: Forecast | None) -> Array:
+    def prior(self, candidates: Candidates, target: Array, lost: Array, forecast: Forecast | None) -> Array:
         """Logarithm of each candidate's prior, (M, N): by its distance to the forecast, or by its evidence.
 
         target: (M,); lost: (M,) bool, which have no forecast.
@@ -169,29 +139,8 @@ class Bundle(Fusion):
         evidence = np.log(np.where(candidates.evident, 1.0, DOUBTED))
         if forecast is None or lost.all():
             return np.broadcast_to(evidence, (len(target), len(evidence)))
-        distance2 = np.square(candidates.xyz - forecast.xyz[target][:, None]).sum(axis=2)
-        return np.where(lost[:, None], evidence, -distance2 / (2 * self.params.prior_sigma**2))
-
-    def votes(self, xyz: Array, credit: Array, claims: Claims) -> Array:
-        """Logarithm of the posterior of each candidate as the position of each target: (M, N).
-
-        The views are independent, so what they say multiplies: several that agree on a place outvote two
-        that fit another one better, and a forecast that is off by a ball's width. A blob is a target's by a
-        Cauchy density whose squared width, px^2, grows with the sigma of its blob, as the cutoff of the fit
-        does: a fragment supports an exact candidate less than a whole blob does, and contradicts a near one
-        less. Else it is something that lies there by chance.
-        xyz: (N, 3) m; credit: (M, N) of :meth:`credit`, -inf for candidates that are not in question.
-        """
-        row, candidate = np.nonzero(credit > -np.inf)
-        seen = point_images(self.P, xyz[candidate])
-        squares = squared_errors(claims.xy, seen, claims.possible[row])
-        sigma = np.sqrt(self.variance(shares(claims, seen.depth, row)))
-        width2 = self.params.vote_scale**2 / self.params.blob_sigma * sigma
-        density = np.sqrt(width2) / (width2 + squares)
-        nearest = np.ascontiguousarray(density.transpose(2, 0, 1)).max(axis=0)  # five times as fast as axis=2
-        votes = credit.copy()
-        votes[row, candidate] += np.log1p(nearest / self.params.vote_clutter) @ self.voice
-        return votes
+        near = self.votes.prior(candidates.xyz, forecast.xyz[target])
+        return np.where(lost[:, None], evidence, near)
 
     def variance(self, share: Array) -> Array:
         """Variance of the centres of blobs that show these shares of their outlines, px^2."""

@@ -13,6 +13,7 @@ from followspot_balls.fusion.kernels import epipolar_weight
 from followspot_balls.fusion.mode_covariance import ModeCovariance, rivals_covariance
 from followspot_balls.fusion.modes import Modes, Sample, densest, seek_modes, weighted_mean
 from followspot_balls.fusion.validation import Fusion
+from followspot_balls.measurement.blob_table import blob_table
 from followspot_balls.pairs.camera_numbers import numbered
 from followspot_balls.scene.targets import lost_targets
 
@@ -58,18 +59,12 @@ class MeanShift(Fusion):
             "show; raising it recovers more",
         )
         minimum_mode_share: float = Field(
-            0.5,
+            0.9,
             ge=0,
             le=1,
             unit="1",
-            description="share of the weight below which the densest candidate replaces the mode at the "
-            "forecast; raising it leaves wrong forecasts sooner",
-        )
-        prior_sigma: float = Field(
-            0.1,
-            gt=0,
-            unit="m",
-            description="sigma of the densest candidate around the forecast; raising it lets targets jump",
+            description="share of the weight up to which the mode of the candidate that all views make "
+            "likeliest replaces that at the forecast; raising it leaves wrong forecasts sooner",
         )
         minimum_support_weight: float = Field(
             0.6,
@@ -119,7 +114,7 @@ class MeanShift(Fusion):
         bandwidth = np.maximum(self.params.bandwidth_scale * sigma, self.params.minimum_bandwidth)
         bandwidth[lost] = self.params.lost_bandwidth
         sample = Sample(candidates.xyz, candidates.labelled, weights, bandwidth)
-        modes = self.modes(sample, center, candidates, lost)
+        modes = self.modes(sample, center, candidates, target, lost)
         used = modes.held > self.params.minimum_support_weight
         support = used.sum(axis=1, dtype=np.int32)
         shown = np.where((support > 0)[:, None], used, modes.held > 0)
@@ -157,8 +152,13 @@ class MeanShift(Fusion):
         near = np.exp(-np.square(offsets).sum(axis=2) / (2 * self.params.prior_sigma**2))
         return np.where(lost[:, None], recovery_credit(candidates), np.maximum(near, FAINT))
 
-    def modes(self, sample: Sample, center: Array, candidates: Candidates, lost: Array) -> Modes:
-        """Modes from the initial centres; the densest candidate replaces modes with too little weight."""
+    def modes(
+        self, sample: Sample, center: Array, candidates: Candidates, target: Array, lost: Array
+    ) -> Modes:
+        """Modes from the initial centres, or from the likeliest candidates where those have little weight.
+
+        center: (M, 3) m; target: (M,); lost: (M,) bool.
+        """
         p = self.params
         start = weighted_mean(sample.xyz, sample.weights) if p.initial_center == "mean" else center.copy()
         dense = lost | (p.initial_center == "densest")
@@ -170,11 +170,22 @@ class MeanShift(Fusion):
         if not np.count_nonzero(poor):
             return first
         rest = sample.rows(poor)
-        credit = self.credit(candidates, center[poor], lost[poor])
-        second = seek_modes(densest(rest, credit), rest, p.convergence_distance, p.maximum_iterations)
+        start = self.likeliest(rest, center[poor], candidates, target[poor])
+        second = seek_modes(start, rest, p.convergence_distance, p.maximum_iterations)
         for old, new in zip(first, second, strict=True):
             old[poor] = new
         return first
+
+    def likeliest(self, sample: Sample, center: Array, candidates: Candidates, target: Array) -> Array:
+        """The candidates that all views and the forecasts make likeliest: (M, 3) m.
+
+        center: (M, 3) m, the forecasts; target: (M,).
+        """
+        prior = np.where(sample.weights > 0, self.votes.prior(sample.xyz, center), -np.inf)
+        table = blob_table(candidates, len(self.cameras))
+        claims = self.claims(table, target, np.zeros(len(target), bool))
+        best = self.votes.posterior(sample.xyz, prior, claims).argmax(axis=1)
+        return np.asarray(sample.xyz.take(best, axis=0))
 
 
 def expectation(forecast: Forecast | None, target: Array, lost: Array) -> tuple[Array, Array]:

@@ -8,11 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from followspot import Stage
+from followspot import Array, Stage
 from followspot.tracking import Candidates, Forecast, Positions
 from followspot_balls.association.infrared_only import Colorless, ColorlessParams
 from followspot_balls.association.recovery import Recovery, RecoveryParams
-from followspot_balls.fusion.blob_params import BlobParams
+from followspot_balls.fusion.blob_assignment import Claims
+from followspot_balls.fusion.view_votes import ViewVotes, VoteParams
+from followspot_balls.measurement.blob_table import BlobTable
+from followspot_balls.measurement.center_precision import Outlines
 from followspot_balls.scene.bounding_planes import facing_planes, raised
 from followspot_balls.scene.targets import target_radii
 
@@ -26,7 +29,7 @@ class Fusion(Stage, ABC):
         "stage warns"
     )
 
-    class Params(BlobParams, RecoveryParams, ColorlessParams):
+    class Params(VoteParams, RecoveryParams, ColorlessParams):
         """How exactly blobs tell places, and what the views must say of a target."""
 
     params: Params
@@ -37,11 +40,18 @@ class Fusion(Stage, ABC):
         self.bounds = facing_planes(self.room, np.array([c.center for c in cameras]).reshape(-1, 3))
         self.radii = target_radii(self.room)
         self.colorless = Colorless(self.room, self.params)
+        self.votes = ViewVotes(self.room, self.params)
+        self.outlines = Outlines(self.room)
 
     @cached_property
     def recovery(self) -> Recovery:
         """What the views must say of places; also there if the stage is closed before it is set up."""
         return Recovery(self.room, self.params)
+
+    def claims(self, table: BlobTable, target: Array, lost: Array) -> Claims:
+        """The blobs of a frame as those of targets (M,). lost: (M,) bool, which have no forecast."""
+        sizes = self.outlines.at_unit_depth(table.xy, table.area)
+        return Claims(table.xy, table.targets[target], sizes, self.radii[target], lost)
 
     def validated(self, positions: Positions, candidates: Candidates, forecast: Forecast | None) -> Positions:
         """The positions that the views do not contradict, none of them in a plane."""

@@ -115,12 +115,6 @@ def test_mean_shift_ignores_the_biased_candidate_that_the_mean_takes() -> None:
     assert Mean().process(found, forecast).xyz[0] == pytest.approx([0.039, 0.0, 1.0])
 
 
-def test_mean_shift_leaves_a_forecast_that_its_candidates_contradict() -> None:
-    found = candidates_at([(0.02, 0.0, 1.0)] + [(0.15 + 0.001 * i, 0.0, 1.0) for i in range(5)])
-    position = ready(MeanShift).process(found, forecast_at([(0.0, 0.0, 1.0)]))
-    assert position.xyz[0] == pytest.approx([0.152, 0.0, 1.0], abs=1e-6)
-
-
 def test_mean_shift_follows_candidates_metres_away_where_there_are_no_others() -> None:
     found = candidates_at([(5.0, 0.0, 1.0), (5.01, 0.0, 1.0)])
     position = ready(MeanShift).process(found, forecast_at([(0.0, 0.0, 1.0)]))
