@@ -22,7 +22,12 @@ FAINT = 1e-200
 
 
 class MeanShift(Fusion):
-    """Seek the mode of each target's candidates, from the forecast or from the densest candidate."""
+    """Seek the mode of each target's candidates, from the forecast or from the densest candidate.
+
+    The place is the mean of the candidates in the mode. There they weigh by their precision, too: fragments,
+    and blobs merged with other light, tell places less exactly than whole balls do. In a mode as wide as that
+    of a lost target they do not, for other things may show as whole in it as a covered ball.
+    """
 
     class Params(Fusion.Params):
         """Modes, and which candidates count."""
@@ -115,13 +120,18 @@ class MeanShift(Fusion):
         bandwidth[lost] = self.params.lost_bandwidth
         sample = Sample(candidates.xyz, candidates.labelled, weights, bandwidth)
         modes = self.modes(sample, center, candidates, target, lost)
+        vague = bandwidth.max(axis=1) >= self.params.lost_bandwidth
+        precision = np.where(vague[:, None], 1.0, self.covariance.precision(candidates, target))
+        held = modes.held * precision
+        place = weighted_mean(candidates.xyz, held)
         used = modes.held > self.params.minimum_support_weight
         support = used.sum(axis=1, dtype=np.int32)
         shown = np.where((support > 0)[:, None], used, modes.held > 0)
         positions = Positions(
             target=target.astype(np.int32),
-            xyz=modes.center,
-            covariance=self.covariances(candidates, target, modes, weights),
+            xyz=place,
+            covariance=self.covariance.of(candidates, target, place, held)
+            + rivals_covariance(candidates.xyz, place, weights, modes.held, self.params.rival_exponent),
             support=support,
             confirmed=np.asarray((used & candidates.confirmed).any(axis=1)),
             evident=np.asarray((shown & candidates.evident).any(axis=1)),
@@ -129,12 +139,6 @@ class MeanShift(Fusion):
             predicted=np.zeros(len(target), bool),
         )
         return self.validated(positions, candidates, forecast)
-
-    def covariances(self, candidates: Candidates, target: Array, modes: Modes, weights: Array) -> Array:
-        """(M, 3, 3) m^2, from the blobs of the candidates in the modes and from the candidates outside."""
-        known = self.covariance.of(candidates, target, modes.center, modes.held)
-        exponent = self.params.rival_exponent
-        return known + rivals_covariance(candidates.xyz, modes.center, weights, modes.held, exponent)
 
     def threshold(self, candidates: Candidates, lost: Array) -> Array | float:
         """T_ED, px: of all candidates, or (T, N) if a target has no forecast."""

@@ -83,6 +83,19 @@ class ModeCovariance:
             covariance += alone[:, None, None] * IDENTITY
         return np.asarray(covariance)
 
+    def precision(self, candidates: Candidates, target: Array) -> Array:
+        """Precision of N candidates as places of targets (M,), over that of two blobs of whole balls: (M, N).
+
+        The blobs' variances go by how much of the outlines they show; that of a depth camera alone is 1.
+        """
+        offset = candidates.xyz[:, None] - self.centers.take(candidates.view, axis=0)
+        outline = self.outlines.take(target, axis=0).take(candidates.view, axis=1)
+        noise = self.noise(candidates.area * np.vecdot(offset, offset) / outline)
+        precision = 2 * self.params.blob_sigma**2 / noise.sum(axis=2)
+        if self.depth:
+            precision[:, candidates.view[:, 0] == candidates.view[:, 1]] = 1.0
+        return np.asarray(precision)
+
     def views(self, candidates: Candidates, center: Array, held: Array) -> ModeViews:
         """What each camera contributes; several of its blobs in one mode count as their mean."""
         modes, cameras = len(center), len(self.focal2)

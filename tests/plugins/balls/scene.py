@@ -124,16 +124,20 @@ def candidates_at(
     targets: list[list[bool]] | None = None,
     view: list[tuple[int, int]] | None = None,
 ) -> Candidates:
-    """Candidates there, of the first blobs of two cameras: everywhere the same ones unless told."""
+    """Candidates there, of whole balls that two cameras show: everywhere the same ones unless told."""
     count = len(places)
+    xyz = np.array(places, float).reshape(-1, 3)
+    pair = np.array(view or [(0, 1)] * count, np.int32).reshape(-1, 2)
+    centers = np.array([camera.center for camera in make_room().cameras.values()])
+    away = np.linalg.norm(xyz[:, None] - centers[pair], axis=2)
     return seal(
         Candidates(
             cameras=("cam0", "cam1", "cam2", "cam3"),
-            xyz=np.array(places, float).reshape(-1, 3),
-            view=np.array(view or [(0, 1)] * count, np.int32).reshape(-1, 2),
+            xyz=xyz,
+            view=pair,
             blob=np.zeros((count, 2), np.int32),
             xy=np.zeros((count, 2, 2)),
-            area=np.full((count, 2), 28.0),
+            area=np.pi * np.square(150.0 * RADIUS / away),
             epipolar=np.array(epipolar or [0.0] * count, float),
             labelled=np.array([True] * count if labelled is None else labelled, bool),
             confirmed=np.array([True] * count if confirmed is None else confirmed, bool),

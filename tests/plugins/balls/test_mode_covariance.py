@@ -11,7 +11,8 @@ from tests.plugins.balls.test_bundle import COLOR, HIGH, ROOM, candidates, near,
 
 from followspot.context import Context
 from followspot.messages import Array
-from followspot.tracking import Candidates
+from followspot.sealing import seal
+from followspot.tracking import Candidates, Forecast
 from followspot_balls.fusion.mode_covariance import ModeCovariance, rivals_covariance
 from followspot_balls.mean_shift import MeanShift
 from followspot_balls.measurement.center_precision import variance
@@ -115,6 +116,63 @@ def test_candidates_of_a_depth_camera_have_its_sigma_and_two_cameras_half_the_va
         found = replace(rows, view=np.repeat(np.array(views, np.int32)[:, None], 2, axis=1))
         of = covariance.of(found, FIRST, PLACE[None], np.ones((1, len(views))))[0]
         assert of == pytest.approx(np.eye(3) * 0.008**2 * share)
+
+
+@pytest.mark.parametrize(("share", "growth"), [(0.4, 4.0 * 0.6), (1.5, 14.0 * 0.3**2), (1.0, 0.0)])
+def test_pairs_of_fragments_and_of_merged_blobs_weigh_by_their_precision(share: float, growth: float) -> None:
+    """Two pairs of views, 2 cm apart, of which one shows other areas than a whole ball's."""
+    other = PLACE + np.array([0.0, 0.02, 0.0])
+    both = two_places(PLACE, other, share)
+    position = stage().process(both, near())
+    weight = 1 / (1 + growth**2)
+    assert position.xyz[0] == pytest.approx((PLACE + weight * other) / (1 + weight), abs=2e-4)
+    assert position.support.tolist() == [2]
+    assert position.evident.tolist() == [True]
+
+
+def test_one_blob_that_is_a_fragment_makes_its_pair_less_precise() -> None:
+    area = whole(PLACE) * [1.0, 0.4, 1.0, 1.0]
+    found = stage().covariance.precision(seen(undistorted(PLACE), area), np.array([1, 0]))
+    fragment = 2 / (2 + (4.0 * 0.6) ** 2)
+    expected = np.where((seen(undistorted(PLACE), area).view == 1).any(axis=1), fragment, 1.0)
+    assert found == pytest.approx(np.array([expected, expected]), rel=1e-6)
+
+
+@pytest.mark.parametrize("forecast", [None, near(sigma=0.041)], ids=["lost", "vague"])
+def test_candidates_in_a_mode_as_wide_as_that_of_a_lost_target_weigh_alike(forecast: Forecast | None) -> None:
+    other = PLACE + np.array([0.0, 0.02, 0.0])
+    both = two_places(PLACE, other, 0.4)
+    assert stage().process(both, forecast).xyz[0] == pytest.approx((PLACE + other) / 2, abs=1e-4)
+    nearly = stage().process(both, near(sigma=0.039)).xyz[0]
+    assert np.linalg.norm(nearly - PLACE) < 0.2 * np.linalg.norm(nearly - other)
+
+
+def test_precise_candidates_move_the_place_in_a_mode_but_choose_no_other_mode() -> None:
+    """The mode at the forecast is of fragments; 12 cm beside it, two views show a whole ball."""
+    other = PLACE + np.array([0.0, 0.12, 0.0])
+    found = two_places(other, PLACE, 0.3)
+    assert stage().process(found, near(sigma=0.01)).xyz[0] == pytest.approx(PLACE, abs=1e-4)
+
+
+def test_a_depth_camera_alone_is_as_precise_as_whole_balls() -> None:
+    cameras = {name: replace(c, kind="depth") for name, c in ROOM.cameras.items()}
+    covariance = ModeCovariance(replace(ROOM, cameras=cameras), stage().params, 0.008)
+    pair = seen(undistorted(PLACE), 0.4 * whole(PLACE)).where(np.arange(1))
+    alone = replace(pair, view=np.zeros((1, 2), np.int32))
+    assert covariance.precision(alone, FIRST).tolist() == [[1.0]]
+    assert covariance.precision(pair, FIRST)[0, 0] < 0.2
+
+
+def two_places(first: Array, second: Array, share: float) -> Candidates:
+    """A pair of views of a whole ball, and one of views that show this share of its outline elsewhere."""
+    halves = one_ball(undistorted(first), first, (0, 1)), one_ball(undistorted(second), second, (2, 3))
+    halves = halves[0], replace(halves[1], area=share * halves[1].area)
+    return seal(
+        Candidates(
+            cameras=halves[0].cameras,
+            **{name: np.concatenate([getattr(h, name) for h in halves]) for name in Candidates.array_names},
+        )
+    )
 
 
 def test_depth_cameras_that_see_nothing_have_no_mode() -> None:
