@@ -29,7 +29,7 @@ class VoteParams(BlobParams):
         gt=0,
         unit="1",
         description="density of whatever else a blob may be over that of a whole blob at its target's "
-        "centre; raising it lets more views that agree badly outvote fewer that agree well less often",
+        "centre; raising it lets a few exact views outvote several inexact ones",
     )
     color_vote_bonus: float = Field(
         0.5,
