@@ -55,7 +55,7 @@ MISTAKES = {
         ("middle", "  inner:", "  ‡inner:"),
         ("main", "  hall:", "  ‡hall:"),
     ),
-    "a parameter of an interface that nobody sets": wrong(
+    "a parameter of an interface without a value": wrong(
         'stage "hall/inner/detect" has no parameter "levle"',
         'did you mean "level"?',
         ("main", ", with: {level: 0.75}", ""),
@@ -63,14 +63,14 @@ MISTAKES = {
         ("middle", "  inner:", "  ‡inner:"),
         ("main", "  hall:", "  ‡hall:"),
     ),
-    "an input of an interface that nobody feeds": wrong(
+    "an input of an interface that no stage feeds": wrong(
         'stage "hall/inner/extra" has no input "hitn"',
         'did you mean "hint"?',
         ("tracker", "hint: extra.hint", "hint: ¦extra.hitn"),
         ("middle", "  inner:", "  ‡inner:"),
         ("main", "  hall:", "  ‡hall:"),
     ),
-    "an output of an interface that nobody reads": wrong(
+    "an output of an interface that no stage reads": wrong(
         'stage "hall/cam0/inner/track" has no output "forcast"',
         'did you mean "forecast"?',
         ("main", "{graph: middle.yaml", "{each: cameras, graph: middle.yaml"),

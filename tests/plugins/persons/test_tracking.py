@@ -155,8 +155,8 @@ def test_feet_where_nobody_walks_to_in_this_time_are_somebody_elses():
 
 
 def test_feet_that_the_size_of_the_body_contradicts_refuse_no_others_for_long():
-    """Who parts the legs in a step was taken to stand at 5.5 m; boxes and the feet say 3.9 m, five times a
-    second.
+    """Legs parted in a step passed for feet at 5.5 m; the boxes and the feet of the next pictures, five a
+    second, say 3.9 m.
     """
     person = KnownPerson.tentative(
         standing(3.9)[None], 45, 1.0, 0, comparable=True, contact=Contact(5.5, STRIDE_SIGMA)
