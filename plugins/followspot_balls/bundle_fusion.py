@@ -13,7 +13,6 @@ from followspot_balls.fusion.blob_assignment import Claims, assigned, shares
 from followspot_balls.fusion.contradiction import contradicted
 from followspot_balls.fusion.validation import Fusion
 from followspot_balls.measurement.blob_table import blob_table
-from followspot_balls.measurement.center_precision import variance
 from followspot_balls.measurement.glow_shift import glow_sigma
 from followspot_balls.measurement.points import (
     PARAMETERS,
@@ -142,11 +141,6 @@ class Bundle(Fusion):
         near = self.votes.prior(candidates.xyz, forecast.xyz[target])
         return np.where(lost[:, None], evidence, near)
 
-    def variance(self, share: Array) -> Array:
-        """Variance of the centres of blobs that show these shares of their outlines, px^2."""
-        p = self.params
-        return variance(share, p.blob_sigma, p.hidden_inflation, p.merged_inflation)
-
     def cutoff(self, candidates: Candidates, target: Array, lost: Array) -> Array | float:
         """The outlier cutoff in sigmas: of all targets, or (M, 1) if one has no forecast. lost: (T,) bool."""
         p = self.params
@@ -194,7 +188,7 @@ class Bundle(Fusion):
         origin[:, :3] = start
         seen = images(projection, origin)
         slot, found = assigned(claims, seen)
-        spread = self.variance(shares(claims, seen.depth, row, slot))
+        spread = self.params.center_variance(shares(claims, seen.depth, row, slot))
         views = Views(claims.xy[camera, slot], found / spread, cutoff**2 * p.blob_sigma * np.sqrt(spread))
         design = linearised(projection, seen, views)
         glow = glow.relative(origin)

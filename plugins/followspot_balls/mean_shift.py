@@ -152,8 +152,7 @@ class MeanShift(Fusion):
 
         center: (M, 3) m; lost: (M,). Returns (M, N).
         """
-        offsets = candidates.xyz - center[:, None]
-        near = np.exp(-np.square(offsets).sum(axis=2) / (2 * self.params.prior_sigma**2))
+        near = np.exp(self.votes.prior(candidates.xyz, center))
         return np.where(lost[:, None], recovery_credit(candidates), np.maximum(near, FAINT))
 
     def modes(

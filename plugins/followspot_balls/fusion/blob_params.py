@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from followspot import Field, StageParams
+from followspot import Array, Field, StageParams
+from followspot_balls.measurement.center_precision import variance
 
 
 class BlobParams(StageParams):
@@ -63,3 +64,7 @@ class BlobParams(StageParams):
         description="number of measured errors that `blob_sigma` counts as when the covariance adapts to "
         "the errors of a frame; raising it adapts the covariance less",
     )
+
+    def center_variance(self, share: Array) -> Array:
+        """Variances of the centres of blobs that show these shares of their outlines, px^2; any shape."""
+        return variance(share, self.blob_sigma, self.hidden_inflation, self.merged_inflation)

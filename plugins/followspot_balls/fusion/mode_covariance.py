@@ -17,7 +17,6 @@ from followspot.room import Room
 from followspot.tracking import Candidates
 from followspot_balls.detection.strip import row_and_column
 from followspot_balls.fusion.blob_params import BlobParams
-from followspot_balls.measurement.center_precision import variance
 from followspot_balls.measurement.glow_shift import glow_sigma
 from followspot_balls.measurement.outline import unit_outline
 from followspot_balls.measurement.points import point_images
@@ -73,7 +72,7 @@ class ModeCovariance:
         reach2 = distance2 / self.focal2
         views = self.views(candidates, center, held)
         gain = propagation(views.weight, offset / np.sqrt(distance2)[..., None], reach2)
-        noise = self.noise(views.area * distance2 / self.outlines.take(target, axis=0))
+        noise = self.params.center_variance(views.area * distance2 / self.outlines.take(target, axis=0))
         spread = gain * np.sqrt(reach2 * noise)[..., None, None]
         wide = spread.swapaxes(1, 2).reshape(len(center), 3, 3 * len(self.focal2))
         covariance = wide @ wide.swapaxes(1, 2) * self.misfit(views, noise)[:, None, None]
@@ -90,7 +89,7 @@ class ModeCovariance:
         """
         offset = candidates.xyz[:, None] - self.centers.take(candidates.view, axis=0)
         outline = self.outlines.take(target, axis=0).take(candidates.view, axis=1)
-        noise = self.noise(candidates.area * np.vecdot(offset, offset) / outline)
+        noise = self.params.center_variance(candidates.area * np.vecdot(offset, offset) / outline)
         precision = 2 * self.params.blob_sigma**2 / noise.sum(axis=2)
         if self.depth:
             precision[:, candidates.view[:, 0] == candidates.view[:, 1]] = 1.0
@@ -123,11 +122,6 @@ class ModeCovariance:
             for each in (candidates.area.take(row, axis=0), np.vecdot(off, off))
         )
         return ModeViews(table / total[..., None], alone / total, of_view > 0, area, squares)
-
-    def noise(self, share: Array) -> Array:
-        """Variances of the centres of blobs that show these shares of their outlines, px^2."""
-        p = self.params
-        return variance(share, p.blob_sigma, p.hidden_inflation, p.merged_inflation)
 
     def misfit(self, views: ModeViews, noise: Array) -> Array:
         """Factor of the variances from the errors themselves, (M,), as in `measurement.points.estimated`."""

@@ -10,7 +10,6 @@ import numpy as np
 from followspot import Array, Field, Room
 from followspot_balls.fusion.blob_assignment import Claims, shares, squared_errors
 from followspot_balls.fusion.blob_params import BlobParams
-from followspot_balls.measurement.center_precision import variance
 from followspot_balls.measurement.points import point_images
 
 
@@ -74,7 +73,7 @@ class ViewVotes:
         seen = point_images(self.P, xyz[place])
         squares = squared_errors(claims.xy, seen, claims.possible[row])
         share = shares(claims, seen.depth, row)
-        sigma = np.sqrt(variance(share, p.blob_sigma, p.hidden_inflation, p.merged_inflation))
+        sigma = np.sqrt(p.center_variance(share))
         width2 = p.vote_scale**2 / p.blob_sigma * sigma
         density = np.sqrt(width2) / (width2 + squares)
         nearest = np.ascontiguousarray(density.transpose(2, 0, 1)).max(axis=0)  # five times as fast as axis=2
