@@ -64,7 +64,7 @@ class MeanShift(Fusion):
             "show; raising it recovers more",
         )
         minimum_mode_share: float = Field(
-            0.9,
+            0.8,
             ge=0,
             le=1,
             unit="1",

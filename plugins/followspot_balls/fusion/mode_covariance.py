@@ -90,7 +90,7 @@ class ModeCovariance:
         offset = candidates.xyz[:, None] - self.centers.take(candidates.view, axis=0)
         outline = self.outlines.take(target, axis=0).take(candidates.view, axis=1)
         noise = self.params.center_variance(candidates.area * np.vecdot(offset, offset) / outline)
-        precision = 2 * self.params.blob_sigma**2 / noise.sum(axis=2)
+        precision = 2 * self.params.blob_sigma**2 / (noise[..., 0] + noise[..., 1])  # as sum(axis=2), faster
         if self.depth:
             precision[:, candidates.view[:, 0] == candidates.view[:, 1]] = 1.0
         return np.asarray(precision)

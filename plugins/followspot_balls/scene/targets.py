@@ -11,18 +11,26 @@ from followspot.room import Room
 from followspot.tracking import LOST, PREDICTED, TRACKED, Forecast
 
 
+@lru_cache(maxsize=16)  # the stages of a worker ask the same of each forecast
 def lost_targets(forecast: Forecast | None, count: int) -> Array:
-    """Which of `count` targets have no forecast: all, before the first one. Returns (T,) bool."""
+    """Which of `count` targets have no forecast: all, before the first one. Returns (T,) bool, read-only."""
     if forecast is None or len(forecast.state) != count:
-        return np.ones(count, bool)
-    return np.asarray(forecast.state == LOST)
+        return unchanging(np.ones(count, bool))
+    return unchanging(forecast.state == LOST)
 
 
+@lru_cache(maxsize=16)
 def tracked_targets(forecast: Forecast | None, count: int) -> Array:
-    """Which of `count` targets had a position in the previous frame; initially none. Returns (T,) bool."""
+    """Which of `count` targets had a position in the previous frame; initially none. (T,) bool, read-only."""
     if forecast is None or len(forecast.state) != count:
-        return np.zeros(count, bool)
-    return np.asarray((forecast.state == TRACKED) | (forecast.state == PREDICTED))
+        return unchanging(np.zeros(count, bool))
+    return unchanging((forecast.state == TRACKED) | (forecast.state == PREDICTED))
+
+
+def unchanging(array: Array) -> Array:
+    """The array itself, read-only, so that those who share it cannot change it."""
+    array.setflags(write=False)
+    return array
 
 
 @lru_cache(maxsize=8)
