@@ -7,7 +7,9 @@ import numpy as np
 from followspot import Array, Field
 from followspot.tracking import Candidates, Forecast
 from followspot_balls.association.existence import Confirmation, Existence, TargetCandidates, without_track
+from followspot_balls.association.hypotheses import Hypotheses
 from followspot_balls.association.likelihood import ball_log_ratio
+from followspot_balls.association.recovery_evidence import appearing
 from followspot_balls.association.view_association import ViewAssociation, WeighedHypotheses
 from followspot_balls.scene.targets import lost_targets
 from followspot_balls.triangulate import alike
@@ -99,6 +101,14 @@ class Associate(ViewAssociation):
     def evidence_ratio(self, log_ratio: Array, occam: Array) -> Array:
         """Against whatever else could be there: paint, light and reflectors, as likely as a ball before."""
         return ball_log_ratio(log_ratio, self.color, occam, 1.0)
+
+    def complete(self, found: Hypotheses, candidates: Candidates, lost: Array) -> Array:
+        """Those of lost targets, for a new position is confirmed sooner if three views show it."""
+        complete = np.zeros(len(found.target), bool)
+        if lost.any():
+            rows = found.row >= 0
+            complete[rows] = appearing(candidates, lost)[found.row[rows], found.target[rows]]
+        return complete
 
     def left_out(self, found: WeighedHypotheses, best: int) -> bool:
         """Whether a frame contradicts a position, and blobs that show it fit hardly better than clutter."""

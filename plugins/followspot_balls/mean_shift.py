@@ -120,9 +120,8 @@ class MeanShift(Fusion):
         bandwidth[lost] = self.params.lost_bandwidth
         sample = Sample(candidates.xyz, candidates.labelled, weights, bandwidth)
         modes = self.modes(sample, center, candidates, target, lost)
-        vague = bandwidth.max(axis=1) >= self.params.lost_bandwidth
-        precision = np.where(vague[:, None], 1.0, self.covariance.precision(candidates, target))
-        held = modes.held * precision
+        held, narrow = modes.held.copy(), (bandwidth.max(axis=1) < self.params.lost_bandwidth).nonzero()[0]
+        held[narrow] *= self.covariance.precision(candidates, target.take(narrow))
         place = weighted_mean(candidates.xyz, held)
         used = modes.held > self.params.minimum_support_weight
         support = used.sum(axis=1, dtype=np.int32)

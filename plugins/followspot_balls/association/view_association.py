@@ -14,7 +14,6 @@ from followspot_balls.association.existence import Existence, OddsRules, restore
 from followspot_balls.association.finite_messages import finite_candidates, finite_forecast
 from followspot_balls.association.hypotheses import Hypotheses, MotionPrior, hypotheses
 from followspot_balls.association.likelihood import ball_log_ratio, information, log_occam_factors, precision
-from followspot_balls.association.recovery_evidence import appearing
 from followspot_balls.association.view_evidence import HypothesisViews, ViewEvidence
 from followspot_balls.association.view_params import ViewParams
 from followspot_balls.association.visibility import predicted, updated
@@ -111,6 +110,12 @@ class ViewAssociation(Stage, ABC):
         """Which targets keep all their candidates although these were weighed: (T,) bool; by default none."""
         return np.zeros(len(tracked), bool)
 
+    def complete(self, found: Hypotheses, candidates: Candidates, lost: Array) -> Array:
+        """Which hypotheses three views show that all make pairs with each other: (M,) bool; none if the
+        stage does not ask. lost: (T,) bool.
+        """
+        return np.zeros(len(found.target), bool)
+
     @abstractmethod
     def left_out(self, found: WeighedHypotheses, best: int) -> bool:
         """Whether a tracked target gets no candidates in this frame, although it has a likeliest position."""
@@ -181,10 +186,7 @@ class ViewAssociation(Stage, ABC):
         rank = ball_log_ratio(views.log_ratio, self.color, occam, self.params.other_probability)
         evidence = self.evidence_ratio(views.log_ratio, occam)
         fit = np.maximum(views.log_ratio, 0.0).sum(axis=1) + occam[0]
-        complete = np.zeros(len(found.target), bool)
-        if lost.any():
-            rows = found.row >= 0
-            complete[rows] = appearing(candidates, lost)[found.row[rows], found.target[rows]]
+        complete = self.complete(found, candidates, lost)
         return WeighedHypotheses(
             found.xyz, found.target, rank - found.improbability(), evidence, fit, complete
         )

@@ -113,10 +113,11 @@ class ViewEvidence:
     def residuals(self, xyz: Array, target: Array, blobs: FrameBlobs) -> tuple[BlobResiduals, Images]:
         """The blobs compared with the projections of targets (M,) at positions (M, 3) m; the projections."""
         table, projected = blobs.table, point_images(self.P, xyz)
-        offset = table.xy - projected.xy[:, :, None]
+        right = table.xy[..., 0] - projected.xy[..., 0, None]
+        down = table.xy[..., 1] - projected.xy[..., 1, None]
         depth, radius = np.maximum(projected.depth, NEAREST), self.radii[target][:, None]
         residuals = BlobResiduals(
-            squared_distance=np.vecdot(offset, offset),
+            squared_distance=right * right + down * down,
             area_ratio=blobs.unit_area * np.square(depth / radius)[..., None],
             radius=self.focal * radius / depth,
             compatible=table.targets[target],
