@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import gc
 import mmap
+import os
+import resource
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
 from tests.core.transport.rings import DEPTH, SHAPE, Ring, frame, messages
 
+from followspot.errors import FollowspotError
 from followspot.messages import Array, Header, Message, column, identical, stamped
 from followspot.sealing import seal
 from followspot.tracking import Frame
@@ -197,6 +202,28 @@ def test_a_larger_message_brings_larger_slots_and_leaves_the_old_ones_to_their_h
     for number, message in enumerate(kept):
         assert isinstance(message, Frame)
         assert (message.pixels == number).all()
+
+
+@contextmanager
+def no_more_files() -> Iterator[None]:
+    """This process can open no file and take no descriptor."""
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    free = os.dup(0)
+    os.close(free)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (free, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, before)
+
+
+def test_a_reader_that_can_open_no_more_files_says_so(ring: Ring) -> None:
+    """The system leaves a descriptor out without an error; the messages in that memory would never come."""
+    ring.writer.send(frame(0))
+    ring.readers[0].poll()
+    ring.writer.send(frame(1, np.zeros((100, 100, 3), np.uint8)))
+    with no_more_files(), pytest.raises(FollowspotError, match=r"Too many open files\n.*ulimit -n"):
+        ring.readers[0].poll()
 
 
 def test_nothing_is_left_when_both_ends_are_gone(ring: Ring) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import socket
 from collections.abc import Callable, Sequence
 
@@ -9,6 +11,7 @@ from followspot.messages import Message
 from followspot.transport.ring.control import CONSUMED, SENT, WAITING, fence
 from followspot.transport.ring.decoder import Decoder
 from followspot.transport.ring.notification import CARRIES, INLINE, WATERMARK
+from followspot.transport.ring.reader_memory import unmapped
 from followspot.transport.token import END, Token, Watermark
 
 _ANCILLARY, _FLAGS = socket.CMSG_LEN(4), socket.MSG_CMSG_CLOEXEC
@@ -132,11 +135,12 @@ class RingReader:
     def _read(self, most: int) -> None:
         """Take at most `most` datagrams from the socket.
 
-        A poll stops at the last that the writer says to have sent, which saves a system call.
+        A poll stops at the last that the writer says to have sent, which saves a system call. Raises
+        FollowspotError if memory that came cannot be mapped.
         """
         for _ in range(most):
             try:
-                size, extra, _, _ = self._socket.recvmsg_into(self._buffers, _ANCILLARY, _FLAGS)
+                size, extra, flags, _ = self._socket.recvmsg_into(self._buffers, _ANCILLARY, _FLAGS)
             except BlockingIOError:
                 break
             except ConnectionResetError:
@@ -147,6 +151,8 @@ class RingReader:
                 self._go_on_alone()
                 self._closed = True
                 break
+            if flags & socket.MSG_CTRUNC and not extra:  # the system had no number for the descriptor
+                raise unmapped(OSError(errno.EMFILE, os.strerror(errno.EMFILE)))
             self._received += 1
             kind = self._buffers[0][0]
             if kind > WATERMARK and self._shares(size, extra):

@@ -23,6 +23,14 @@ from followspot.transport.wire import aligned
 _BYTES = np.dtype(np.uint8)
 
 
+def unmapped(error: OSError) -> FollowspotError:
+    """The error of a reader that cannot map memory which its writer sent."""
+    return FollowspotError(
+        f"the memory of an edge cannot be mapped: {error.strerror}\n"
+        "    raise the limits of this user, for example ulimit -n 4096, or take fewer workers: --placement"
+    )
+
+
 class ReaderMemory:
     """Maps what the writer sends, and gives arrays that are views of a slot, each for as long as it lives.
 
@@ -93,7 +101,7 @@ class ReaderMemory:
         except ValueError:
             return False
         except OSError as error:
-            raise FollowspotError(f"the memory of an edge cannot be mapped: {error}") from None
+            raise unmapped(error) from None
         return True
 
     def wake(self, control: Control) -> None:
