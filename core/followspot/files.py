@@ -65,6 +65,11 @@ def require_regular(path: str | Path, most: int | None = None) -> None:
     open_regular(path, most).close()
 
 
+def removed(file: int) -> bool:
+    """Whether an open file was removed: what is written to it goes nowhere. file: its descriptor."""
+    return os.fstat(file).st_nlink == 0
+
+
 def opencv_name(path: str | Path) -> Any:
     """The name of a file for OpenCV, whatever its folders are called.
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Literal, NoReturn
 
 from followspot.errors import FollowspotError
-from followspot.files import unused_path
+from followspot.files import removed, unused_path
 from followspot_recording.writer import McapWriter
 
 Compression = Literal["lz4", "zstd", "none"]
@@ -79,7 +79,7 @@ class Recorder:
             self._cut_short(error)
 
     def add(self, topic: str, encoding: str, schema: Schema, time_ns: int, seq: int, data: bytes) -> None:
-        """Append a message. Raises FollowspotError once if the disk does not take it: the file ends.
+        """Append a message. Raises FollowspotError once if the file was removed or the disk is full: it ends.
 
         time_ns: capture time; MCAP counts from 0, so earlier times are stored as 0.
         """
@@ -92,6 +92,7 @@ class Recorder:
             chunk = self._writer.chunk
             full = chunk.count == _MAX_COUNT or chunk.size + len(data) > self._chunking.size
             if full or overdue:
+                self._require_file()
                 self._writer.flush()
                 self._flushed = now
             channel = self._channels.get(topic) or self._register(topic, encoding, schema)
@@ -104,6 +105,7 @@ class Recorder:
         """Write the last chunk and the index; `add` may go on after that. Raises FollowspotError as `add`."""
         if self._broken or self._complete:
             return
+        self._require_file()
         try:
             self._writer.finish()
             self._complete = True
@@ -128,6 +130,12 @@ class Recorder:
         if self._complete:
             self._complete = False
             self._writer.resume()
+
+    def _require_file(self) -> None:
+        """Raises FollowspotError if the file was removed."""
+        if removed(self._file.fileno()):
+            self._broken = True
+            raise FollowspotError(f"{self.path} was removed while it was recorded")
 
     def _cut_short(self, error: OSError) -> NoReturn:
         self._broken = True

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from followspot import Stage
 from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.files import removed
 
 FLUSH_BYTES = 1 << 13
 
@@ -66,6 +67,8 @@ class LineSink(Stage):
         lines = [line.encode() for line in self.pending]
         self.pending.clear()
         self.due, self.pending_bytes = False, 0
+        if removed(self.file.fileno()):
+            raise FollowspotError(f"{self.file.name} was removed while the run wrote it: its lines are lost")
         data, done = memoryview(b"".join(lines)), 0
         try:
             while done < len(data):
@@ -91,6 +94,7 @@ class LineSink(Stage):
                 self.flush()
             finally:
                 self.file.close()
+                self.file = None
 
 
 def below(folder: Path, name: Path) -> Path:

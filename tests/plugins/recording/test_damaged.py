@@ -221,3 +221,40 @@ def test_a_full_disk_ends_a_run_that_is_for_the_recording(tmp_path: Path) -> Non
     with pytest.raises(FollowspotError, match="free space on the disk"):
         fill(sink, 200)
     sink.close()
+
+
+def removed_recording(tmp_path: Path, chunk_mib: float) -> RecordingSink:
+    """A sink whose file was removed after it was opened."""
+    sink = RecordingSink(Context("a"), path=tmp_path / "a.mcap", port=PORT, chunk_size=chunk_mib)
+    sink.setup()
+    (tmp_path / "a.mcap").unlink()
+    return sink
+
+
+REMOVED = r"a\.mcap was removed while it was recorded"
+
+
+def test_a_recording_that_is_removed_ends_a_run_that_is_for_it(tmp_path: Path) -> None:
+    sink = removed_recording(tmp_path, chunk_mib=0.001)
+    with pytest.raises(FollowspotError, match=REMOVED):
+        fill(sink, 200)
+    sink.close()
+
+
+def test_a_recording_that_is_removed_is_missed_at_the_end_at_the_latest(tmp_path: Path) -> None:
+    sink = removed_recording(tmp_path, chunk_mib=4.0)
+    fill(sink, 1)
+    with pytest.raises(FollowspotError, match=REMOVED):
+        sink.close()
+
+
+def test_a_recording_that_is_removed_is_one_warning_in_a_show(tmp_path: Path) -> None:
+    said: list[str] = []
+    sink = RecordingSink(Context("a", warn=said.append), path=tmp_path / "a.mcap", port=PORT, essential=False)
+    sink.setup()
+    (tmp_path / "a.mcap").unlink()
+    fill(sink, 200)
+    sink.close()
+    assert said == [
+        f"the recording ends here, the run goes on: {tmp_path}/a.mcap was removed while it was recorded"
+    ]

@@ -140,6 +140,15 @@ def test_a_disk_that_becomes_full_leaves_whole_rows_and_the_error_counts_the_oth
         )
 
 
+def test_a_file_that_is_removed_while_it_is_written_is_an_error(tmp_path: Path) -> None:
+    sink = CsvFile(Context(room=ROOM, out=tmp_path))
+    sink.setup()
+    sink.process((tracks(0, 0),))
+    (tmp_path / "tracks.csv").unlink()
+    with pytest.raises(FollowspotError, match=r"tracks\.csv was removed while the run wrote it"):
+        sink.close()
+
+
 def test_blobs_are_one_row_per_blob_and_target(tmp_path: Path) -> None:
     blobs = Blobs(
         camera="cam0",
