@@ -94,7 +94,7 @@ def _unsuitable(path: Path) -> str:
     """The reason why a recording cannot use this path; empty if it can."""
     if path.suffix != ".mcap":
         return "is no .mcap"
-    return "exists already" if path.exists() else "" if path.parent.is_dir() else "is in no folder"
+    return "exists already" if path.exists() else ""
 
 
 def with_recording(plan: Plan, names: Sequence[str], target: Target) -> Plan:

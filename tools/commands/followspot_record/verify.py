@@ -58,7 +58,8 @@ def _run_again(old: Recording, plan: Plan, folder: Path, *, quiet: bool) -> tupl
     sources = source_ports(plan)
     missing = [port for port in sources if port not in old.ports]
     if missing:
-        raise InputError.of(f"the source {', '.join(missing)} was not recorded", "record it with all ports")
+        remedy = old.problem or "record it with all ports"
+        raise InputError.of(f"sources that were not recorded: {', '.join(missing)}", remedy)
     plan = replay_plan(plan, replay_stages(old, plan, sources), Clip(old.path))
     check_sampled_cycles(plan, "the graph and record it again: what timing decided cannot be verified")
     names = [port for port in output_ports(plan) if port in old.ports and port not in sources]
