@@ -8,6 +8,8 @@ from followspot.graph.plan import Plan
 
 SILENCE = 1.5
 """Seconds without a message after which a running worker counts as hanging; it sends five a second."""
+LONG_SILENCE = 10.0
+"""Seconds without a message after which a worker that nothing replaces is named."""
 _FIRST_WAIT, _LONGEST_WAIT = 0.1, 2.0
 """Shortest and longest wait before a restart, s; it doubles with each death in a row.
 
@@ -82,9 +84,9 @@ class Heartbeat:
         self._checked = 0.0
         self._observer_slept_at = 0.0
 
-    def silent(self, heard: Mapping[str, float], now: float) -> list[str]:
-        """Workers without a heartbeat for `SILENCE`. heard: time of each one's last message, s; now: s."""
+    def silent(self, heard: Mapping[str, float], now: float, longest: float = SILENCE) -> list[str]:
+        """Workers without a heartbeat for `longest`, s. heard: time of each one's last message, s; now: s."""
         if now - self._checked > _PAUSE:
             self._observer_slept_at = now
         self._checked = now
-        return [name for name, at in heard.items() if now - max(at, self._observer_slept_at) > SILENCE]
+        return [name for name, at in heard.items() if now - max(at, self._observer_slept_at) > longest]

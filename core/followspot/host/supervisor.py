@@ -11,7 +11,7 @@ from followspot.control.move import MOVE_TIMEOUT, MoveOrder
 from followspot.control.worker_orders import LeaveRun, SendStates
 from followspot.control.worker_report import WorkerReport
 from followspot.host.clocks.host import HostClock
-from followspot.host.heartbeat import Heartbeat, RestartPolicy, fed
+from followspot.host.heartbeat import LONG_SILENCE, SILENCE, Heartbeat, RestartPolicy, fed
 from followspot.host.restart_notes import RestartNotes
 from followspot.host.worker_pool import WorkerPool
 from followspot.host.worker_process import WorkerProcess
@@ -51,6 +51,8 @@ class Supervisor:
         self._checkpoint_at = 0.0
         self._kill_at: float | None = None
         self._heartbeat = Heartbeat()
+        self._named: set[str] = set()
+        """Workers whose silence was told: nothing replaces them."""
         self._restarts = RestartPolicy()
         self._notes = RestartNotes()
 
@@ -94,6 +96,8 @@ class Supervisor:
             if now >= self._checkpoint_at:
                 self._checkpoint_at = now + _CHECKPOINT_PERIOD
                 self._request_checkpoints()
+        elif self._running and not self._stopping:
+            self._name_silent(now)
         if self._kill_at is not None and now > self._kill_at:
             self._kill_at = None
             for worker in self._pool.workers.values():
@@ -185,13 +189,28 @@ class Supervisor:
 
     def _kill_silent(self, now: float) -> None:
         """Kill the running workers without a heartbeat."""
-        workers = self._pool.workers
-        for name in self._heartbeat.silent({w.name: w.heard for w in workers.values()}, now):
-            worker = workers[name]
-            if worker.phase == "running" and worker.busy and not worker.killed:
-                line = f"worker {name} (process {worker.process.pid}) hangs; it is killed"
-                self._report_event("warning", line, name)
+        for worker in self._silent(now, SILENCE):
+            if not worker.killed:
+                line = f"worker {worker.name} (process {worker.process.pid}) hangs; it is killed"
+                self._report_event("warning", line, worker.name)
                 worker.kill("it hung")
+
+    def _name_silent(self, now: float) -> None:
+        """Name the running workers without a heartbeat, once each: the run waits for them."""
+        for worker in self._silent(now, LONG_SILENCE):
+            if worker.name not in self._named:
+                self._named.add(worker.name)
+                silent = f"worker {worker.name} (process {worker.process.pid}) has been silent"
+                line = (
+                    f"{silent} for {LONG_SILENCE:.0f} s: it hangs or was suspended, and the run waits for it"
+                )
+                self._report_event("warning", line, worker.name)
+
+    def _silent(self, now: float, longest: float) -> list[WorkerProcess]:
+        """The running workers without a heartbeat for `longest`, s."""
+        workers = self._pool.workers
+        silent = self._heartbeat.silent({w.name: w.heard for w in workers.values()}, now, longest)
+        return [w for w in map(workers.__getitem__, silent) if w.phase == "running" and w.busy]
 
     def _request_checkpoints(self) -> None:
         for worker in self._pool.workers.values():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -72,6 +74,26 @@ def test_the_frames_of_a_worker_are_counted_through_its_deaths(host: LocalHost, 
         assert frames(host)["c"] >= before
         attend(host, lambda: phases(host)["c"] == "running")
         assert frames(host)["c"] >= before
+
+
+def test_a_worker_that_nothing_replaces_is_named_once_if_it_is_suspended(plan: Plan, tmp_path: Path) -> None:
+    host = LocalHost("")
+    host.prepare(new_order(plan, RunOptions(tmp_path), restart=False))
+    attend(host, lambda: host.status().all("ready"))
+    host.ask(StartRun())
+    attend(host, lambda: host.status().all("running"))
+    process = host.workers["b"].process
+    os.kill(process.pid, signal.SIGSTOP)
+    for tenths in range(300):  # times that are more than half a second apart are the host's own sleep
+        for name in ("a", "c"):
+            host.workers[name].heard = host.workers["b"].heard + tenths / 10
+        host.supervisor.check(host.workers["b"].heard + tenths / 10)
+    assert host.news == [
+        f"worker b (process {process.pid}) has been silent for 10 s: "
+        "it hangs or was suspended, and the run waits for it"
+    ]
+    process.kill()
+    host.close()
 
 
 def test_a_host_whose_agent_is_started_again_counts_on(plan: Plan, tmp_path: Path) -> None:
