@@ -47,3 +47,23 @@ def test_ctrl_c_while_workers_start_is_an_interruption(tmp_path: Path, later: in
     assert process.returncode in (0, 130), errors + out
     assert "Traceback" not in errors
     assert "died" not in errors + out
+
+
+PRESSED = """
+import os, signal, sys
+
+class Press:
+    def find_spec(self, name, path, target=None):
+        if name == sys.argv[1]:
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Press())
+from followspot.cli.main import main
+sys.exit(main(["graphs"]))
+"""
+
+
+@pytest.mark.parametrize("module", ["argparse", "followspot.cli.parser", "followspot.errors"])
+def test_ctrl_c_while_the_command_is_imported_is_an_interruption(module: str) -> None:
+    done = subprocess.run([sys.executable, "-c", PRESSED, module], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (130, "\nfollowspot: interrupted\n")
