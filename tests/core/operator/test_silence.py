@@ -11,7 +11,10 @@ from tests.commands import command
 
 import followspot as fs
 from followspot.cli.main import main
+from followspot.graph.compile import compile_graph
+from followspot.operator.reporting.silence import silences as find_silences
 from followspot.tracking import Blobs, Forecast, Frame, Tracks
+from followspot.worker.ledger import EdgeCount
 
 ROOT = Path(__file__).parents[3]
 GRAPHS, QUIET = ROOT / "graphs", ROOT / "tests/stages/quiet.py"
@@ -61,6 +64,18 @@ def test_a_run_that_fails_before_its_first_message_blames_no_source(tmp_path: Pa
     done = command("run", tmp_path / "graph.yaml", "--plugin", QUIET, "--out", tmp_path / "out")
     assert "stage save failed" in done.stdout
     assert "gave nothing" not in done.stdout
+
+
+def test_a_stage_to_which_no_message_came_is_not_blamed(tmp_path: Path) -> None:
+    """Its worker died before it took the first one."""
+    (tmp_path / "graph.yaml").write_text(
+        f"graph: quiet\nstages:\n{SOURCE}  c: {{uses: quiet.pass, in: {{blobs: a}}}}\n{SAVED}"
+    )
+    plan = compile_graph(tmp_path / "graph.yaml", plugin_files=[QUIET])
+    sent = EdgeCount(3, 0, 3, 0, 0, 0, 0, 0, 0, lost=3, filled=True)
+    none = EdgeCount(0, 0, 0, 0, 0, 0, 0, 0, 0)
+    counts = {"a": sent, "c": none}
+    assert not find_silences(plan, [(edge, counts[edge.from_stage]) for edge in plan.edges])
 
 
 def test_a_source_that_gives_nothing_is_named(tmp_path: Path) -> None:

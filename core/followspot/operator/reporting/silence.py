@@ -103,9 +103,12 @@ class _Run:
                 yield port
 
     def is_fed(self, stage: str) -> bool:
-        """Whether every connected input that fires got a message with rows; true of sources."""
+        """Whether messages with rows came to every connected input that fires; true of sources.
+
+        Those that were under way when a worker died did not come.
+        """
         into = self.firing[stage]
-        filled = {edge.to_port for edge, count in into if count.filled}
+        filled = {edge.to_port for edge, count in into if count.filled and _came(count)}
         return filled == {edge.to_port for edge, _ in into}
 
     def silence(self, port: str, stages: Sequence[PlannedStage]) -> Silence:
@@ -164,6 +167,11 @@ class _Run:
         if kind is not None and fired and not gave and gives_always(kind):
             return f"is a `return` missing in {kind.__name__}.process? It declares a message for each firing"
         return f"`followspot echo` shows what it gets, `followspot plugins {uses}` lists its parameters"
+
+
+def _came(count: EdgeCount) -> int:
+    """The messages of an edge that its reader took, whether a firing used them or not."""
+    return count.delivered + count.late + count.unmatched
 
 
 def _quoted(names: Sequence[str]) -> str:
