@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.plugins.persons.pose_net.test_decoders import movenet_row
-from tests.plugins.persons.pose_net.tiny_models import lit
+from tests.plugins.persons.pose_net.tiny_models import lit, movenet_row
 from tests.tools.page.bundled import bundle
 from tests.tools.page.test_bundle import build
 

@@ -23,6 +23,7 @@ Color = tuple[int, int, int]
 SECOND = 1_000_000_000
 WALL, SKIN, HAIR = (200, 205, 210), (140, 170, 220), (30, 40, 60)
 SHIRT, BACK = (160, 60, 40), (40, 60, 160)
+RED, BLUE, BLACK = (40, 40, 180), (170, 70, 30), (30, 30, 30)
 DIRECTIONS = np.arange(16) * (2 * np.pi / 16)
 
 
@@ -119,3 +120,11 @@ def boxes_of(camera: Camera, frame: Frame, *poses: Array, score: float = 2.0) ->
         head=np.array([d.head for d in found]).reshape(-1, 16),
     )
     return stamped(message, frame.header)
+
+
+def in_red_and_blue(camera, red, blue):
+    """A picture of two people in other clothes."""
+    pixels, first = drawn(camera, blue, front=BLUE, back=BLUE), drawn(camera, red, front=RED, back=RED)
+    shown = np.abs(first.astype(int) - WALL).sum(axis=-1) > 30
+    pixels[shown] = first[shown]
+    return pixels

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.plugins.persons.drawn import (
-    BACK,
     SECOND,
     SHIRT,
     boxes_of,
@@ -16,16 +15,14 @@ from tests.plugins.persons.drawn import (
     drawn,
     frame_of,
     gradients_of,
-    perspective,
     picture_of,
-    ready,
     standing,
 )
+from tests.plugins.persons.shown import SlowInstance, numbers
 from tests.travelled import travelled
 
 from followspot.control.checkpoint import state_to_data
 from followspot.messages import stamped
-from followspot_persons.appearance import Appearance
 from followspot_persons.body.shape import read_shape, with_girth
 from followspot_persons.body.view import view
 from followspot_persons.color.hsi import hsi
@@ -35,47 +32,11 @@ from followspot_persons.slow_instance.person_update import SHARP_VISIBILITY, TRU
 GREEN = (60, 150, 50)
 
 
-class Show:
-    """A slow instance that is shown pictures, two a second, and boxes of a perfect detector.
-
-    Standing people sway by some pixels.
-    """
-
-    def __init__(self, *, sway: int = 2, **params: object) -> None:
-        self.sway = sway
-        self.camera = perspective()
-        self.stage = ready(Appearance, self.camera, **{"particles": 60, **params})
-        self.number = 0
-
-    def see(self, *poses, boxed=None, score=2.0, front=SHIRT, back=BACK):
-        """What the stage says of a picture with bodies of these poses."""
-        pixels = drawn(self.camera, *poses, front=front, back=back)
-        pixels = np.roll(pixels, self.sway * (self.number % 2), axis=1)
-        return self.see_pixels(pixels, boxed=poses if boxed is None else boxed, score=score)
-
-    def see_pixels(self, pixels, *, boxed, score):
-        """What the stage says of a picture with these boxes."""
-        frame = frame_of(self.camera, pixels, self.number / 2, self.number)
-        self.number += 1
-        boxes = boxes_of(self.camera, frame, *boxed, score=score)
-        return self.stage.process(frame, gradients_of(self.camera, frame), boxes)
-
-    def leave(self, pictures=8):
-        """Nobody is there for some pictures; four take the time after which a person is absent."""
-        for _ in range(pictures):
-            told = self.see()
-        return told
-
-
-def numbers(told):
-    return told.person.tolist()
-
-
 def test_two_boxes_confirm_a_person_if_the_sum_of_their_scores_is_high_enough():
-    show = Show()
+    show = SlowInstance()
     assert numbers(show.see(standing(2.5), score=9.0)) == []
     assert numbers(show.see(standing(2.5), score=9.0)) == [1]
-    weak = Show()
+    weak = SlowInstance()
     told = [numbers(weak.see(standing(2.5), score=1.0)) for _ in range(8)]
     assert told[:3] == [[]] * 3
     assert told[-1] == [1]
@@ -83,7 +44,7 @@ def test_two_boxes_confirm_a_person_if_the_sum_of_their_scores_is_high_enough():
 
 def test_unusual_heights_need_more_boxes():
     def boxes_needed(height):
-        show = Show()
+        show = SlowInstance()
         return next(n for n in range(1, 12) if numbers(show.see(standing(2.5, height=height), score=2.0)))
 
     assert boxes_needed(1.35) > boxes_needed(1.7)
@@ -91,7 +52,7 @@ def test_unusual_heights_need_more_boxes():
 
 def test_the_height_by_an_unsure_box_counts_little():
     def known(score):
-        show = Show()
+        show = SlowInstance()
         for _ in range(2):
             show.see(standing(2.5), score=score)
         return show.stage.people[0]
@@ -102,13 +63,13 @@ def test_the_height_by_an_unsure_box_counts_little():
 
 
 def test_weak_boxes_initiate_nobody():
-    show = Show(minimum_score=1.5)
+    show = SlowInstance(minimum_score=1.5)
     for _ in range(6):
         assert numbers(show.see(standing(2.5), score=1.4)) == []
 
 
 def test_however_often_a_person_was_seen_some_pictures_without_a_box_make_it_absent():
-    show = Show(maximum_missed_time=99.0)
+    show = SlowInstance(maximum_missed_time=99.0)
     for _ in range(4):
         show.see(standing(2.5), score=6.0)
     show.leave(round(TRUSTED / MISSED_COST) - 1)
@@ -118,7 +79,7 @@ def test_however_often_a_person_was_seen_some_pictures_without_a_box_make_it_abs
 
 
 def test_a_tentative_person_is_forgotten_without_boxes():
-    show = Show()
+    show = SlowInstance()
     show.see(standing(2.5), score=1.0)
     assert len(show.stage.people) == 1
     show.leave(1)
@@ -127,7 +88,7 @@ def test_a_tentative_person_is_forgotten_without_boxes():
 
 def test_a_box_takes_particles_with_it_when_a_person_turns_round_between_two_pictures():
     """A metre a second to the left, then to the right: particles that go on to the left never come back."""
-    show = Show()
+    show = SlowInstance()
     for across in (-0.6, -0.1, 0.4, 0.9):
         show.see(standing(2.5, across))
     told = show.see(standing(2.5, 0.2))
@@ -136,7 +97,7 @@ def test_a_box_takes_particles_with_it_when_a_person_turns_round_between_two_pic
 
 
 def test_only_features_that_are_seen_well_are_learnt():
-    show = Show()
+    show = SlowInstance()
     show.see(standing(2.5, heading=2.7), score=9.0)
     told = show.see(standing(2.5, heading=2.7), score=9.0)  # the first update, which makes the only evidence
     track = show.stage.people[0].track
@@ -148,7 +109,7 @@ def test_only_features_that_are_seen_well_are_learnt():
 
 
 def test_the_colours_of_the_clothes_are_learnt():
-    show = Show()
+    show = SlowInstance()
     for _ in range(4):
         told = show.see(standing(2.5))
     shape = read_shape()
@@ -161,7 +122,7 @@ def test_the_colours_of_the_clothes_are_learnt():
 def test_unseen_sides_are_predicted_unless_that_is_switched_off():
     told = {}
     for predict in (True, False):
-        show = Show(predict_colors=predict)
+        show = SlowInstance(predict_colors=predict)
         for _ in range(3):
             told[predict] = show.see(standing(2.5))
     back = told[True].evidence[0] == 0
@@ -171,7 +132,7 @@ def test_unseen_sides_are_predicted_unless_that_is_switched_off():
 
 
 def test_who_returns_in_the_same_clothes_has_the_same_number_and_height():
-    show = Show()
+    show = SlowInstance()
     for _ in range(6):
         show.see(standing(2.5, height=1.85))
     known = show.stage.people[0].stature
@@ -186,7 +147,7 @@ def test_who_returns_in_the_same_clothes_has_the_same_number_and_height():
 
 
 def test_who_comes_in_other_clothes_is_another_person():
-    show = Show()
+    show = SlowInstance()
     for _ in range(6):
         show.see(standing(2.5))
     show.leave()
@@ -196,7 +157,7 @@ def test_who_comes_in_other_clothes_is_another_person():
 
 
 def test_people_are_remembered_for_a_time():
-    show = Show(memory_time=3.0)
+    show = SlowInstance(memory_time=3.0)
     for _ in range(6):
         show.see(standing(2.5))
     assert numbers(show.leave(4)) == [1]
@@ -208,7 +169,7 @@ def test_people_are_remembered_for_a_time():
 
 def test_who_surely_is_an_upper_body_is_no_arm_of_the_nearer_person_beside():
     behind, near = standing(4.0, 0.6), standing(1.8)
-    unsure, sure = Show(), Show()
+    unsure, sure = SlowInstance(), SlowInstance()
     for _ in range(4):
         unsure.see(behind, near, score=1.5)
         sure.see(behind, near, score=5.0)
@@ -217,7 +178,7 @@ def test_who_surely_is_an_upper_body_is_no_arm_of_the_nearer_person_beside():
 
 
 def test_who_is_near_does_not_get_the_box_of_who_is_far_and_who_seemed_far_can_be_near():
-    show, still = Show(), np.zeros(1, bool)
+    show, still = SlowInstance(), np.zeros(1, bool)
 
     def given(known, box):
         for _ in range(4):
@@ -234,7 +195,7 @@ def test_who_is_near_does_not_get_the_box_of_who_is_far_and_who_seemed_far_can_b
 
 
 def test_a_second_box_on_a_body_initiates_nobody():
-    show = Show()
+    show = SlowInstance()
     for _ in range(3):
         show.see(standing(2.5))
     for _ in range(4):
@@ -245,7 +206,7 @@ def test_a_second_box_on_a_body_initiates_nobody():
 
 def test_a_body_with_boxes_of_its_own_and_of_its_head_is_one_person_from_the_first_picture_on():
     """The box of the head looks like that of somebody twice as far away."""
-    show = Show(particles=200)  # of 60, poses of one picture scatter by 0.2 m
+    show = SlowInstance(particles=200)  # of 60, poses of one picture scatter by 0.2 m
     behind = standing(5.5, height=2.2)
     for _ in range(6):
         told = show.see(standing(2.5), boxed=[behind, standing(2.5)])
@@ -254,7 +215,7 @@ def test_a_body_with_boxes_of_its_own_and_of_its_head_is_one_person_from_the_fir
 
 
 def test_a_box_on_who_is_hidden_is_that_of_the_nearer_person():
-    show = Show()
+    show = SlowInstance()
     for step in range(5):
         there = [standing(4.0, 1.2), standing(2.2, -0.3 + 0.1 * step)]
         show.see(*there)
@@ -281,7 +242,7 @@ def see_part(show, pose, top, bottom):
 
 @pytest.mark.parametrize(("top", "bottom"), [(0.1, 0.5), (1.1, 1.6)])
 def test_boxes_of_a_head_or_a_hip_prolong_a_person_and_are_nobody_else(top, bottom):
-    show = Show(maximum_missed_time=0.9)
+    show = SlowInstance(maximum_missed_time=0.9)
     for _ in range(4):
         told = show.see(standing(3.0))
     place = told.pose[0, :2]
@@ -295,7 +256,7 @@ def test_boxes_of_a_head_or_a_hip_prolong_a_person_and_are_nobody_else(top, bott
 
 
 def test_without_feet_the_size_of_sure_boxes_tells_the_distance_rather_than_edges():
-    show = Show()
+    show = SlowInstance()
     told = [show.see(standing(3.4), boxed=[standing(3.0)], score=5.0) for _ in range(6)]
     places = np.concatenate([one.pose[:, :2] for one in told[2:]])
     assert np.linalg.norm(places - show.camera.center[:2], axis=1).mean() < 3.03
@@ -303,7 +264,7 @@ def test_without_feet_the_size_of_sure_boxes_tells_the_distance_rather_than_edge
 
 def test_boxes_of_changing_size_hardly_move_who_stands_still():
     """Five pictures a second, with boxes of a person an eighth nearer and an eighth farther away in turn."""
-    show, distance = Show(), []
+    show, distance = SlowInstance(), []
     for number in range(14):
         pixels = np.roll(drawn(show.camera, standing(3.0)), 2 * (number % 2), axis=1)
         frame = frame_of(show.camera, pixels, number / 5, number)
@@ -315,7 +276,7 @@ def test_boxes_of_changing_size_hardly_move_who_stands_still():
 
 
 def test_two_people_have_two_numbers_that_stay():
-    show = Show()
+    show = SlowInstance()
     for step in range(6):
         told = show.see(standing(3.0, -0.9 + 0.1 * step), standing(3.0, 0.9 - 0.1 * step), score=2.0)
     assert numbers(told) == [1, 2]
@@ -324,7 +285,7 @@ def test_two_people_have_two_numbers_that_stay():
 
 def test_known_people_come_before_tentative_ones_whose_colours_nobody_knows():
     """In other light the known person looks strange, and the box lies nearer to the tentative one."""
-    show = Show()
+    show = SlowInstance()
     for _ in range(6):
         show.see(standing(2.5))
     (known,) = show.stage.people
@@ -344,7 +305,7 @@ def test_known_people_come_before_tentative_ones_whose_colours_nobody_knows():
 
 
 def test_boxes_of_the_background_and_of_people_seen_without_one_initiate_nobody():
-    show = Show()
+    show = SlowInstance()
     frame = frame_of(show.camera, drawn(show.camera), 0.0)
     boxes = boxes_of(show.camera, frame, standing(2.5, -0.7), standing(2.5, 0.7), score=1.0)
     unclaimed, nobody = show.stage.assignment.unclaimed, np.empty((0, 4))
@@ -355,7 +316,7 @@ def test_boxes_of_the_background_and_of_people_seen_without_one_initiate_nobody(
 
 
 def test_a_successor_knows_the_people_and_gives_no_number_twice():
-    before, after = Show(), Show()
+    before, after = SlowInstance(), SlowInstance()
     for _ in range(8):
         before.see(standing(2.5), score=6.0)
     after.stage.restore(travelled(before.stage.state()))
@@ -371,7 +332,7 @@ def test_a_successor_knows_the_people_and_gives_no_number_twice():
 
 
 def test_the_state_of_many_people_is_small():
-    show = Show()
+    show = SlowInstance()
     for _ in range(12):
         show.see(standing(2.5), standing(3.0, 1.2), standing(3.0, -1.2), score=6.0)
     assert len(json.dumps(state_to_data(show.stage.state()))) < 200_000

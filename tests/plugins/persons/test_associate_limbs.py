@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.plugins.persons.crowded import crowded, followed
+from tests.plugins.persons.joint_tracks import LEFT, RIGHT, bodies
 
 from followspot.people import Skeletons
 from followspot_persons.associate.joint_tracks import JointTracks
@@ -15,22 +16,6 @@ from followspot_sim.actor.landmarks import NAMES
 
 RNG = np.random.default_rng(4)
 LIMBS = (("shoulder", "elbow"), ("elbow", "wrist"), ("hip", "knee"), ("knee", "ankle"))
-LEFT, RIGHT = 0.28, 0.26
-
-
-def bodies(sigma: float, left: float = LEFT, right: float = RIGHT, views: int = 3) -> JointTracks:
-    """One body that hangs its arms; upper arms of these lengths. sigma: of all joints, m."""
-    joints = len(NAMES)
-    xyz = np.zeros((1, joints, 3))
-    for side, length, y in (("left", left, 0.2), ("right", right, -0.2)):
-        for name, z in (("shoulder", 1.4), ("elbow", 1.4 - length), ("wrist", 1.4 - length - 0.25)):
-            xyz[0, NAMES.index(f"{side}_{name}")] = [0.0, y, z]
-        for name, z in (("hip", 0.9), ("knee", 0.48), ("ankle", 0.06)):
-            xyz[0, NAMES.index(f"{side}_{name}")] = [0.0, y, z]
-    place = np.tile(sigma**2 * np.eye(3), (1, joints, 1, 1))
-    nothing = np.zeros((1, joints, 3, 3))
-    seen = np.full((1, joints), views)
-    return JointTracks(xyz, np.zeros_like(xyz), place, nothing, nothing, seen, seen > 0)
 
 
 def lengths_of(tracks: JointTracks, side: str) -> list[float]:

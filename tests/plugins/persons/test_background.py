@@ -6,25 +6,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.plugins.persons.before_wall import background_and_body
 from tests.plugins.persons.drawn import (
     BACK,
     SECOND,
-    SHIRT,
     WALL,
     boxes_of,
     frame_of,
     gradients_of,
-    perspective,
     standing,
 )
-from tests.plugins.persons.test_appearance import Show
+from tests.plugins.persons.shown import SlowInstance
 
-from followspot.geometry import project
 from followspot.messages import stamped
 from followspot_persons.background.background import FEWEST, INTERVAL, LONGEST, MOST, Background, foreground
 from followspot_persons.background.existence import EVIDENCE, RIGID, Stirring, evidence_of
 from followspot_persons.background.floor_contact import (
-    BEFORE_AXIS,
     STRIDE_SIGMA,
     WALK,
     Contact,
@@ -32,7 +29,6 @@ from followspot_persons.background.floor_contact import (
     lowest,
     presence,
 )
-from followspot_persons.background.scene import Scene
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.view import view
 from followspot_persons.likelihood.fitness import Detection
@@ -119,22 +115,9 @@ def test_a_camera_that_moved_has_no_background():
     assert background.light(room[:20]) is None
 
 
-def room_with(true):
-    """A plain wall as background, and a body of a true pose (6,) before it, from head to feet."""
-    camera = perspective()
-    pixels = np.full((240, 320, 3), WALL, np.uint8)
-    head, foot = project(camera, np.array([true[:3], [*true[:2], 0.0]]))
-    back = pixels.copy()
-    half = 0.1 * (foot[1] - head[1])
-    columns = slice(int(head[0] - half), int(head[0] + half))
-    feet = project(camera, np.array([[true[0] - BEFORE_AXIS, true[1], 0.0]]))[0, 1]
-    pixels[int(head[1]) : int(feet), columns] = SHIRT
-    return Scene(camera, pixels, back, 1.0)
-
-
 def of_body(pose, true, others=NOBODY):
     """What the background says of a pose, where a body of a true pose stands."""
-    return presence(room_with(true), pose, others)
+    return presence(background_and_body(true), pose, others)
 
 
 def at_distance(pose, distance):
@@ -173,7 +156,7 @@ def test_whom_a_nearer_person_hides_has_no_feet():
 @pytest.mark.parametrize("ghost", [False, True])
 def test_legs_that_the_background_has_and_the_picture_not_are_nobodys_feet(ghost):
     """Below a body are other legs: in the picture its own, in the background those of somebody else."""
-    scene, near = room_with(standing(4.5)), room_with(standing(3.6))
+    scene, near = background_and_body(standing(4.5)), background_and_body(standing(3.6))
     legs = near.changed(np.arange(240)[:, None], np.arange(320)[None])
     legs &= ~scene.changed(np.arange(240)[:, None], np.arange(320)[None])
     legs[:150] = False
@@ -188,7 +171,7 @@ def test_legs_that_the_background_has_and_the_picture_not_are_nobodys_feet(ghost
 
 def test_a_box_of_a_head_becomes_that_of_the_upper_body_and_another_one_stays():
     true = standing(3.0)
-    scene = room_with(true)
+    scene = background_and_body(true)
     whole = view(scene.camera, read_shape(), true[None]).box[0]
     head = whole.copy()
     head[3] = whole[1] + 0.35 * (whole[3] - whole[1])
@@ -205,10 +188,10 @@ def test_a_box_of_a_head_becomes_that_of_the_upper_body_and_another_one_stays():
 
 def test_boxes_of_head_and_chest_initiate_a_whole_body_and_say_nothing_of_its_height():
     """By their size they would be of upper bodies 5 m away."""
-    show, true = Show(), standing(3.0)
+    show, true = SlowInstance(), standing(3.0)
     show.leave(FEWEST)
     for number in range(3):
-        frame = frame_of(show.camera, room_with(true).pixels, show.number / 2, show.number)
+        frame = frame_of(show.camera, background_and_body(true).pixels, show.number / 2, show.number)
         whole = boxes_of(show.camera, frame, true)
         box = whole.box.copy()
         box[:, 3] = box[:, 1] + 0.6 * (box[:, 3] - box[:, 1])
@@ -255,7 +238,7 @@ def test_boxes_on_furniture_confirm_nobody_and_a_person_there_is_confirmed():
     """The detector sees a person on the plain wall, more and more often than it would a real one."""
     numbers = {}
     for real in (False, True):
-        show = Show()
+        show = SlowInstance()
         for _ in range(FEWEST + 1):
             show.see()
         for _ in range(8):
@@ -268,7 +251,7 @@ def test_boxes_on_furniture_confirm_nobody_and_a_person_there_is_confirmed():
 @pytest.mark.parametrize("sway", [0.01, 0.0])
 def test_who_stood_there_from_the_start_stays_and_what_never_stirs_was_nobody(sway):
     """A person sways by a centimetre to either side; furniture that was pushed there does not."""
-    show = Show(sway=0)
+    show = SlowInstance(sway=0)
     for number in range(20):
         told = show.see(standing(2.5, sway * np.sin(number) if number else 0.05), score=2.0)
     assert told.person.tolist() == [1]
@@ -278,7 +261,7 @@ def test_who_stood_there_from_the_start_stays_and_what_never_stirs_was_nobody(sw
 @pytest.mark.parametrize(("sway", "numbers"), [(2, [1]), (0, [])])
 def test_furniture_is_confirmed_by_no_boxes_before_there_is_a_background(sway, numbers):
     """The detector is as sure of it as of a person, but nothing about it changes from its first box on."""
-    show = Show(sway=sway)
+    show = SlowInstance(sway=sway)
     told = [show.see(standing(2.5), score=6.0).person.tolist() for _ in range(FEWEST)]
     assert show.stage.background.median is not None
     assert told[1:] == [numbers] * (FEWEST - 1)
@@ -306,7 +289,7 @@ def test_hidden_feet_leave_the_distance_of_before_ever_more_vague():
 def test_noise_in_dim_light_makes_no_foreground():
     """A fifth of the light, and noise of two grey levels: boxes on furniture still confirm nobody."""
     noise = np.random.default_rng(4)
-    show = Show()
+    show = SlowInstance()
     wall = np.full((240, 320, 3), WALL, np.uint8)
     for _ in range(FEWEST + 1):
         show.see()
@@ -319,24 +302,24 @@ def test_noise_in_dim_light_makes_no_foreground():
 
 def test_the_slow_instance_tells_where_feet_are_and_that_none_were_seen_before():
     """Two pictures a second; the first ones are plain and make the background."""
-    show, true = Show(), standing(3.0)
+    show, true = SlowInstance(), standing(3.0)
     show.leave(FEWEST)
-    told = [show.see_pixels(room_with(true).pixels, boxed=[true], score=3.0) for _ in range(3)][-1]
+    told = [show.see_pixels(background_and_body(true).pixels, boxed=[true], score=3.0) for _ in range(3)][-1]
     assert told.contact[0, 0] == pytest.approx(3.0, abs=0.05)
     assert told.contact[0, 1] == pytest.approx(STRIDE_SIGMA**-2)
-    new = Show()
-    swaying = [np.roll(room_with(true).pixels, shift, axis=1) for shift in (0, 2, 0)]
+    new = SlowInstance()
+    swaying = [np.roll(background_and_body(true).pixels, shift, axis=1) for shift in (0, 2, 0)]
     told = [new.see_pixels(pixels, boxed=[true], score=3.0) for pixels in swaying][-1]
     assert told.contact.tolist() == [[0.0, 0.0]]
 
 
 def test_who_was_not_seen_for_some_time_may_have_walked_on_since():
     """Feet 2 m nearer after 1.5 s are the same person's; after half a second they are not."""
-    show, before, after = Show(), standing(4.6), standing(2.6)
+    show, before, after = SlowInstance(), standing(4.6), standing(2.6)
     show.leave(FEWEST)
     for _ in range(4):
-        show.see_pixels(room_with(before).pixels, boxed=[before], score=3.0)
+        show.see_pixels(background_and_body(before).pixels, boxed=[before], score=3.0)
     show.leave(2)
-    told = show.see_pixels(room_with(after).pixels, boxed=[after], score=3.0)
+    told = show.see_pixels(background_and_body(after).pixels, boxed=[after], score=3.0)
     assert told.person.tolist() == [1]
     assert told.contact[0, 0] == pytest.approx(2.6, abs=0.1)

@@ -7,70 +7,24 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.plugins.persons.drawn import (
-    BACK,
     SECOND,
     SHIRT,
     WALL,
     boxes_of,
-    clothes,
     drawn,
     frame_of,
-    gradients_of,
-    perspective,
-    ready,
     standing,
 )
+from tests.plugins.persons.shown import PERIOD, FastInstance
 from tests.travelled import travelled
 
 from followspot.messages import Header, identical, stamped
-from followspot.people import Appearances
 from followspot.tracking import PREDICTED, TRACKED
-from followspot_persons.body.shape import read_shape
-from followspot_persons.color.hsi import hsi
 from followspot_persons.fast_instance.slow_pose import is_other_body, particles_about
-from followspot_persons.pose_tracker import PoseTracker
-
-PERIOD = 0.1
-
-
-class Room:
-    """A fast instance that is shown pictures, ten a second."""
-
-    def __init__(self, **params: object) -> None:
-        self.camera = perspective()
-        self.stage = ready(PoseTracker, self.camera, **{"particles": 80, **params})
-        self.number = 0
-        self.told = None
-
-    def tell(self, *poses, front=SHIRT, back=BACK, left=(), stands=(0.0, 0.0)):
-        """The slow instance reports people for the next picture; stands: as `contact` of `Appearances`."""
-        colors = hsi(clothes(read_shape(), front, back).astype(np.uint8))
-        count, time = len(poses), int(self.number * PERIOD * SECOND)
-        message = Appearances(
-            camera="c",
-            person=np.arange(1, count + 1, dtype=np.int32),
-            mean=np.tile(colors.astype(float), (count, 1, 1)),
-            variance=np.full((count, 45, 3), 0.01),
-            evidence=np.ones((count, 45)),
-            pose=np.array(poses).reshape(-1, 6),
-            stature=np.tile([1.7, 0.03], (count, 1)),
-            contact=np.tile(stands, (count, 1)),
-            seen=np.full(count, time, np.int64),
-            left=np.isin(np.arange(1, count + 1), left).astype(np.uint8),
-        )
-        self.told = stamped(message, Header("c", self.number, time))
-
-    def see(self, *poses, boxed=(), front=SHIRT, back=BACK):
-        """Poses in a picture with these bodies, and boxes of some; no message of the detector for None."""
-        pixels = drawn(self.camera, *poses, front=front, back=back)
-        frame = frame_of(self.camera, pixels, self.number * PERIOD, self.number)
-        self.number += 1
-        boxes = None if boxed is None else boxes_of(self.camera, frame, *boxed)
-        return self.stage.process(frame, gradients_of(self.camera, frame), self.told, boxes)
 
 
 def test_a_person_is_followed_while_it_walks():
-    room = Room()
+    room = FastInstance()
     room.tell(standing(2.5, -0.3))
     for step in range(8):
         place = standing(2.5, -0.3 + 0.06 * step)
@@ -81,7 +35,7 @@ def test_a_person_is_followed_while_it_walks():
 
 
 def test_a_successor_follows_the_same_people():
-    before, after = Room(), Room()
+    before, after = FastInstance(), FastInstance()
     before.tell(standing(2.5, -0.3))
     for _ in range(4):
         before.see(standing(2.5, -0.3), boxed=[standing(2.5, -0.3)])
@@ -97,7 +51,7 @@ def test_a_successor_follows_the_same_people():
 @pytest.mark.parametrize(("precision", "distance"), [(400.0, 3.0), (0.0, 2.5)])
 def test_who_stands_elsewhere_by_the_feet_is_followed_there(precision, distance):
     """The body's size and height say 2.5 m."""
-    room = Room()
+    room = FastInstance()
     for _ in range(8):
         room.tell(standing(2.5), stands=(3.0, precision))
         found = room.see(standing(2.5), boxed=[])
@@ -105,7 +59,7 @@ def test_who_stands_elsewhere_by_the_feet_is_followed_there(precision, distance)
 
 
 def test_without_a_slow_instance_nobody_is_followed():
-    assert len(Room().see(standing(2.5)).person) == 0
+    assert len(FastInstance().see(standing(2.5)).person) == 0
 
 
 def followed_for(room, pictures, *poses, **more):
@@ -117,7 +71,7 @@ def test_without_boxes_a_person_must_look_ever_more_as_usual_and_a_long_timeout_
     """At a share of 0.5 half of the usual likelihood would do; without boxes for 0.6 s, 1 is asked for."""
     ends = {}
     for timeout in (0.6, 60.0):
-        room = Room(box_timeout=timeout, maximum_missed_time=9.0, maximum_unseen_time=99.0)
+        room = FastInstance(box_timeout=timeout, maximum_missed_time=9.0, maximum_unseen_time=99.0)
         room.tell(standing(2.5))
         followed_for(room, 3, standing(2.5), boxed=[standing(2.5)])
         typical = room.stage.people[1].track.typical
@@ -128,7 +82,7 @@ def test_without_boxes_a_person_must_look_ever_more_as_usual_and_a_long_timeout_
 
 @pytest.mark.parametrize(("again", "state"), [(False, PREDICTED), (True, TRACKED)])
 def test_whom_the_slow_instance_still_sees_needs_no_box(again, state):
-    room = Room(maximum_missed_time=9.0, maximum_unseen_time=99.0)
+    room = FastInstance(maximum_missed_time=9.0, maximum_unseen_time=99.0)
     room.tell(standing(2.5))
     followed_for(room, 3, standing(2.5), boxed=[standing(2.5)])
     room.stage.people[1] = lifted(room.stage.people[1], 1.2 * room.stage.people[1].track.typical)
@@ -144,7 +98,7 @@ def lifted(person, typical):
 
 
 def test_a_box_keeps_a_person_that_looks_less_as_usual():
-    room = Room(maximum_missed_time=9.0)
+    room = FastInstance(maximum_missed_time=9.0)
     room.tell(standing(2.5))
     followed_for(room, 3, standing(2.5), boxed=[standing(2.5)])
     room.stage.people[1] = lifted(room.stage.people[1], 1.3 * room.stage.people[1].track.typical)
@@ -153,7 +107,7 @@ def test_a_box_keeps_a_person_that_looks_less_as_usual():
 
 @pytest.mark.parametrize(("share", "state"), [(0.3, TRACKED), (0.95, PREDICTED)])
 def test_a_person_below_a_share_of_the_usual_likelihood_is_missed(share, state):
-    room = Room(minimum_likelihood_share=share, box_timeout=99.0)
+    room = FastInstance(minimum_likelihood_share=share, box_timeout=99.0)
     room.tell(standing(2.5))
     followed_for(room, 3, standing(2.5), boxed=[standing(2.5)])
     room.stage.people[1] = lifted(room.stage.people[1], 2 * room.stage.people[1].track.likelihood)
@@ -161,14 +115,14 @@ def test_a_person_below_a_share_of_the_usual_likelihood_is_missed(share, state):
 
 
 def test_who_is_missed_coasts_and_is_deleted_in_time():
-    room = Room(maximum_missed_time=0.35)
+    room = FastInstance(maximum_missed_time=0.35)
     room.tell(standing(2.5))
     followed_for(room, 3, standing(2.5), boxed=[standing(2.5)])
     assert followed_for(room, 6) == [[PREDICTED]] * 3 + [[]] * 3
 
 
 def test_whom_the_slow_instance_sees_no_more_is_deleted_however_well_it_fits():
-    room = Room(maximum_unseen_time=0.45, box_timeout=99.0)
+    room = FastInstance(maximum_unseen_time=0.45, box_timeout=99.0)
     room.tell(standing(2.5))
     states = []
     for _ in range(8):
@@ -178,7 +132,7 @@ def test_whom_the_slow_instance_sees_no_more_is_deleted_however_well_it_fits():
 
 
 def test_before_whose_place_the_slow_instance_sees_the_background_is_deleted_at_once():
-    room = Room()
+    room = FastInstance()
     room.tell(standing(2.5, -0.5), standing(2.5, 0.5))
     room.see(standing(2.5, -0.5), standing(2.5, 0.5))
     room.tell(standing(2.5, -0.5), standing(2.5, 0.5), left=[2])
@@ -187,7 +141,7 @@ def test_before_whose_place_the_slow_instance_sees_the_background_is_deleted_at_
 
 def test_a_box_belongs_to_whom_the_slow_instance_gave_it():
     """The fast instance has strayed from a person by a metre, at whom the slow one sees a box."""
-    room = Room()
+    room = FastInstance()
     room.tell(standing(2.5, -0.7))
     room.see(standing(2.5, -0.7))
     room.tell(standing(2.5, 0.7))
@@ -200,7 +154,7 @@ def test_a_box_belongs_to_whom_the_slow_instance_gave_it():
 def test_poses_of_the_slow_instance_move_a_lost_person():
     away = {}
     for again in (False, True):
-        room = Room(maximum_missed_time=9.0)
+        room = FastInstance(maximum_missed_time=9.0)
         room.tell(standing(2.5, -0.6))
         followed_for(room, 2, standing(2.5, 0.6))
         if again:
@@ -212,7 +166,7 @@ def test_poses_of_the_slow_instance_move_a_lost_person():
 
 
 def test_a_late_pose_of_the_slow_instance_joins_the_particles_where_the_person_is_by_now():
-    room = Room(particles=200)
+    room = FastInstance(particles=200)
     room.tell(standing(2.5, -0.3))
     for step in range(6):
         room.see(standing(2.5, -0.3 + 0.06 * step))
@@ -230,7 +184,7 @@ def test_a_late_pose_of_the_slow_instance_joins_the_particles_where_the_person_i
 def test_a_track_goes_half_way_to_the_distance_that_the_slow_instance_tells_unless_feet_are_seen(
     stands, moved
 ):
-    room = Room(particles=200)
+    room = FastInstance(particles=200)
     room.tell(standing(2.5))
     followed_for(room, 3, standing(2.5))
     own = room.stage.people[1].track.pose
@@ -243,7 +197,7 @@ def test_a_track_goes_half_way_to_the_distance_that_the_slow_instance_tells_unle
 
 
 def test_who_was_followed_elsewhere_than_the_slow_instance_says_is_followed_there_at_once():
-    room = Room(particles=200)
+    room = FastInstance(particles=200)
     room.tell(standing(2.5, -0.6))
     followed_for(room, 4, standing(2.5, -0.6))
     girth = room.stage.people[1].track.girth
@@ -255,7 +209,7 @@ def test_who_was_followed_elsewhere_than_the_slow_instance_says_is_followed_ther
 
 @pytest.mark.parametrize(("pose", "expected"), [((2.5, 0.5), True), ((3.0, 0.0), False)])
 def test_slow_poses_are_vague_along_the_line_of_sight_and_not_across(pose, expected):
-    room = Room()
+    room = FastInstance()
     assert is_other_body(standing(2.5), standing(*pose), room.stage.camera.center) is expected
 
 
@@ -267,13 +221,13 @@ def test_a_fifth_of_the_particles_about_a_slow_pose_may_look_the_other_way():
 
 def test_colours_tell_front_from_back_and_can_be_switched_off():
     """The outline of a body is nearly the same from behind; the slow instance says the wrong side."""
-    room = Room(particles=200)
+    room = FastInstance(particles=200)
     room.tell(standing(2.5, heading=0.0))
     followed_for(room, 8, standing(2.5, heading=np.pi))
     assert np.cos(room.stage.people[1].track.pose[3]) < -0.7
     likelihoods = []
     for shirt in (SHIRT, WALL):
-        blind = Room(use_colors=False)
+        blind = FastInstance(use_colors=False)
         blind.tell(standing(2.5), front=shirt, back=shirt)
         followed_for(blind, 1, standing(2.5))
         likelihoods.append(blind.stage.people[1].track.likelihood)
@@ -281,14 +235,14 @@ def test_colours_tell_front_from_back_and_can_be_switched_off():
 
 
 def test_headings_of_the_detector_turn_a_person():
-    room = Room(use_colors=False, particles=200)
+    room = FastInstance(use_colors=False, particles=200)
     room.tell(standing(2.5, heading=0.0))
     followed_for(room, 8, standing(2.5), boxed=[standing(2.5)])
     assert np.cos(room.stage.people[1].track.pose[3]) < -0.7
 
 
 def test_nearer_people_come_first_because_they_hide_others():
-    room = Room()
+    room = FastInstance()
     room.tell(standing(3.5, 0.05), standing(1.8, 0.0))
     order = []
     follow = room.stage.update
@@ -306,7 +260,7 @@ def test_nearer_people_come_first_because_they_hide_others():
 
 
 def test_boxes_are_used_once_and_given_to_the_nearest_person():
-    room = Room()
+    room = FastInstance()
     room.tell(standing(2.5, -0.7), standing(2.5, 0.7))
     room.see(standing(2.5, -0.7), standing(2.5, 0.7))
     frame = frame_of(room.camera, drawn(room.camera), room.number * PERIOD, room.number)

@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.plugins.persons.before_wall import background_and_body
 from tests.plugins.persons.drawn import SHIRT, perspective, standing
-from tests.plugins.persons.test_appearance import Show
-from tests.plugins.persons.test_background import FEWEST, room_with
+from tests.plugins.persons.shown import SlowInstance
 
+from followspot_persons.background.background import FEWEST
 from followspot_persons.background.floor_contact import STRIDE_SIGMA, Contact
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.upper_body_box import RATIO
@@ -76,7 +77,7 @@ def lost_after(show, *boxes, pictures=8):
 
 @pytest.mark.parametrize(("time", "lost"), [(8.0, False), (0.4, True)])
 def test_who_is_known_stays_without_boxes_for_a_time_in_the_foreground(time, lost):
-    show = Show(maximum_unboxed_time=time, foreground_boxes=False)
+    show = SlowInstance(maximum_unboxed_time=time, foreground_boxes=False)
     for _ in range(FEWEST + 1):
         show.see()
     for _ in range(5):
@@ -90,20 +91,20 @@ def test_who_is_known_stays_without_boxes_for_a_time_in_the_foreground(time, los
 
 
 def test_who_was_taken_for_somebody_far_away_is_where_the_feet_are_at_once():
-    show = Show(foreground_boxes=False)
+    show = SlowInstance(foreground_boxes=False)
     show.leave(FEWEST)
     for _ in range(3):
         show.see(standing(3.0))
     (person,) = show.stage.people
     far = Track.initiated(particles_about(standing(6.5), 60, np.random.default_rng(1)))
     show.stage.people = [replace(person, track=far, contact=None)]
-    told = show.see_pixels(room_with(standing(3.0)).pixels, boxed=[], score=1.0)
+    told = show.see_pixels(background_and_body(standing(3.0)).pixels, boxed=[], score=1.0)
     assert told.pose[0, 0] == pytest.approx(3.0, abs=0.5)
 
 
 def test_the_foreground_alone_measures_no_size_and_so_no_distance():
     """Its box is as large as the person is expected to be: a distance of hidden feet grows vague."""
-    show = Show(foreground_boxes=False)
+    show = SlowInstance(foreground_boxes=False)
     show.leave(FEWEST)
     for _ in range(4):
         show.see(standing(2.6))
@@ -117,7 +118,7 @@ def test_the_foreground_alone_measures_no_size_and_so_no_distance():
 
 def test_boxes_on_furniture_are_nobodys_who_came_later():
     """The detector sees the person where it was, on the wall, but the person walks on."""
-    show = Show()
+    show = SlowInstance()
     for _ in range(FEWEST + 1):
         show.see()
     for _ in range(5):
@@ -135,7 +136,7 @@ def test_shares_are_of_the_torso_in_each_box():
 
 
 def test_who_leaves_the_picture_is_not_prolonged():
-    show = Show()
+    show = SlowInstance()
     for _ in range(FEWEST + 1):
         show.see()
     for _ in range(5):
@@ -145,7 +146,7 @@ def test_who_leaves_the_picture_is_not_prolonged():
 
 
 def test_a_part_of_the_background_is_not_prolonged():
-    show = Show(sway=0)
+    show = SlowInstance(sway=0)
     for step in range(10):
         show.see(standing(2.6, 0.0 if step else 0.1))
     for step in range(5):
@@ -155,7 +156,7 @@ def test_a_part_of_the_background_is_not_prolonged():
 
 @pytest.mark.parametrize("there", [False, True])
 def test_who_is_missed_has_left_if_the_background_is_seen_there(there):
-    show = Show()
+    show = SlowInstance()
     for _ in range(FEWEST + 1):
         show.see()
     for _ in range(4):
@@ -168,7 +169,7 @@ def test_who_is_missed_has_left_if_the_background_is_seen_there(there):
 @pytest.mark.parametrize(("front", "known"), [(SHIRT, True), ((30, 30, 30), False)])
 def test_specific_colours_must_beat_generic_ones_where_the_detector_is_silent(front, known):
     """Another person, in other clothes, stands where the detector misses a known one."""
-    show = Show(particles=200)
+    show = SlowInstance(particles=200)
     for _ in range(FEWEST + 1):
         show.see()
     for _ in range(5):

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.plugins.persons.drawn import SHIRT, WALL, perspective, standing
-from tests.plugins.persons.test_appearance import Show
-from tests.plugins.persons.test_background import FEWEST
+from tests.plugins.persons.shown import SlowInstance
 
 from followspot import Camera
 from followspot.geometry import project
 from followspot.people import Boxes
+from followspot_persons.background.background import FEWEST
 from followspot_persons.background.scene import Scene
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.standing import WAIST
@@ -122,7 +122,7 @@ def test_whom_the_detector_finds_is_not_found_twice():
 @pytest.mark.parametrize(("on", "numbers"), [(True, [1]), (False, [])])
 def test_who_comes_is_known_without_any_box_of_the_detector(on, numbers):
     """The room is empty for 3 s."""
-    show = Show(foreground_boxes=on)
+    show = SlowInstance(foreground_boxes=on)
     show.leave(FEWEST)
     for step in range(4):
         told = show.see_pixels(figure(3.2, 0.1 * step), boxed=[], score=1.0)
@@ -133,7 +133,7 @@ def test_who_comes_is_known_without_any_box_of_the_detector(on, numbers):
 
 def test_the_foreground_of_a_known_person_says_nothing_of_its_height():
     """Feet are below the picture: the size of such a box follows from the height of people at large."""
-    show = Show()
+    show = SlowInstance()
     show.leave(FEWEST)
     for step in range(4):
         show.see(standing(1.7, 0.02 * step, height=1.55), score=6.0)
@@ -148,7 +148,7 @@ def test_the_foreground_of_a_known_person_says_nothing_of_its_height():
 @pytest.mark.parametrize(("front", "known"), [(SHIRT, True), ((30, 30, 30), False)])
 def test_the_foreground_is_a_known_persons_only_in_its_clothes(front, known):
     """Somebody stands where the detector misses a known person."""
-    show = Show()
+    show = SlowInstance()
     show.leave(FEWEST)
     for _ in range(6):
         show.see(standing(2.6))

@@ -8,8 +8,9 @@ import cv2
 import numpy as np
 import pytest
 from tests.datasets import dataset, needs_data
+from tests.plugins.persons.detector_cameras import panorama, perspective
 
-from followspot import Camera, InputError
+from followspot import InputError
 from followspot.context import Context
 from followspot.files import DATA
 from followspot.messages import Header, stamped
@@ -24,19 +25,6 @@ from followspot_persons.people_detector import PeopleDetector
 
 PERSONS = dataset("persons-dev")
 needs_recordings = needs_data("persons-dev")
-FACING = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0.0]])
-PLACE = -FACING @ [0, 0, 1.2]
-
-
-def panorama():
-    f = 1396 / (2 * np.pi)
-    matrix = np.array([[f, 0, 697.5], [0, f, 129.5], [0, 0, 1]])
-    return Camera("c", "color", (1396, 260), matrix, np.zeros(5), FACING, PLACE, "cylinder")
-
-
-def perspective():
-    matrix = np.array([[457.0, 0, 319.5], [0, 457.0, 239.5], [0, 0, 1]])
-    return Camera("c", "color", (640, 480), matrix, np.zeros(5), FACING, PLACE)
 
 
 def ready(stage, camera, **params):

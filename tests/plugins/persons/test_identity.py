@@ -6,30 +6,29 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.plugins.persons.drawn import WALL, clothes, drawn, frame_of, gradients_of, standing
-from tests.plugins.persons.test_appearance import Show, numbers
-from tests.plugins.persons.test_following import PERIOD, Room
+from tests.plugins.persons.drawn import (
+    BLACK,
+    BLUE,
+    RED,
+    clothes,
+    frame_of,
+    gradients_of,
+    in_red_and_blue,
+    standing,
+)
+from tests.plugins.persons.shown import PERIOD, FastInstance, SlowInstance, numbers
 
 from followspot.messages import stamped
 from followspot_persons.body.shape import read_shape
 from followspot_persons.color.hsi import hsi
 from followspot_persons.particles.identity_change import changed
 
-RED, BLUE, BLACK = (40, 40, 180), (170, 70, 30), (30, 30, 30)
 LEFT, RIGHT = standing(2.5, 0.6), standing(2.5, -0.6)
-
-
-def in_red_and_blue(camera, red, blue):
-    """A picture of two people in other clothes."""
-    pixels, first = drawn(camera, blue, front=BLUE, back=BLUE), drawn(camera, red, front=RED, back=RED)
-    shown = np.abs(first.astype(int) - WALL).sum(axis=-1) > 30
-    pixels[shown] = first[shown]
-    return pixels
 
 
 def followed(share):
     """Places across of a red and a blue person whom the slow instance reported the wrong way round."""
-    room = Room(identity_change_share=share)
+    room = FastInstance(identity_change_share=share)
     room.tell(LEFT, RIGHT)
     mean = np.array([hsi(clothes(read_shape(), c, c).astype(np.uint8)).astype(float) for c in (RED, BLUE)])
     told = stamped(replace(room.told, mean=mean), room.told.header)
@@ -66,7 +65,7 @@ def test_nobody_changes_without_others_or_without_a_share():
 @pytest.mark.parametrize(("specific", "number"), [(False, 1), (True, 2)])
 def test_generic_colours_that_beat_the_specific_ones_make_a_new_person(specific, number):
     """Somebody in other clothes takes the place of a known person between two pictures."""
-    show = Show(specific_beats_generic=specific)
+    show = SlowInstance(specific_beats_generic=specific)
     for _ in range(4):
         assert 2 not in numbers(show.see(standing(2.6)))
     for _ in range(3):
@@ -75,7 +74,7 @@ def test_generic_colours_that_beat_the_specific_ones_make_a_new_person(specific,
 
 
 def test_the_same_person_stays_the_same_where_specific_colours_must_beat_generic_ones():
-    show = Show(specific_beats_generic=True)
+    show = SlowInstance(specific_beats_generic=True)
     for _ in range(5):
         told = show.see(standing(2.6))
     assert numbers(told) == [1]

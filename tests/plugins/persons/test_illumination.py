@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.plugins.persons.drawn import SECOND, drawn, frame_of, gradients_of, standing
-from tests.plugins.persons.test_appearance import Show
-from tests.plugins.persons.test_following import PERIOD, Room
+from tests.plugins.persons.shown import PERIOD, FastInstance, SlowInstance
 
 from followspot.tracking import TRACKED
 from followspot_persons.background.existence import Stirring
@@ -60,7 +59,7 @@ def test_pixels_in_the_usual_light_are_those_of_the_first_picture():
 
 
 def test_the_slow_instance_learns_the_same_colours_in_the_dark():
-    show, pose = Show(particles=200), standing(2.5)
+    show, pose = SlowInstance(particles=200), standing(2.5)
     pixels = drawn(show.camera, pose)
     swaying = [np.roll(pixels, 2 * (number % 2), axis=1) for number in range(8)]
     usual = [show.see_pixels(picture, boxed=[pose], score=6.0) for picture in swaying][-1]
@@ -76,7 +75,7 @@ def test_the_slow_instance_learns_the_same_colours_in_the_dark():
 @pytest.mark.parametrize("told_in_the_dark", [False, True])
 def test_the_fast_instance_knows_people_in_the_dark(told_in_the_dark):
     """Also if it began in the dark, and the slow instance knows the colours from before."""
-    room, pose = Room(), standing(2.5)
+    room, pose = FastInstance(), standing(2.5)
     room.tell(pose)
     pictures = [drawn(room.camera, pose)] * (0 if told_in_the_dark else 3)
     pictures += [dimmed(drawn(room.camera, pose), 0.3)] * 3

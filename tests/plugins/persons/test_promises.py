@@ -8,18 +8,20 @@ import numpy as np
 import pytest
 from tests.plugins.persons.crowded import corner_room, crowded, followed
 from tests.plugins.persons.drawn import (
+    BLUE,
+    RED,
     SECOND,
     clothes,
     drawn,
     frame_of,
     gradients_of,
+    in_red_and_blue,
     perspective,
     picture_of,
     standing,
 )
-from tests.plugins.persons.test_associate_limbs import bodies
-from tests.plugins.persons.test_fusion import RATE, Cameras
-from tests.plugins.persons.test_identity import BLUE, RED, in_red_and_blue
+from tests.plugins.persons.fused_cameras import RATE, Cameras
+from tests.plugins.persons.joint_tracks import bodies
 
 from followspot.people import Boxes
 from followspot.points import Points2D

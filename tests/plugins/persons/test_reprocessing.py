@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from tests.plugins.persons.drawn import SECOND, drawn, perspective, picture_of, standing
-from tests.plugins.persons.test_following import Room
+from tests.plugins.persons.shown import FastInstance
 
 from followspot_persons.fast_instance.reprocessing import SPACING, PastPicture, PastPictures
 
@@ -39,7 +39,7 @@ def test_a_kept_picture_has_edges_of_its_own():
 @pytest.mark.parametrize(("delay", "found"), [(2.5, True), (0.0, False)])
 def test_who_is_reported_late_is_followed_from_there_to_the_present(delay, found):
     """The person turned round and walked the other way meanwhile, as no velocity of then could tell."""
-    room, ways = Room(maximum_delay=delay), [*np.arange(0, 0.4, 0.06), *np.arange(0.4, -0.7, -0.06)]
+    room, ways = FastInstance(maximum_delay=delay), [*np.arange(0, 0.4, 0.06), *np.arange(0.4, -0.7, -0.06)]
     room.tell(standing(2.5, 0.0))
     late, room.told = room.told, None
     for across in ways[:-1]:
@@ -53,7 +53,7 @@ def test_who_is_reported_late_is_followed_from_there_to_the_present(delay, found
 
 
 def test_who_was_reported_before_walks_on_from_there_as_since_then():
-    room = Room()
+    room = FastInstance()
     room.tell(standing(2.5, 0.0))
     room.stage.correct_by_slow_poses(room.told, 0)
     room.stage.people.clear()

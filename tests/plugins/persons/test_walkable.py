@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from tests.plugins.persons.drawn import standing
-from tests.plugins.persons.test_appearance import Show, numbers
-from tests.plugins.persons.test_following import Room
+from tests.plugins.persons.shown import FastInstance, SlowInstance, numbers
 
 from followspot_persons.likelihood.walkable import SIGMA, Walkable
 
@@ -32,7 +31,7 @@ WALL = [(0.0, -2.0), (2.2, -2.0), (2.2, 2.0), (0.0, 2.0)]
 
 @pytest.mark.parametrize(("corners", "distance"), [([], 2.5), (WALL, 2.25)])
 def test_who_seems_to_be_behind_a_wall_is_before_it(corners, distance):
-    room = Room(walkable=corners, particles=200)
+    room = FastInstance(walkable=corners, particles=200)
     room.tell(standing(2.5))
     for _ in range(8):
         poses = room.see(standing(2.5))
@@ -41,7 +40,7 @@ def test_who_seems_to_be_behind_a_wall_is_before_it(corners, distance):
 
 @pytest.mark.parametrize(("corners", "away", "known"), [([], 4.5, [1]), (WALL, 4.5, []), (WALL, 2.0, [1])])
 def test_boxes_where_nobody_can_be_initiate_nobody(corners, away, known):
-    show = Show(walkable=corners)
+    show = SlowInstance(walkable=corners)
     for _ in range(3):
         told = show.see(standing(away))
     assert numbers(told) == known

@@ -4,20 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tests.plugins.persons.pose_net.tiny_models import movenet_row
 
 from followspot_persons.pose_net.blazepose import BlazePose
 from followspot_persons.pose_net.contract import Network, People
 from followspot_persons.pose_net.movenet import MoveNetMultiPose
-
-
-def movenet_row(score: float, **joints: tuple[float, float, float]) -> np.ndarray:
-    """56 numbers; joints: x, y as shares, certainty."""
-    row = np.zeros(56)
-    for name, (x, y, certainty) in joints.items():
-        at = 3 * MoveNetMultiPose.joints.index(name)
-        row[at : at + 3] = y, x, certainty
-    row[55] = score
-    return row
 
 
 def test_movenet_takes_whole_numbers_and_gives_shares_of_the_sides_row_before_column():

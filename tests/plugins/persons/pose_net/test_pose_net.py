@@ -8,10 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
+from tests.plugins.persons.detector_cameras import panorama
 from tests.plugins.persons.drawn import frame_of, perspective, ready
-from tests.plugins.persons.pose_net.test_decoders import movenet_row
-from tests.plugins.persons.pose_net.tiny_models import TINY_BLAZEPOSE, lit
-from tests.plugins.persons.test_hog import panorama
+from tests.plugins.persons.pose_net.tiny_models import TINY_BLAZEPOSE, lit, movenet_row
 
 import followspot as fs
 from followspot import InputError, Room

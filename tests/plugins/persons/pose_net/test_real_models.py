@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 import pytest
 from tests.datasets import dataset
+from tests.plugins.persons.detector_cameras import perspective
 from tests.plugins.persons.drawn import frame_of, ready
-from tests.plugins.persons.test_hog import perspective
 
 from followspot import InputError
 from followspot.people import Boxes

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from followspot.messages import Array
+from followspot_persons.pose_net.movenet import MoveNetMultiPose
 
 FLOAT, INT = 1, 6
 _TFLITE = (
@@ -103,3 +104,13 @@ def _value(name: str, kind: int, shape: Sequence[int | str]) -> bytes:
     return _text(1, name) + _field(
         2, _field(1, _integer(1, kind) + _field(2, b"".join(_field(1, s) for s in sides)))
     )
+
+
+def movenet_row(score: float, **joints: tuple[float, float, float]) -> np.ndarray:
+    """56 numbers; joints: x, y as shares, certainty."""
+    row = np.zeros(56)
+    for name, (x, y, certainty) in joints.items():
+        at = 3 * MoveNetMultiPose.joints.index(name)
+        row[at : at + 3] = y, x, certainty
+    row[55] = score
+    return row
