@@ -7,7 +7,7 @@ import re
 import resource
 import signal
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from threading import Timer
@@ -18,6 +18,7 @@ import pytest
 import zenoh
 from tests.commands import Started, command, launch
 from tests.integration.hosts import Agent, free_port, near_agent
+from tests.integration.live_sum import LIVE, grows, of_left
 from tests.integration.running import (
     STAGES,
     Finished,
@@ -38,14 +39,6 @@ from followspot.operator.discovery import await_named, operator_session
 from followspot.transport.keys import agent_key
 from followspot.transport.zenoh.network import Network
 
-LIVE = """
-a:    {uses: ticks.live, with: {count: 1000000, period: 0.02}}
-b:    {uses: ticks.live, with: {count: 1000000, period: 0.02}}
-more: {uses: ticks.add, in: {number: a}}
-less: {uses: ticks.add, in: {number: b}, with: {term: 1000000}}
-sum:  {uses: ticks.sum, in: {numbers: [more, less]}, tolerance: 0.008}
-save: {uses: ticks.write, in: {number: sum}}
-"""
 PLACEMENT = """
 placement: hosts
 workers:
@@ -92,25 +85,9 @@ def room(tmp_path: Path) -> Iterator[Room]:
     made.close()
 
 
-def values(path: Path) -> list[int]:
-    lines = path.read_text().splitlines() if path.exists() else []
-    return [int(fields[2]) for line in lines if len(fields := line.split(",")) == 4]
-
-
-def grows(path: Path, fits: Callable[[int], bool] = lambda value: True, more: int = 10) -> None:
-    """Wait until `more` further lines whose values fit were written."""
-    before = len(values(path))
-    assert wait_until(lambda: sum(map(fits, values(path)[before:])) >= more, 40.0), values(path)[-5:]
-
-
 def ended(process: Started, out: Path) -> Finished:
     process.send_signal(signal.SIGINT)
     return finish(process, out)
-
-
-def of_left(value: int) -> bool:
-    """True for a value of the left host's source alone: it counts from 0, the other from a million."""
-    return value < 1_000_000
 
 
 @pytest.mark.thorough

@@ -21,9 +21,9 @@ import pytest
 from tests.commands import Started, launch
 from tests.core.worker.solo import Solo
 from tests.integration.hosts import Agent, near_agent
+from tests.tools.own_ball import middle, pick, room_for
 from tests.tools.page.browser import CHROMIUM, Browser, browser
 from tests.tools.page.bundled import bundle
-from tests.tools.test_own_ball import middle, pick, room_for
 from websockets.sync.client import ClientConnection, connect
 
 from followspot.graph.compile import compile_graph

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 from tests.integration.cuts import FAULTS, NAMES, Pair
 from tests.integration.hosts import Hosts, namespaces_are_permitted
+from tests.integration.live_sum import LIVE, grows, of_left, values
 from tests.integration.running import STAGES, Finished, balanced, finish, workers, write_graph
-from tests.integration.test_agents import LIVE, grows, of_left, values
 
 PLACEMENT = """
 placement: hosts

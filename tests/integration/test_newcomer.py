@@ -16,8 +16,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from tests.packages import build
 from tests.tools.page.bundled import bundle
-from tests.tools.page.test_bundle import build
 from websockets.sync.client import connect
 
 ROOT = Path(__file__).parents[2]

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from tests.commands import command
+from tests.integration.gated import GATED
 from tests.integration.hosts import near_agent
 from tests.integration.running import STAGES, finish, start, write_graph
 
@@ -19,11 +20,6 @@ from followspot.operator.run_handle import RunHandle
 
 PERIOD = 10_000_000
 COUNT = 60
-GATED = """for n in range(p.count):
-            while n == 2 and not (self.context.out / "gate").exists():
-                if not self.context.pause(0.01):
-                    return"""
-"""Lines of the test stages, which hold the source up at its third number."""
 
 
 @pytest.fixture(scope="module")

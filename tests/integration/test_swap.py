@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import signal
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
 
-import msgpack
-import numpy as np
 import pytest
-import zenoh
-from tests.commands import Started, command
-from tests.integration import running
+from tests.commands import command
+from tests.integration.going import going, wait_until
 from tests.integration.hosts import near_agent
-from tests.integration.running import STAGES, Finished, balanced, finish, start, workers, write_graph
+from tests.integration.running import STAGES, balanced, finish, start, write_graph
+from tests.integration.zenoh_listener import heard_by_a_stranger
 
 from followspot.errors import FollowspotError
 from followspot.operator.connect import run_here
 
-PATIENCE = 90.0
-"""Seconds that bound a failure on a busy machine."""
 REPLAY = """
 a:    {uses: ticks.count, with: {count: 1200}}
 b:    {uses: ticks.add, in: {number: a}, with: {sleep: 0.02}}  # until another one takes its place
@@ -37,72 +30,6 @@ c:    {uses: ticks.tally, in: {number: a}}
 save: {uses: ticks.write, in: {number: b}}
 keep: {uses: ticks.write, in: {number: c}, with: {path: kept.csv}}
 """
-
-
-def wait_until(condition: Callable[[], object]) -> bool:
-    return running.wait_until(condition, PATIENCE)
-
-
-APART = """
-placement: apart
-workers:
-  other: {stages: [STAGE]}
-"""
-
-
-class Going:
-    """A running graph; other runs may go on on this machine."""
-
-    def __init__(self, folder: Path, stages: str, workers: int, apart: str) -> None:
-        self.out = folder / "out"
-        (folder / "apart.yaml").write_text(APART.replace("STAGE", apart))
-        options = ("--placement", str(folder / "apart.yaml")) if workers == 2 else ()
-        self.process = start(write_graph(folder, stages), self.out, *options)
-        self.name = str(self.process.pid)
-
-    @classmethod
-    def of(cls, process: Started, out: Path) -> Going:
-        """The run of a process that was started elsewhere."""
-        run = cls.__new__(cls)
-        run.out, run.process, run.name = out, process, str(process.pid)
-        return run
-
-    def values(self, file: str = "ticks.csv") -> list[int]:
-        path = self.out / file
-        lines = path.read_text().splitlines() if path.exists() else []
-        return [int(fields[2]) for line in lines if len(fields := line.split(",")) == 4]
-
-    def grows(self, more: int = 10) -> None:
-        wanted = len(self.values()) + more
-        assert wait_until(lambda: len(self.values()) >= wanted), "nothing is written any more"
-
-    def step(self) -> int:
-        """Difference of the newest two numbers, from one read because the file grows."""
-        before, newest = self.values()[-2:]
-        return newest - before
-
-    def reaches(self, value: int, file: str) -> None:
-        assert wait_until(lambda: self.values(file)[-1] > value)
-
-    def workers(self) -> list[int]:
-        """Process ids of the workers, in the order of the graph until one is restarted."""
-        return workers(self.process.pid)
-
-    def stopped(self) -> Finished:
-        self.process.send_signal(signal.SIGINT)
-        return finish(self.process, self.out)
-
-
-@contextmanager
-def going(folder: Path, stages: str, workers: int, apart: str = "b") -> Iterator[Going]:
-    """apart: the stage in the second worker."""
-    run = Going(folder, stages, workers, apart)
-    try:
-        run.grows()
-        yield run
-    finally:
-        if run.process.poll() is None:
-            run.process.kill()
 
 
 @pytest.mark.parametrize("workers", [1, 2])
@@ -270,26 +197,3 @@ def test_a_run_under_an_agent_is_changed_without_its_operator(tmp_path: Path) ->
     finally:
         agent.process.kill()
         agent.process.communicate()
-
-
-def heard_by_a_stranger(endpoint: str, keys: list[str], more: int) -> list[list[int]]:
-    """Values of ports without Zenoh edges, read by Zenoh, msgpack and numpy alone (docs/wire.md)."""
-    config = zenoh.Config()
-    config.insert_json5("connect/endpoints", json.dumps([endpoint]))
-    config.insert_json5("scouting/multicast/enabled", "false")
-    values: list[list[int]] = [[] for _ in keys]
-
-    def take(sample: zenoh.Sample, into: list[int]) -> None:
-        data = sample.payload.to_bytes()
-        size = int.from_bytes(data[2:4], "little")
-        kind, _, _, _, _, scalars, ((name, dtype, shape),) = msgpack.unpackb(data[4 : 4 + size])
-        start = -(-(4 + size) // 64) * 64
-        load = np.frombuffer(data, dtype, math.prod(shape), start)
-        assert (kind, name, load.size) == ("Tick", "load", 0)
-        into.append(scalars["value"])
-
-    with zenoh.open(config) as session:
-        for key, into in zip(keys, values, strict=True):
-            session.declare_subscriber(key, lambda sample, into=into: take(sample, into))
-        assert wait_until(lambda: all(len(into) > more for into in values))
-    return values

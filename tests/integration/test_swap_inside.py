@@ -8,10 +8,11 @@ from pathlib import Path
 
 import pytest
 from tests.commands import Started
+from tests.integration.going import APART as OTHER_WORKER
+from tests.integration.going import Going, going, wait_until
 from tests.integration.hosts import near_agent
 from tests.integration.running import STAGES, balanced, finish, start, workers, write_graph
-from tests.integration.test_swap import APART as OTHER_WORKER
-from tests.integration.test_swap import Going, going, heard_by_a_stranger, wait_until
+from tests.integration.zenoh_listener import heard_by_a_stranger
 
 import followspot as fs
 from followspot.errors import FollowspotError

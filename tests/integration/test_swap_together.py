@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 from tests.core.graph.files import ROOM
+from tests.integration.gated import GATED
 from tests.integration.hosts import near_agent
 from tests.integration.running import STAGES
-from tests.integration.test_pause import GATED
 
 import followspot as fs
 from followspot.errors import FollowspotError

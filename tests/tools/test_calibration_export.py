@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.tools.exported import a_camera, back
 
 from followspot.cli.main import main
 from followspot.errors import InputError
@@ -57,12 +58,6 @@ def assert_same(a: Camera, b: Camera) -> None:
     np.testing.assert_allclose(a.distortion, b.distortion, atol=1e-9)
 
 
-def back(folder: Path, key: str, written: list[Camera]) -> tuple[Camera, ...]:
-    suffix = {"qualisys": "x.qca.txt", "opencv": "x.yml", "svoboda": "x"}.get(key, "x.toml")
-    write_calibration(written, folder / suffix, WRITABLE[key])
-    return read_calibration(folder / suffix).cameras
-
-
 @pytest.mark.parametrize("key", sorted(WRITABLE))
 @given(data=st.data())
 @settings(max_examples=25, deadline=None)
@@ -81,19 +76,6 @@ def test_rotation_vector_is_exact_for_small_and_large_angles(turn: tuple[float, 
     for scale in (1.0, 1e-3, 1e-6):
         vector = scale * np.array(turn)
         np.testing.assert_allclose(rotation_vector(cv2.Rodrigues(vector)[0]), vector, rtol=1e-6, atol=1e-12)
-
-
-def a_camera(**changes: Any) -> Camera:
-    fields: dict[str, Any] = {
-        "name": "left",
-        "kind": "color",
-        "size": (640, 480),
-        "matrix": np.array([[500.0, 0, 320], [0, 510, 240], [0, 0, 1]]),
-        "distortion": np.array([-0.2, 0.05, 0.003, -0.002, 0.0]),
-        "rotation": cv2.Rodrigues(np.array([0.3, -1.2, 0.4]))[0],
-        "translation": np.array([0.1, 0.2, 3.0]),
-    }
-    return Camera(**fields | changes)
 
 
 @pytest.mark.parametrize("key", ["anipose", "caliscope", "opencv"])

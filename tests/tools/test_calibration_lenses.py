@@ -10,7 +10,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from tests.tools.test_calibration_export import a_camera, back
+from tests.tools.exported import a_camera, back
 
 from followspot import Camera, InputError
 from followspot.geometry import project, project_local

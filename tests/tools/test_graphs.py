@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.packages import build
 from tests.plugins.persons.pose_net.tiny_models import lit, movenet_row
 from tests.tools.page.bundled import bundle
-from tests.tools.page.test_bundle import build
 
 from followspot.cli.main import main
 from followspot_graphs.shipped import graphs_folder, shipped_graphs

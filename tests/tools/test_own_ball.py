@@ -10,6 +10,17 @@ import cv2
 import numpy as np
 import pytest
 from tests.datasets import dataset, needs_data
+from tests.tools.own_ball import (
+    FRAMES,
+    GRAPH,
+    RADIUS,
+    RED,
+    SIZE,
+    middle,
+    pick,
+    picture,
+    room_for,
+)
 
 from followspot import room_file
 from followspot.cli.main import main
@@ -18,43 +29,7 @@ from followspot_balls.detection.hue import bhattacharyya
 from followspot_balls.templates.from_picture import template_of
 from followspot_calibrate.targets.pick_command import read_pick
 
-ROOT = Path(__file__).parents[2]
-GRAPH = str(ROOT / "graphs/single_camera.yaml")
 THROWS = dataset("balls-thrown-room")
-SIZE, RADIUS, FRAMES = (200, 150), 10, 12
-RED, BLUE = (30, 20, 200), (200, 60, 20)
-
-
-def middle(frame: int) -> tuple[int, int]:
-    """Where the red ball is, px."""
-    return 20 + 14 * frame, 120 - 8 * frame
-
-
-def picture(frame: int) -> np.ndarray:
-    """A red ball that flies, and a blue one that rests, before a pale wall."""
-    drawn = np.full((SIZE[1], SIZE[0], 3), (190, 200, 205), np.uint8)
-    cv2.circle(drawn, middle(frame), RADIUS, RED, -1, cv2.LINE_AA)
-    cv2.circle(drawn, (30, 30), RADIUS, BLUE, -1, cv2.LINE_AA)
-    return drawn
-
-
-def video(folder: Path) -> Path:
-    path = folder / "balls.avi"
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 30, SIZE)
-    for frame in range(FRAMES):
-        writer.write(picture(frame))
-    writer.release()
-    return path
-
-
-def room_for(folder: Path) -> str:
-    room = str(folder / "room.yaml")
-    assert main(["room", "new", "--video", str(video(folder)), "-o", room]) == 0
-    return room
-
-
-def pick(room: str, *words: str) -> int:
-    return main(["calibrate", "targets", "--room", room, *(w for word in words for w in ("--pick", word))])
 
 
 def test_own_ball_in_own_video(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

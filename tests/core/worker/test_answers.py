@@ -8,29 +8,20 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import pytest
+from tests.core.worker.bench import Bench, Note
 from tests.core.worker.solo import Solo
 
-from followspot import Deferred, Message, Outputs, Stage, at
+from followspot import Deferred, Outputs, Stage, at
 from followspot.graph.compile import compile_graph
 from followspot.messages import Header, stamped
 from followspot.ports import ports
 from followspot.transport.token import END
-from followspot.worker.inputs.input_queue import InputQueue
-from followspot.worker.inputs.join import Join
-from followspot.worker.inputs.join_input import JoinInput
-from followspot.worker.ledger import Ledger
-from followspot.worker.output_port import OutputPort
 from followspot.worker.runners import deferred_runner
 from followspot.worker.runners.deferred_runner import DeferredRunner
 from followspot.worker.runners.error_policy import StageError
 from followspot.worker.runners.outputs_runner import MAX_OUTPUTS, OutputsRunner
-from followspot.worker.runners.stage_runner import StageRunner
 
 STAGES = Path(__file__).parents[2] / "stages" / "rates.py"
-
-
-class Note(Message):
-    value: int
 
 
 class Asked(Stage):
@@ -55,34 +46,6 @@ class Several(Stage):
 
     def process(self, note: Note) -> Outputs[Note]:
         return type(self).gives(note)  # type: ignore[no-any-return]
-
-
-class Bench:
-    """A stage between two edges."""
-
-    def __init__(self, kind: type[StageRunner], stage: Stage, depth: int = 100, **options: Any) -> None:
-        ledger = Ledger(2)
-        self.into = InputQueue("in", ledger.words, ledger.row(0), depth=100, lateness=0)
-        self.out = InputQueue("out", ledger.words, ledger.row(1), depth=depth, lateness=0)
-        port = OutputPort(Note, ledger.words, lateness=0)
-        port.connect([self.out])
-        join = Join([JoinInput("note", joined=False, members=(self.into,))], lateness=0)
-        self.stage = stage
-        self.runner = kind("asked", 0, lambda: stage, join, {"out": port}, **options)
-        self.runner.setup()
-
-    def put(self, *times: int) -> None:
-        for time in times:
-            self.into.put(stamped(Note(time), Header("a", time, time, 5)))
-            self.runner.step()
-
-    def end(self) -> None:
-        self.into.advance(END)
-        self.runner.step()
-
-    def got(self) -> list[tuple[int, int]]:
-        """Times and values of what was sent."""
-        return [(message.header.time, message.value) for message in self.out.messages]  # type: ignore[attr-defined]
 
 
 class Asking(Bench):

@@ -6,10 +6,10 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+from tests.core.worker.pair import PAIR, TICKS, with_another_edge
 from tests.integration.running import wait_until
 
 from followspot.graph.compile import compile_graph
-from followspot.graph.plan import Plan
 from followspot.messages import Message
 from followspot.plugins.registry import use_plugin_files
 from followspot.transport.edge import PortReader
@@ -21,13 +21,6 @@ from followspot.worker.ledger import Ledger
 from followspot.worker.taps.published_ports import published
 from followspot.worker.wiring import RunOptions, Wiring
 
-TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
-PAIR = """
-graph: g
-stages:
-  a: {uses: ticks.count}
-  b: {uses: ticks.write, in: {number: a}}
-"""
 CAUGHT = "  c: {uses: ticks.write, in: {number: b}}\n"
 
 
@@ -51,12 +44,6 @@ def test_a_reader_that_waits_for_the_start_says_again_that_it_is_there(tmp_path:
         assert len(heard) > before
         for end in ends:
             end.close()
-
-
-def with_another_edge(plan: Plan) -> Plan:
-    """The plan after a change that puts another edge between the same ports in the place of the first."""
-    (edge,) = plan.edges
-    return replace(plan, numbers=(1,), former=((0, edge),), additions=(1,))
 
 
 def test_an_edge_that_came_later_has_its_own_stream_from_the_start(tmp_path: Path) -> None:

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.core.worker.bench import Bench, Note
 from tests.core.worker.solo import Solo
-from tests.core.worker.test_answers import Bench, Note
 
 from followspot import Lagged, Stage, at
 from followspot.errors import InputError

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
-from tests.core.worker.test_edge_links import PAIR, TICKS, with_another_edge
+from tests.core.worker.pair import PAIR, TICKS, with_another_edge
 from tests.integration.running import wait_until
 
 from followspot.control.swap import ChangeOrder, ChangeStatus, Step

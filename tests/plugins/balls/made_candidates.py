@@ -11,6 +11,7 @@ from followspot.context import Context
 from followspot.messages import Array
 from followspot.sealing import seal
 from followspot.tracking import Blobs, Candidates, Forecast
+from followspot_balls.associate import Associate
 from followspot_balls.association.view_association import ViewAssociation
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs
@@ -50,3 +51,10 @@ def candidates_of(blobs: tuple[Blobs, ...], forecast: Forecast | None = None) ->
 def red(found: Candidates) -> Array:
     """Places of candidates of the first target."""
     return np.asarray(found.xyz[found.targets[:, 0]])
+
+
+def stage(**params: float) -> Associate:
+    """The stage, set up in the room."""
+    made = Associate(Context(room=ROOM), **params)
+    made.setup()
+    return made

@@ -17,6 +17,7 @@ from tests.plugins.balls.made_candidates import (
     associated,
     candidates_of,
     red,
+    stage,
     views,
 )
 from tests.plugins.balls.scene import forecast_at
@@ -24,17 +25,10 @@ from tests.plugins.balls.scene import forecast_at
 from followspot.context import Context
 from followspot.sealing import seal
 from followspot.tracking import LOST, MISSING, Forecast
-from followspot_balls.associate import Associate
 from followspot_balls.associate_tracked import AssociateTracked
 from followspot_balls.association.existence import Existence, Rivals
 from followspot_balls.association.hypotheses import hypotheses
 from followspot_balls.association.view_association import NO_HYPOTHESES, ViewAssociation, WeighedHypotheses
-
-
-def stage(**params: float) -> Associate:
-    made = Associate(Context(room=ROOM), **params)
-    made.setup()
-    return made
 
 
 def of_tracked() -> AssociateTracked:

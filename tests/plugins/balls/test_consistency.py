@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from tests.plugins.balls.test_covariance import noises
+from tests.plugins.balls.noises import noises
 
 from followspot.messages import Array
 from followspot_balls.filtering.motion import Motion, followed, initiated, predict, update

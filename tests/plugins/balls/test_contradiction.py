@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.plugins.balls.test_bundle import HIGH, bundle, near, one_ball, undistorted
+from tests.plugins.balls.seen_points import HIGH, bundle, near, one_ball, undistorted
 
 from followspot_balls.fusion.contradiction import contradicted, nearest_shifts
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.plugins.balls.noises import noises
 from tests.plugins.balls.scene import make_room, positions_at
 
 from followspot.context import Context
@@ -20,14 +21,6 @@ from followspot_balls.kalman import Kalman
 RATES = (0.2, 1.0, 5.0, 12.5, 30.0, 60.0, 120.0, 240.0)
 """Frames per second."""
 ACCELERATION, SPEED, GATE = 12.0, 3.0, 3.0
-
-
-def noises(rng: np.random.Generator, count: int, finest: float, coarsest: float) -> Array:
-    """Covariances of positions along any axes, (count, 3, 3) m^2; one sigma along each between these, m."""
-    axes = np.linalg.qr(rng.normal(size=(count, 3, 3)))[0]
-    sigma = np.exp(rng.uniform(np.log(finest), np.log(coarsest), (count, 3)))
-    found = (axes * sigma[:, None] ** 2) @ axes.swapaxes(1, 2)
-    return np.asarray((found + found.swapaxes(1, 2)) / 2)
 
 
 def is_covariance(covariance: Array) -> bool:

@@ -4,37 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.plugins.balls.epipolar_pairs import NO, YES, candidates
 from tests.plugins.balls.scene import RADIUS, blobs_of, forecast_at, make_room
 
 from followspot.context import Context
 from followspot.sealing import seal
-from followspot.tracking import Candidates
 from followspot_balls.pairs.disagreement import EACH, Disagreement
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs
-
-WIDTH = 7.0
-BALL = np.pi / 4 * WIDTH**2
-YES, NO = np.array([True, False]), np.array([False, True])
-
-
-def candidates(epipolar: list[float]) -> Candidates:
-    """Pairs of the first of two targets with these epipolar distances, px; blobs are 7 px wide."""
-    count = len(epipolar)
-    return Candidates(
-        cameras=("cam0", "cam1"),
-        xyz=np.zeros((count, 3)),
-        view=np.tile(np.array([0, 1], np.int32), (count, 1)),
-        blob=np.zeros((count, 2), np.int32),
-        xy=np.zeros((count, 2, 2)),
-        area=np.full((count, 2), BALL),
-        epipolar=np.array(epipolar),
-        labelled=np.ones(count, bool),
-        confirmed=np.ones(count, bool),
-        evident=np.ones(count, bool),
-        targets=np.tile(YES, (count, 1)),
-        clutter=np.ones((count, 2)),
-    )
 
 
 def told(epipolar: list[float], tracked: np.ndarray = YES, frames: int = 50 * EACH) -> str:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.plugins.balls.scene import RADIUS, blobs_of, forecast_at, make_room
-from tests.plugins.balls.test_bundle import undistorted
+from tests.plugins.balls.seen_points import undistorted
 
 from followspot.context import Context
 from followspot.messages import Array

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.plugins.balls.scene import RADIUS, forecast_at
-from tests.plugins.balls.test_bundle import COLOR, HIGH, ROOM, candidates, near, one_ball, undistorted, whole
+from tests.plugins.balls.seen_points import COLOR, HIGH, ROOM, candidates, near, one_ball, undistorted, whole
 
 from followspot.context import Context
 from followspot.messages import Array

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from tests.plugins.balls.test_disagreement import candidates
+from tests.plugins.balls.epipolar_pairs import candidates
 
 from followspot_balls.association.recovery_evidence import recovery_credit
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.plugins.balls.recorded import track
 from tests.plugins.balls.scene import SIZE, make_room, picture
-from tests.plugins.balls.test_tracker import track
 
 from followspot.messages import Array
 from followspot.sealing import seal

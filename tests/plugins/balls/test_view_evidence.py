@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from tests.plugins.balls.made_candidates import BALL, EVERYWHERE, candidates_of, views
+from tests.plugins.balls.made_candidates import BALL, EVERYWHERE, candidates_of, stage, views
 from tests.plugins.balls.scene import SIZE, make_room
-from tests.plugins.balls.test_associate import stage
 
 from followspot.geometry import project, ray, undistort
 from followspot_balls.association.view_evidence import ViewEvidence

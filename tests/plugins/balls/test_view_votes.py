@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from tests.plugins.balls.scene import forecast_at, unweighed
-from tests.plugins.balls.test_bundle import CENTERS, HIGH, ROOM, bundle, candidates, undistorted, whole
+from tests.plugins.balls.seen_points import CENTERS, HIGH, ROOM, bundle, candidates, undistorted, whole
 
 from followspot.context import Context
 from followspot.messages import Array

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import time
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import replace
 from itertools import islice
 from typing import Any
@@ -16,9 +15,8 @@ from pydantic import ValidationError
 from tests.plugins.cameras.attempts import one_of
 from tests.plugins.cameras.recordings import context
 
-from followspot.tracking import Frame
-
 pytest.importorskip("av", reason="av is not installed")
+from tests.plugins.cameras.rtsp_frames import last
 from tests.plugins.cameras.rtsp_server import SIZE, RtspCamera, encoded
 
 from followspot_cameras.rtsp.stage import Rtsp
@@ -26,27 +24,6 @@ from followspot_cameras.rtsp.stage import Rtsp
 
 def stage(camera: RtspCamera, said: list[str], **params: Any) -> Rtsp:
     return Rtsp(context("color", SIZE, warn=said.append), url=camera.url, **params)
-
-
-def error(frames: list[Frame], camera: RtspCamera) -> float:
-    """How far the worst capture time is off, ms; infinite unless the pictures follow each other."""
-    true = np.array(camera.captured)
-    found = np.array([frame.header.time for frame in frames])
-    nearest = np.abs(found[:, None] - true).argmin(axis=1)
-    off = np.abs(found - true[nearest]).max() / 1e6
-    return float(off) if (np.diff(nearest) == 1).all() else np.inf
-
-
-def last(count: int, frames: Iterator[Frame], camera: RtspCamera, within: float) -> list[Frame]:
-    """So many pictures, the last ones, once their capture times are within so many ms: sooner or later one
-    comes without delay, however busy the machine.
-    """
-    held: list[Frame] = []
-    for frame in islice(frames, 400):
-        held = [*held[1 - count :], frame]
-        if len(held) == count and error(held, camera) < within:
-            return held
-    pytest.fail(f"the last pictures are off by {error(held, camera)} ms")
 
 
 @pytest.mark.parametrize(("shift", "drift"), [(0.25, 300e-6), (-0.25, -300e-6)])

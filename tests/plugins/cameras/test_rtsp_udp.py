@@ -16,8 +16,8 @@ from tests.plugins.cameras.attempts import one_of
 from tests.plugins.cameras.recordings import context
 
 pytest.importorskip("av", reason="av is not installed")
+from tests.plugins.cameras.rtsp_frames import last
 from tests.plugins.cameras.rtsp_server import SIZE, RtspCamera, encoded
-from tests.plugins.cameras.test_rtsp import last
 
 from followspot_cameras.rtsp.datagrams import Datagrams
 from followspot_cameras.rtsp.stage import Rtsp

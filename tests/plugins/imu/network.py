@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+import struct
 import threading
 import time
 from pathlib import Path
@@ -10,6 +11,7 @@ from types import TracebackType
 from typing import Any, Self
 
 import numpy as np
+from pythonosc.osc_message_builder import OscMessageBuilder
 
 from followspot import Context, Member
 from followspot.inertial import Inertial
@@ -72,3 +74,15 @@ class AtWork:
     def column(self, name: str) -> np.ndarray:
         """A column of all messages."""
         return np.concatenate([getattr(message, name) for message in self.sent])
+
+
+def osc(address: str, *values: object, kind: str | None = None) -> bytes:
+    build = OscMessageBuilder(address)
+    for value in values:
+        build.add_arg(value, kind)
+    return build.build().dgram
+
+
+def bundle(*messages: bytes) -> bytes:
+    parts = b"".join(struct.pack(">I", len(message)) + message for message in messages)
+    return b"#bundle\0" + bytes(7) + b"\1" + parts

@@ -7,9 +7,8 @@ from itertools import count
 
 import numpy as np
 import pytest
-from tests.plugins.imu.network import AtWork
-from tests.plugins.imu.test_osc import bundle, osc
-from tests.plugins.imu.test_ximu3 import binary
+from tests.plugins.imu.network import AtWork, bundle, osc
+from tests.plugins.imu.ximu3_messages import binary
 
 from followspot import Context, InputError, Member
 from followspot.device_clock import LEAST, DeviceClock

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import struct
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -11,25 +9,13 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
 from pythonosc.osc_message_builder import OscMessageBuilder
-from tests.plugins.imu.network import AtWork
+from tests.plugins.imu.network import AtWork, bundle, osc
 
 from followspot import Context, Member
 from followspot.testing import tiny_room
 from followspot_imu.network.listener import Datagram
 from followspot_imu.network.osc import Osc
 from followspot_imu.network.osc_messages import DEEPEST, MOST_MESSAGES, OscError, osc_messages
-
-
-def osc(address: str, *values: object, kind: str | None = None) -> bytes:
-    build = OscMessageBuilder(address)
-    for value in values:
-        build.add_arg(value, kind)
-    return build.build().dgram
-
-
-def bundle(*messages: bytes) -> bytes:
-    parts = b"".join(struct.pack(">I", len(message)) + message for message in messages)
-    return b"#bundle\0" + bytes(7) + b"\1" + parts
 
 
 def test_every_type_of_value_is_read_or_passed_over() -> None:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import struct
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.plugins.imu.network import AtWork
+from tests.plugins.imu.ximu3_messages import binary
 
 from followspot_imu.network.ximu3 import Ximu3
 from followspot_imu.network.ximu3_messages import LONGEST, Malformed, Ximu3Message, Ximu3Stream, message
@@ -29,12 +28,6 @@ def test_the_examples_of_the_manual_are_read(example: str, meant: Ximu3Message) 
     data = bytes.fromhex(example) if example[1] != "," else example.encode()
     assert message(data) == meant
     assert message(data.rstrip(b"\r")) == meant
-
-
-def binary(letter: str, time: int, *numbers: float) -> bytes:
-    """A binary message as the manual says it, with its byte stuffing and its line feed."""
-    plain = struct.pack(f"<BQ{len(numbers)}f", 0x80 + ord(letter), time, *numbers)
-    return plain.replace(b"\xdb", b"\xdb\xdd").replace(b"\x0a", b"\xdb\xdc") + b"\x0a"
 
 
 def ascii_message(letter: str, time: int, *numbers: float) -> bytes:

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tests.tools.calibrate.test_refine import FLOOR, RADIUS, TRUE, carried, off
+from tests.tools.calibrate.carried_targets import FLOOR, RADIUS, TRUE, carried, off
 
 from followspot import Camera, Room, Target
 from followspot.cli.main import main

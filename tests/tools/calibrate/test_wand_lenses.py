@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.tools.calibrate.rooms import MadeRoom, waved_room
-from tests.tools.calibrate.test_wand_made_rooms import FREE_MM, KNOWN_MM, NOISE, differences
+from tests.tools.calibrate.wand_errors import FREE_MM, KNOWN_MM, NOISE, differences
 
 from followspot.geometry import project
 from followspot.room import LensModel

@@ -9,20 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.tools.calibrate.rooms import MadeRoom, made_room
+from tests.tools.calibrate.wand_errors import FREE_MM, KNOWN_MM, NOISE, differences, similar
 
 from followspot.errors import FollowspotError
 from followspot.geometry import project
 from followspot_calibrate.sightings import Sightings
-from followspot_calibrate.similarity import similarity
 from followspot_calibrate.wand.diagnostics import warnings_of
-from followspot_calibrate.wand.solving import Solved, solve
-
-NOISE = 0.4
-"""px; from 4 m and with a focal length of 450 px, one sighting is 3.6 mm off."""
-KNOWN_MM = 7.0
-"""Centres that rest on dozens of sightings are within twice the error of one."""
-FREE_MM = 36.0
-"""Focal lengths and principal points that must be found as well cost five times as much."""
+from followspot_calibrate.wand.solving import solve
 
 
 @pytest.mark.parametrize(
@@ -128,21 +121,6 @@ def test_a_camera_full_of_reflections_is_named():
     told = warnings_of(solve(replace(room.sightings, pixel=pixel), room.cameras, "known"))
     assert len(told) == 1
     assert "of the points of cam2 fit no other camera" in told[0]
-
-
-def differences(solved: Solved, room: MadeRoom):
-    """Of centres, mm, and of rotations, degrees, after the best similarity."""
-    found = [similar(solved, room).camera(camera) for camera in solved.adjusted.cameras]
-    apart = [np.linalg.norm(c.center - true.center) for c, true in zip(found, room.cameras, strict=True)]
-    traces = [np.trace(c.rotation @ true.rotation.T) for c, true in zip(found, room.cameras, strict=True)]
-    return 1000 * np.array(apart), np.degrees(np.arccos(np.clip((np.array(traces) - 1) / 2, -1, 1)))
-
-
-def similar(solved: Solved, room: MadeRoom):
-    return similarity(
-        np.array([camera.center for camera in solved.adjusted.cameras]),
-        np.array([camera.center for camera in room.cameras]),
-    )
 
 
 def seen_where(room: MadeRoom, seen):

@@ -6,7 +6,6 @@ import argparse
 import asyncio
 import shutil
 import subprocess
-import sys
 import tarfile
 import zipfile
 from importlib import import_module
@@ -14,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from starlette.requests import Request
+from tests.packages import build
 from tests.tools.page.bundled import ROOT, UNREACHED, bundle
 
 from followspot.errors import InputError
@@ -24,14 +24,6 @@ from followspot_page.http import routes
 
 PAGE = "followspot_page/static"
 FILES = {f"{PAGE}/{name}" for name in ("app.js", "icon.svg", "index.html", "style.css", "three.LICENSE")}
-
-
-def build(what: str, source: Path, out: Path) -> Path:
-    """Build a wheel or an sdist with hatchling; the file."""
-    command = [sys.executable, "-m", "hatchling", "build", "-t", what, "-d", str(out)]
-    subprocess.run(command, cwd=source, check=True, capture_output=True, timeout=300)
-    (made,) = out.iterdir()
-    return made
 
 
 def test_a_checkout_without_the_bundle_says_how_to_get_it_on_the_command_line(

@@ -13,8 +13,8 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 import pytest
+from tests.tools.page.page_socket import UPGRADE, things
 from tests.tools.page.served import Shown, served
-from tests.tools.page.test_page import UPGRADE, things
 from websockets.exceptions import ConnectionClosedError
 
 from followspot_page.connections import MAX_FRAGMENTS, MAX_WAITING

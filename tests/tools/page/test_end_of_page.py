@@ -8,8 +8,8 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import numpy as np
+from tests.tools.page.page_socket import UPGRADE, things
 from tests.tools.page.served import at, served, tracks
-from tests.tools.page.test_page import UPGRADE, things
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection
 

@@ -11,7 +11,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from tests.tools.test_own_ball import GRAPH, RADIUS, SIZE, room_for
+from tests.tools.own_ball import GRAPH, RADIUS, SIZE, room_for
 
 import followspot as fs
 from followspot.cli.main import main

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.tools.page.bundled import bundle
+from tests.tools.page.page_socket import UPGRADE, things
 from tests.tools.page.served import Shown, at, served, tracks
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection
@@ -36,15 +37,6 @@ from followspot_record.embedded import plan_of_recording
 from followspot_recording.recording import Recording
 from followspot_recording.tap import RecordingTap
 
-UPGRADE = """\
-GET /look HTTP/1.1
-Host: {host}
-Upgrade: websocket
-Connection: Upgrade
-Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==
-Sec-WebSocket-Version: 13
-
-"""
 JUNK = [b"", b"x", bytes(70), b"\xff" * 70, b"a\0Tracks\0junk" * 100]
 HELP = r"# (HELP|TYPE) followspot_\w+ .+"
 SAMPLE = r'followspot_\w+(\{(\w+="[^"]*",?)+\})? [-+.e\d]+'
@@ -54,14 +46,6 @@ SAMPLE = r'followspot_\w+(\{(\w+="[^"]*",?)+\})? [-+.e\d]+'
 def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:
     with served(tmp_path_factory.mktemp("run")) as made:
         yield made
-
-
-def things(browser: ClientConnection, kind: str) -> Iterator[dict[str, Any]]:
-    """What a browser is sent of a type, as long as it asks."""
-    while True:
-        said = browser.recv(timeout=20)
-        if isinstance(said, str) and (thing := json.loads(said))["type"] == kind:
-            yield thing
 
 
 def next_picture(browser: ClientConnection) -> bytes:
