@@ -19,6 +19,16 @@ from followspot.plugins.former_names import new_names
 from followspot.stage import Stage
 from followspot.stage_params import PathIn, PathOut, StageParams
 
+_PROBLEMS = {
+    **dict.fromkeys(("float_parsing", "float_type"), "it must be a number"),
+    **dict.fromkeys(("int_parsing", "int_type", "int_from_float"), "it must be a whole number"),
+    **dict.fromkeys(("bool_parsing", "bool_type"), "it must be true or false"),
+    **dict.fromkeys(("list_type", "tuple_type"), "it must be a list"),
+    "dict_type": "it must be a mapping of keys to values",
+    "string_type": "it must be text",
+    "path_type": "it must be a path",
+}
+"""What pydantic says of types of Python, by its kinds of error, in the words of files."""
 _LONGEST_NAME = 255
 """Longest name of a file that a file system takes, bytes."""
 _OPTION = "--"
@@ -136,13 +146,19 @@ def _mistake(detail: Any, stage: type[Stage], noun: str, params: Mapping[str, No
         word = new_names(stage).get(name, name)
         known = did_you_mean(word, fields, "parameters") if len(location) == 1 else "remove it"
         return Mistake(node.key, f'{noun} has no parameter "{name}"', known)
-    problem = str(detail["msg"]).replace("Input should", "it must").replace("Value error, ", "")
+    problem = _PROBLEMS.get(kind) or _in_short(str(detail["msg"]))
     if not location:  # values that do not go together
         one = next((value for key, value in params.items() if key in problem.split()), None)
         return Mistake(one.place if one is not None else place, f"{noun} cannot be so: {problem}")
-    given = f" {detail['input']!r}" if isinstance(detail["input"], str | int | float | bool) else " this"
-    text = f'"{name}" of {noun} cannot be{given}: {problem}'
+    value = detail["input"]
+    given = "nothing" if value is None else repr(value) if isinstance(value, str | int | float) else "this"
+    text = f'"{name}" of {noun} cannot be {given}: {problem}'
     return Mistake(node.place if node is not None else place, text, _about(fields.get(top)).lstrip(", "))
+
+
+def _in_short(message: str) -> str:
+    """A message of pydantic, as a sentence about the value."""
+    return message.replace("Input should", "it must").replace("Value error, ", "")
 
 
 def _is_written(model: StageParams, name: str) -> bool:
