@@ -221,7 +221,8 @@ def measured(
         keep &= ~clipped(blobs, strip, windows)
         radius = np.where(keep, ball + p.radius_offset, np.nan)
         expected = circles.center.take(owner, axis=0)
-        pixel, rim = disc_centers(level, strip, blobs, radius, p.edge_level, expected)
+        beside = circles.beside.take(owner)
+        pixel, rim = disc_centers(level, strip, blobs, radius, p.edge_level, expected, beside)
         bound = np.minimum(largest, np.maximum(p.maximum_expected_area * np.pi * ball * ball, SMALL))
         area = own_area(area, bound, radius, rim)
         keep &= area <= bound

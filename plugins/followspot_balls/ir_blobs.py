@@ -220,8 +220,9 @@ def measured(
     rows = keep.nonzero()[0]
     near = circles_of(circles, seen.take(rows))
     radius, expected = np.full(len(keep), np.nan), np.full((len(keep), 2), np.nan)
-    expected[rows], radius[rows] = nearest_ball(near, blobs.center.take(rows, axis=0))
-    center, rim = disc_centers(level, strip, blobs, radius + p.radius_offset, p.edge_level, expected)
+    beside = np.zeros(len(keep), bool)
+    expected[rows], radius[rows], beside[rows] = nearest_ball(near, blobs.center.take(rows, axis=0))
+    center, rim = disc_centers(level, strip, blobs, radius + p.radius_offset, p.edge_level, expected, beside)
     area = own_area(blobs.area, largest, radius, rim)
     rows = rows[area[rows] <= largest[rows]]
     return Found(center.take(rows, axis=0), area.take(rows), seen.take(rows))
@@ -237,19 +238,20 @@ def circles_of(circles: Circles, view: Array) -> Circles:
     return Circles(*[column.take(view, axis=0) for column in circles])
 
 
-def nearest_ball(circles: Circles, pixel: Array) -> tuple[Array, Array]:
-    """The ball whose forecast is nearest to each blob: centre (N, 2) and radius (N,) px, NaN without one.
+def nearest_ball(circles: Circles, pixel: Array) -> tuple[Array, Array, Array]:
+    """The ball whose forecast is nearest to each blob: centre (N, 2) and radius (N,) px, NaN without one,
+    and whether it is beside another, (N,) bool.
 
     circles: for each blob; pixel: (N, 2) px.
     """
     if not circles.ball.size:
-        return np.full(pixel.shape, np.nan), np.full(len(pixel), np.nan)
+        return np.full(pixel.shape, np.nan), np.full(len(pixel), np.nan), np.zeros(len(pixel), bool)
     distance = distances(pixel, circles.center)
     distance = np.where(distance <= circles.radius + circles.ball, distance, np.inf)
     nearest = distance.argmin(axis=1) + np.arange(0, distance.size, distance.shape[1])
     near = distance.take(nearest) < np.inf
     center = np.where(near[:, None], circles.center.reshape(-1, 2).take(nearest, axis=0), np.nan)
-    return center, np.where(near, circles.ball.take(nearest), np.nan)
+    return center, np.where(near, circles.ball.take(nearest), np.nan), near & circles.beside.take(nearest)
 
 
 def distinct(center: Array, view: Array) -> Array:

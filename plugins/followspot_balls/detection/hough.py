@@ -4,8 +4,11 @@ The centroid of a partly hidden ball is off by a pixel or more. Its visible rim 
 circle whose radius follows from the forecast distance, so each edge pixel votes for the point one
 radius inward; the rim's votes agree, those of the edge of an occluder scatter. A blob that is larger than
 the ball shows it beside other light, and its centroid lies between them: then the votes around the
-forecast count as well, and if most of a rim agrees there is a ball, however large the blob. A smaller one
-does not ask the forecast, which few votes would always confirm.
+forecast count as well, and if most of a rim agrees there is a ball, however large the blob.
+
+Balls side by side are often covered on two sides, by each other and by the hands that pass them. The votes of
+both edges then lie nearer to the centroid of what is left than those of the rim do, so there the votes around
+the forecast count as well. No other fragment asks the forecast, which few votes would always confirm.
 """
 
 from __future__ import annotations
@@ -47,12 +50,13 @@ def disc_centers(
     radius: Array,
     edge: float,
     expected: Array | None = None,
+    beside: Array | None = None,
 ) -> tuple[Array, Array]:
     """Centres of the discs whose visible parts are the components.
 
     level: (H, W) u8 brightness that the components were cut from, in a strip;
     radius: (N,) px of each component's disc, NaN if unknown; edge: of a disc over its peak; expected:
-    (N, 2) px, where the discs of known radius are forecast.
+    (N, 2) px, where the discs of known radius are forecast; beside: (N,) bool, those that another may cover.
     Returns (N, 2) px in the picture, the centroid if the radius is unknown, and the share of a whole rim that
     votes for it, (N,), 0 if the radius is unknown.
     """
@@ -77,12 +81,15 @@ def disc_centers(
     votes[0] += x + shift[:, 0].take(label)
     votes[1] += y + shift[:, 1].take(label)
     start, area = blobs.center.take(known, axis=0), blobs.area.take(known)
-    merged = (area > MERGED * np.pi * (radius * radius)).nonzero()[0]
-    if expected is None or not len(merged):
+    doubtful = area > MERGED * np.pi * (radius * radius)
+    if beside is not None:
+        doubtful |= beside.take(known)
+    asking = doubtful.nonzero()[0]
+    if expected is None or not len(asking):
         point, heard = agreement(votes, slope, label, start)
     else:
-        forecast = expected.take(known.take(merged), axis=0)
-        point, heard = better_agreement(votes, slope, label, start, merged, forecast)
+        forecast = expected.take(known.take(asking), axis=0)
+        point, heard = better_agreement(votes, slope, label, start, asking, forecast)
     center = blobs.center.copy()
     center[known] = point
     rim[known] = heard / (WHOLE_RIM * radius)
@@ -151,15 +158,15 @@ def agreement(votes: Array, weight: Array, label: Array, start: Array) -> tuple[
 
 
 def better_agreement(
-    votes: Array, weight: Array, label: Array, start: Array, merged: Array, other: Array
+    votes: Array, weight: Array, label: Array, start: Array, asking: Array, other: Array
 ) -> tuple[Array, Array]:
     """As :func:`agreement`, where some components also begin at another point: the one with more votes holds.
 
-    merged: (M,) numbers of these components; other: (M, 2) px.
+    asking: (M,) numbers of these components; other: (M, 2) px.
     """
     count = len(start)
     twin = np.full(count, -1)
-    twin[merged] = np.arange(count, count + len(merged))
+    twin[asking] = np.arange(count, count + len(asking))
     again = twin.take(label)
     mine = (again >= 0).nonzero()[0]
     point, heard = agreement(
@@ -168,6 +175,6 @@ def better_agreement(
         np.concatenate([label, again.take(mine)]),
         np.concatenate([start, other]),
     )
-    best, better = np.arange(count), (heard[count:] > heard.take(merged)).nonzero()[0]
-    best[merged.take(better)] = better + count
+    best, better = np.arange(count), (heard[count:] > heard.take(asking)).nonzero()[0]
+    best[asking.take(better)] = better + count
     return point.take(best, axis=0), heard.take(best)

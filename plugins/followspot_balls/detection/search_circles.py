@@ -12,6 +12,7 @@ from followspot.geometry import Views
 from followspot.messages import Array
 from followspot.room import Room
 from followspot.tracking import LOST, Forecast
+from followspot_balls.detection.neighbours import beside
 from followspot_balls.scene.targets import lost_targets, target_radii
 
 MARGIN = 2
@@ -35,6 +36,8 @@ class Circles(NamedTuple):
     """(T,) px, radius of the target's outline; NaN if the centre is."""
     lost: Array
     """(T,) bool: looked for in the whole image."""
+    beside: Array
+    """(T,) bool: another target is forecast so near that one may cover a part of the other."""
 
 
 class Regions(NamedTuple):
@@ -111,8 +114,7 @@ def search_regions(
         return side_by_side([search_regions(room, [c], [f], minimum, scale) for c, f in alone])
     everywhere = room_regions(room, forecasts[0], minimum, scale)
     rows = view_rows(room, tuple(cameras))
-    center, radius, ball, lost = everywhere.circles
-    circles = Circles(center.take(rows, axis=0), radius.take(rows), ball.take(rows), lost.take(rows))
+    circles = Circles(*(column.take(rows, axis=0) for column in everywhere.circles))
     near = everywhere.inside.take(rows).nonzero()[0]
     rows = rows.take(near)
     return Regions(circles, near, everywhere.corners.take(rows, axis=0), everywhere.sides.take(rows))
@@ -126,7 +128,8 @@ def room_regions(room: Room, forecast: Forecast | None, minimum: float, scale: f
     rows_lost = lost[None].repeat(views, axis=0).reshape(-1)
     if forecast is None or lost.all():
         nowhere, nothing = np.full((views * count, 2), np.nan), np.zeros((views * count, 2), int)
-        circles = Circles(nowhere, np.full(views * count, minimum), nowhere[:, 0], rows_lost)
+        alone = np.zeros(views * count, bool)
+        circles = Circles(nowhere, np.full(views * count, minimum), nowhere[:, 0], rows_lost, alone)
         return RoomRegions(circles, np.zeros(views * count, bool), nothing, nothing[:, 0])
     images = forecast_images(room, forecast)
     pictures = room_pictures(room)
@@ -134,7 +137,8 @@ def room_regions(room: Room, forecast: Forecast | None, minimum: float, scale: f
     inside = reaching(images.center, radius, pictures)
     corners, sides = windows(images.center, radius + images.ball, inside, pictures)
     center, ball = images.center.reshape(-1, 2), images.ball.reshape(-1)
-    circles = Circles(center, radius.reshape(-1), ball, rows_lost)
+    crowded = beside(images.center, images.ball).reshape(-1)
+    circles = Circles(center, radius.reshape(-1), ball, rows_lost, crowded)
     return RoomRegions(circles, inside.reshape(-1), corners.reshape(-1, 2), sides.reshape(-1))
 
 

@@ -337,6 +337,20 @@ def test_a_fragment_does_not_ask_the_forecast_which_its_edge_would_confirm() -> 
     assert np.array_equal(center, alone)
 
 
+@pytest.mark.parametrize("expected", [(20.0, 30.0), (22.0, 31.0), (18.0, 28.5), (20.0, 33.0)])
+def test_the_forecast_of_a_ball_beside_another_tells_its_rim_from_the_two_edges_that_cover_it(
+    expected: tuple[float, float],
+) -> None:
+    level, strip = discs((20.0, 30.0)), whole_strip(60)
+    level[30:] = level[:, 20:] = 0
+    blobs = components(above_local_peak(level, 0.5), level, strip)
+    given = level, strip, blobs, np.array([8.0]), 0.5, np.array([expected])
+    center, _ = disc_centers(*given, np.array([True]))
+    assert center == pytest.approx(np.array([[20.0, 30.0]]), abs=0.1)
+    other, _ = disc_centers(*given, np.array([False]))
+    assert np.linalg.norm(other - center) > 8
+
+
 def clip(camera: str, color: tuple[int, int, int], seen: Array) -> list[Array]:
     """A disc that moves; with a hot pixel, and frames in which it is out of view."""
     frames = []

@@ -129,9 +129,19 @@ def test_search_circle_lies_on_the_reprojected_forecast() -> None:
     assert circles.ball == pytest.approx([3.3, 3.0], abs=0.4)
 
 
+@pytest.mark.parametrize(("gap", "beside"), [(0.5, True), (2.0, True), (2.4, True), (2.6, False)])
+def test_targets_are_beside_each_other_if_one_may_cover_a_part_of_the_other(gap: float, beside: bool) -> None:
+    camera = ROOM.cameras["cam0"]
+    places = np.array(BALL) + camera.rotation[0] * RADIUS * np.array([[0.0], [gap]])
+    circles = search_circles(ROOM, "cam0", forecast_at(list(map(tuple, places))), 10.0, 1.5)
+    assert circles.beside.tolist() == [beside, beside]
+
+
 @pytest.mark.parametrize("forecast", [None, Forecast.empty()])
 def test_without_a_forecast_every_target_is_sought_everywhere(forecast: Forecast | None) -> None:
-    assert search_circles(ROOM, "cam0", forecast, 10.0, 1.5).lost.all()
+    circles = search_circles(ROOM, "cam0", forecast, 10.0, 1.5)
+    assert circles.lost.all()
+    assert not circles.beside.any()
 
 
 def test_search_spheres_have_22_cm_or_twice_the_last_displacement() -> None:

@@ -102,7 +102,7 @@ def test_all_balls_of_a_row_are_within_reach_of_what_shows_them_and_a_distant_on
     middle = row.mean(axis=0)
     center = np.vstack([row, middle + np.array([0.0, 8 * radius])])[None]
     ball = np.full((1, count + 1), radius)
-    circles = Circles(center, ball, ball, ball > np.inf)
+    circles = Circles(center, ball, ball, ball > np.inf, ball > np.inf)
     near = within_reach(middle[None], np.array([count * np.pi * radius**2]), circles)
     assert near.tolist() == [[True] * count + [False]]
 

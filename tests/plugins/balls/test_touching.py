@@ -1,4 +1,4 @@
-"""Balls that touch in an infrared picture: each has a blob of its own."""
+"""Balls side by side in a picture: each has a blob of its own, whose centre is the ball's."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from followspot.context import Context
 from followspot.geometry import project
 from followspot.messages import Array
 from followspot.sealing import seal
-from followspot.tracking import Blobs, Forecast
+from followspot.tracking import Blobs, Forecast, Frame
+from followspot_balls.color_blobs import ColorBlobs
 from followspot_balls.ir_blobs import IrBlobs
 
 ROOM = make_room()
@@ -53,3 +54,20 @@ def test_a_ball_beside_the_forecast_of_one_that_is_not_there_stays_whole() -> No
     blobs = found({"red": BALL}, forecast_at([BALL, beside(1.9)]))
     assert blobs.area.tolist() == alone.area.tolist()
     assert blobs.pixel == pytest.approx(alone.pixel, abs=0.01)
+
+
+@pytest.mark.parametrize("stage", [ColorBlobs, IrBlobs])
+def test_a_quarter_of_a_ball_beside_another_one_shows_where_the_ball_is(
+    stage: type[ColorBlobs] | type[IrBlobs],
+) -> None:
+    camera = ROOM.cameras["cam0" if stage is ColorBlobs else "cam1"]
+    other, late = (np.array(BALL) - camera.rotation[0] * length * RADIUS for length in (2.3, 0.3))
+    pixels = picture(camera, {"red": np.array(BALL), "green": other}).pixels.copy()
+    (pixel,) = project(camera, np.array([BALL]))
+    x, y = np.rint(pixel).astype(int)
+    pixels[:, x + 1 :] = pixels[y:, x - 2 :] = 0
+    finder = stage(Context.serving(camera, room=ROOM))
+    finder.setup()
+    forecast = forecast_at([tuple(late), tuple(other + late - np.array(BALL))])
+    blobs = finder.process(seal(Frame(camera.name, pixels)), forecast)
+    assert np.linalg.norm(blobs.pixel - pixel, axis=1).min() < 1.0
