@@ -47,7 +47,7 @@ class VideoFile:
     def write(self, picture: Array, seq: int, time: int) -> None:
         """Add a picture; the first waits for the second, which gives the rate. Raises FollowspotError."""
         picture = fitted(picture)
-        require_space(self.path)
+        self._require_file()
         if self.writer is not None:
             self.writer.write(picture)
         elif self.first is None:
@@ -61,7 +61,16 @@ class VideoFile:
             self._open(self.first[0], SLOWEST)
         if self.writer is not None:
             self.writer.release()  # it tells no errors
-            require_space(self.path)
+            self._require_file()
+
+    def _require_file(self) -> None:
+        """Raises FollowspotError if the disk is full or the video is gone: its writer tells neither."""
+        try:
+            found = os.statvfs(self.path.parent if self.writer is None else self.path)
+        except FileNotFoundError:
+            raise FollowspotError(f"{self.path} was moved or removed while the run wrote it") from None
+        if found.f_bavail * found.f_frsize < LEAST_SPACE:
+            raise FollowspotError(f"{self.path} cannot be written: No space left on device")
 
     def _open(self, first: Array, rate: float) -> cv2.VideoWriter:
         height, width = first.shape[:2]
@@ -74,13 +83,6 @@ class VideoFile:
             )
         self.writer.write(first)
         return self.writer
-
-
-def require_space(path: Path) -> None:
-    """Raises FollowspotError if the disk is full, which the writer of videos does not tell."""
-    found = os.statvfs(path.parent)
-    if found.f_bavail * found.f_frsize < LEAST_SPACE:
-        raise FollowspotError(f"{path} cannot be written: No space left on device")
 
 
 def fitted(picture: Array) -> Array:

@@ -250,6 +250,18 @@ def test_a_disk_that_gets_full_is_told_and_not_left_to_the_video(
             step()
 
 
+@pytest.mark.parametrize("gone", ["drawn/left.mp4", "drawn"])
+def test_a_video_that_is_gone_while_it_is_written_is_an_error(tmp_path: Path, gone: str) -> None:
+    (tmp_path / "drawn").mkdir()
+    file = VideoFile(tmp_path / "drawn/left.mp4")
+    for number in range(4):
+        file.write(np.zeros((48, 64, 3), "u1"), number, number * 10**8)
+    (tmp_path / gone).rename(tmp_path / "elsewhere")
+    for step in (lambda: file.write(np.zeros((48, 64, 3), "u1"), 4, 4 * 10**8), file.close):
+        with pytest.raises(FollowspotError, match=r"left\.mp4 was moved or removed while the run wrote it"):
+            step()
+
+
 def test_infrared_picture_is_drawn_on_in_color(tmp_path: Path) -> None:
     image = picture(drawn(tmp_path, ROOM, (frame(channels=1),), (poses(),)))
     assert (image.max(axis=2) != image.min(axis=2)).any()
