@@ -189,7 +189,7 @@ def test_a_detached_run_outlives_its_operators(room: Room) -> None:
     assert "there is no run graph" in gone.stderr
 
 
-def test_whoever_sleeps_while_another_operator_ends_the_run_says_so(room: Room) -> None:
+def test_an_operator_that_sleeps_while_another_one_ends_the_run_says_so(room: Room) -> None:
     process = room.begin("--detach", "--host", "pc-right")
     process.communicate(timeout=60)
     assert process.returncode == 0
@@ -219,7 +219,7 @@ def test_the_summary_of_an_attached_run_counts_its_seconds_from_the_beginning(ro
     assert summary["frames"] * period < summary["seconds"], "no device gives more frames in a second"
 
 
-def test_an_agent_that_does_not_answer_keeps_nobody_from_the_runs_of_others(room: Room) -> None:
+def test_an_agent_that_does_not_answer_hides_no_runs_of_other_agents(room: Room) -> None:
     run = json.loads(room.begin("--detach", "--host", "pc-right").communicate(timeout=60)[0])["run"]
     with operator_session(Network(connect=tuple(room.endpoints.values()))) as session:
         token = session.liveliness().declare_token(agent_key("pc-aside"))
@@ -231,7 +231,7 @@ def test_an_agent_that_does_not_answer_keeps_nobody_from_the_runs_of_others(room
     assert stopped.returncode == 0, stopped.stderr
 
 
-def test_endpoints_without_an_agent_are_told_to_whoever_looks_for_runs(tmp_path: Path) -> None:
+def test_a_search_for_runs_tells_endpoints_without_an_agent(tmp_path: Path) -> None:
     nobody = f"tcp/127.0.0.1:{free_port()}"
     agent = near_agent("pc-left", tmp_path)
     missed = command("attach", "--connect", nobody)
@@ -248,7 +248,7 @@ def readers_of(session: zenoh.Session, port: str) -> list[str]:
     return [token for token in heard if f"/{port}/.reader/" in token]
 
 
-def test_a_run_says_which_edge_stalls_because_somebody_else_speaks_for_its_reader(room: Room) -> None:
+def test_a_run_says_which_edge_stalls_because_another_peer_speaks_for_its_reader(room: Room) -> None:
     process = room.begin()
     out = room.folder / "out"
     grows(out / "ticks.csv")

@@ -202,7 +202,7 @@ def test_a_watched_run_on_two_hosts_is_the_same_and_the_page_ends_with_it(
     assert (tmp_path / "tracks.csv").read_bytes().startswith(unwatched.tracks)
 
 
-def test_ports_that_are_not_shown_are_tapped_while_somebody_plots_them(tmp_path: Path) -> None:
+def test_ports_that_are_not_shown_are_tapped_while_a_plot_shows_them(tmp_path: Path) -> None:
     endless = ("--quiet", "--set", "camera.frames=0")
     with watched(tmp_path, *endless) as (process, url):
         with connect(f"ws://{urlsplit(url).netloc}/look", max_size=None, proxy=None) as looking:

@@ -27,7 +27,7 @@ def test_nothing_is_overwritten(tmp_path: Path) -> None:
         new_stage("low", folder)
 
 
-def test_a_stage_joins_a_table_that_somebody_has_commented(tmp_path: Path) -> None:
+def test_a_stage_joins_a_table_with_comments(tmp_path: Path) -> None:
     folder = new_plugin("studio", tmp_path)
     project = folder / "pyproject.toml"
     project.write_text(project.read_text().replace('v1"]', 'v1"]  # ours', 1))

@@ -98,7 +98,7 @@ def test_what_is_done_soon_says_nothing(capsys: pytest.CaptureFixture[str]) -> N
 
 @pytest.mark.parametrize(("pid", "goes_on"), [(7, True), (None, False)], ids=["its own", "under agents"])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_whoever_gives_up_a_change_hears_whether_the_run_makes_it_all_the_same(
+def test_a_command_that_gives_up_a_change_says_whether_the_run_makes_it_all_the_same(
     number: signal.Signals,
     pid: int | None,
     goes_on: bool,

@@ -35,7 +35,7 @@ def test_every_ready_room_is_whole_for_some_ready_graph(room: Path) -> None:
     assert any(not fs.check(file, room=room) for file in READY)
 
 
-def test_a_stage_that_nobody_reads_is_named_at_its_place(tmp_path: Path) -> None:
+def test_a_stage_without_a_reader_is_named_at_its_place(tmp_path: Path) -> None:
     (mistake,) = warned(tmp_path, GRAPH + SPARE)
     assert mistake.text == 'no stage reads what stage "spare" (toy.pair) gives'
     assert mistake.place is not None

@@ -89,7 +89,7 @@ def test_a_stage_that_fails_ends_the_loop_with_its_error(tmp_path: Path) -> None
     assert not run.report.ok
 
 
-def test_a_port_that_nobody_reads_is_named_before_it_holds_up_the_run_for_ever(tmp_path: Path) -> None:
+def test_a_port_without_a_reader_is_named_before_it_holds_up_the_run_for_ever(tmp_path: Path) -> None:
     with (
         fs.run(GRAPH, frames=200, ports=["track.tracks", "color"], out=tmp_path) as run,
         pytest.raises(fs.FollowspotError, match="no loop reads color, which holds up the run"),

@@ -228,7 +228,7 @@ def test_a_stage_that_cannot_begin_at_its_new_place_goes_back_to_its_old_one(tmp
 
 
 @pytest.mark.parametrize("silent_from", ["leaving", "states", "plan"])
-def test_a_host_that_falls_silent_during_a_move_keeps_nobody_from_going_back(
+def test_a_host_that_falls_silent_during_a_move_keeps_no_worker_from_going_back(
     tmp_path: Path, silent_from: str
 ) -> None:
     plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
@@ -240,7 +240,7 @@ def test_a_host_that_falls_silent_during_a_move_keeps_nobody_from_going_back(
     assert [pool.began[-1:] for pool in pools] == [["main"], ["left"], ["right"]]
 
 
-def test_whoever_gives_up_waiting_for_a_silent_host_hears_who_undoes_the_move(tmp_path: Path) -> None:
+def test_a_command_that_gives_up_waiting_for_a_silent_host_says_who_undoes_the_move(tmp_path: Path) -> None:
     plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
     silent = WorkerPool("pc-right", plan, silent_from="plan", returns=False)
     pools = [WorkerPool("", plan), WorkerPool("pc-left", plan), silent]

@@ -59,7 +59,7 @@ def test_every_message_arrives_with_its_number(door: socket.socket, tmp_path: Pa
     sender.close()
 
 
-def test_a_recorder_that_does_not_read_holds_up_nobody_and_takes_bounded_memory(
+def test_a_recorder_that_does_not_read_holds_up_no_worker_and_takes_bounded_memory(
     door: socket.socket, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(tap_sender, "MAX_WAITING", 20 * PIXELS.nbytes)
@@ -115,7 +115,7 @@ class Listeners:
         self.wanted = False
 
 
-def test_a_tap_on_another_host_sends_while_somebody_records_there() -> None:
+def test_a_tap_on_another_host_sends_while_it_is_recorded_there() -> None:
     post = Listeners()
     made = PortTap(Context(post=post), port="camera/cam0.out")
     made.setup()

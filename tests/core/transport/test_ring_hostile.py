@@ -214,7 +214,7 @@ def test_a_reader_that_gives_credit_without_reading_fills_no_memory(ring: Hostil
     assert ring.writer.lost == {0}
 
 
-def test_a_reader_that_takes_its_releases_back_makes_nobody_overwrite_what_another_one_keeps() -> None:
+def test_a_reader_that_takes_its_releases_back_lets_no_slot_be_overwritten_that_another_one_keeps() -> None:
     with Ring(2) as ring:
         liar, honest = ring.readers
         ring.writer.send(frame(0))

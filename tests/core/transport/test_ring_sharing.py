@@ -123,7 +123,7 @@ def test_their_process_was_sent_the_end_for_both_or_for_neither(shared: Shared, 
     assert shared.writer.lost == ({0, 1} if waits else frozenset())
 
 
-def test_whoever_takes_their_place_has_datagrams_of_its_own(shared: Shared) -> None:
+def test_a_reader_that_takes_their_place_has_datagrams_of_its_own(shared: Shared) -> None:
     shared.readers[0].close()
     shared.readers[1].close()
     for index in (1, 0):

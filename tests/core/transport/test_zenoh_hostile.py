@@ -78,7 +78,7 @@ def test_a_report_that_no_reader_can_mean_gives_no_credit_and_is_counted(pair: P
     alive(pair)
 
 
-def test_a_report_of_nobody_is_counted(pair: Pair) -> None:
+def test_a_report_of_an_unknown_reader_is_counted(pair: Pair) -> None:
     pair.intruder(f"{SAID}/credit/nobody").put(CREDIT.pack(0, 0, 0, 0))
     until(lambda: pair.writer.rejected == 1)
     alive(pair)

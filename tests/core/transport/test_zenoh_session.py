@@ -39,7 +39,7 @@ def test_peers_of_one_peer_find_each_other() -> None:
         until(lambda: all(len(spoke.info.peers_zid()) == 3 for spoke in spokes))
 
 
-def test_closing_twice_or_after_the_session_harms_nobody(pair: Pair) -> None:
+def test_closing_twice_or_after_the_session_does_no_harm(pair: Pair) -> None:
     pair.session.close()  # type: ignore[no-untyped-call]
     pair.writer.send(Watermark(5))
     pair.reader.consumed()

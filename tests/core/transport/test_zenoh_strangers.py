@@ -126,7 +126,7 @@ def test_a_writers_token_that_a_stranger_takes_back_keeps_no_later_writer_away(p
     assert identical(arrival, frame(7))
 
 
-def test_what_strangers_put_on_all_keys_at_once_kills_nobody(
+def test_what_strangers_put_on_all_keys_at_once_kills_no_process(
     pair: Pair, capfd: pytest.CaptureFixture[str]
 ) -> None:
     pair.stranger.put("**", b"hello")

@@ -140,7 +140,7 @@ def test_a_place_moves_with_its_candidates() -> None:
     assert existence.rivals.xyz == pytest.approx(np.array([place]))
 
 
-def test_a_place_where_nobody_looked_waits_and_an_empty_one_falls() -> None:
+def test_a_place_that_no_camera_looked_at_waits_and_an_empty_one_falls() -> None:
     places = Rivals(np.array([HERE, THERE]), np.array([2.0, 1.0]))
     before = Existence(0.0, False, places)
     existence, one = without_track(before, candidates({}), np.array(HERE), 0, RULES, CONFIRMATION)

@@ -80,5 +80,5 @@ def test_the_list_shows_it_beside_the_clock() -> None:
         ({}, ""),
     ],
 )
-def test_a_camera_whose_ptp_is_on_and_follows_nobody_is_told(values: dict[str, str], problem: str) -> None:
+def test_a_camera_whose_ptp_is_on_and_follows_no_master_is_told(values: dict[str, str], problem: str) -> None:
     assert ptp_problem(values, values.__getitem__, lambda command: None) == problem

@@ -118,7 +118,7 @@ def test_a_camera_is_not_gone_while_the_graph_holds_a_picture() -> None:
     assert one_of(4, attempt)
 
 
-def test_a_password_is_sent_as_a_digest_and_shown_to_nobody() -> None:
+def test_a_password_is_sent_as_a_digest_and_shown_nowhere() -> None:
     said: list[str] = []
     with RtspCamera(password="secret") as camera:
         source = stage(camera, said, wait_for_report=0)

@@ -85,7 +85,7 @@ def test_a_picture_arrives_small_and_with_its_moment(tmp_path: Path, gate: Gate,
     assert pixels.shape == (240, 320, 3)
 
 
-def test_nothing_is_compressed_where_nobody_looks(tmp_path: Path, gate: Gate, listener: Listener) -> None:
+def test_nothing_is_compressed_that_no_page_shows(tmp_path: Path, gate: Gate, listener: Listener) -> None:
     gate.watched = False
     made = tap(tmp_path)
     made.process(at(5, frame()))
@@ -93,7 +93,7 @@ def test_nothing_is_compressed_where_nobody_looks(tmp_path: Path, gate: Gate, li
 
 
 @pytest.mark.parametrize(("watched_only", "sent"), [(True, 0), (False, 1)])
-def test_readings_are_sent_only_where_somebody_looks_and_tracks_always(
+def test_readings_are_sent_only_where_a_page_shows_them_and_tracks_always(
     tmp_path: Path, gate: Gate, listener: Listener, *, watched_only: bool, sent: int
 ) -> None:
     gate.watched = False
@@ -119,7 +119,9 @@ def test_no_reading_is_left_out_between_two_previews(tmp_path: Path, gate: Gate,
     assert (last.sensor, last.header.time) == ("wrist", 40 * MS)
 
 
-def test_readings_that_nobody_waits_for_are_forgotten(tmp_path: Path, gate: Gate, listener: Listener) -> None:
+def test_readings_that_no_page_waits_for_are_forgotten(
+    tmp_path: Path, gate: Gate, listener: Listener
+) -> None:
     made = tap(tmp_path, "imu/wrist.out", message_rate=60.0, watched_only=True)
     rows = np.zeros((1, 3))
     for number, watched in enumerate((False, True)):

@@ -137,7 +137,7 @@ def test_another_configuration_in_the_same_process_is_refused(monkeypatch: pytes
         load(LslParams(host="0.0.0.0"))
 
 
-def test_a_library_that_somebody_else_has_loaded_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_library_that_other_code_has_loaded_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(library, "_loaded", "")
     monkeypatch.setitem(sys.modules, "pylsl", SimpleNamespace())
     with pytest.raises(InputError, match="another configuration"):

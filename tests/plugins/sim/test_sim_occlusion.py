@@ -46,7 +46,7 @@ def beside(view: CameraRays) -> np.ndarray:
 
 
 @EVERY
-def test_whoever_performs_the_picture_shows_of_each_ball_what_the_truth_says(view: CameraRays):
+def test_with_any_cast_the_picture_shows_of_each_ball_what_the_truth_says(view: CameraRays):
     world = world_of(setting(SimParams(seed=7), ROOM))
     found = []
     for frame in range(0, 1200, 10):

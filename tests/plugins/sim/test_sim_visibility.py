@@ -43,7 +43,7 @@ def test_a_free_ball_in_the_middle_of_the_room_is_wholly_visible(camera):
 
 
 @pytest.mark.parametrize("camera", ROOM.cameras.values(), ids=ROOM.cameras)
-def test_a_ball_inside_a_bag_is_visible_to_nobody(camera):
+def test_a_ball_inside_a_bag_is_visible_in_no_camera(camera):
     ball = np.array([[0.3, -0.2, 0.8]])
     bag = np.array([[[0.3, -0.2, 0.74], [0.3, -0.2, 0.84]]])
     scene = Scene(0.0, ball, bag, np.array([0.13]), np.array([3]))

@@ -168,7 +168,7 @@ def test_any_file_is_read_or_refused(
 
 
 @pytest.mark.parametrize(("step", "said"), [(1, []), (5, ["steps of 5, .* fps: 6$"])])
-def test_frames_that_nobody_looked_at_are_doubted(tmp_path: Path, step: int, said: list[str]) -> None:
+def test_frames_that_no_detector_looked_at_are_doubted(tmp_path: Path, step: int, said: list[str]) -> None:
     """A detector looked at every fifth picture: the others are not empty."""
     told: list[str] = []
     path = tmp_path / "a.csv"

@@ -116,7 +116,7 @@ def test_a_camera_that_moved_during_the_last_third_is_named() -> None:
     assert found.suspects == (2,)
 
 
-def test_three_cameras_at_odds_blame_nobody(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_of_three_cameras_at_odds_none_is_blamed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     three = CAMERAS[:3]
     _, pixel = seen_by([three[0], turned(three[1], 2.0), three[2]])
     room, points = room_file(tmp_path, three), points_file(tmp_path, pixel)

@@ -47,7 +47,7 @@ def test_fewer_than_four_windows_of_fifteen_sightings_tell_nothing(rows: int, wi
     assert (found(step, rows) is not None) is (windows == 4)
 
 
-def test_sightings_that_nobody_else_confirms_are_left_out() -> None:
+def test_sightings_that_no_other_camera_confirms_are_left_out() -> None:
     shift = np.where(TIME > 13, 4.0, 0.0)
     shift[::3] = np.nan
     step = found(shift)

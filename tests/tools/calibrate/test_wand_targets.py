@@ -84,7 +84,7 @@ def test_known_centres_hold_the_cameras_as_well_as_they_are_met(made: MadeRoom, 
 
 
 @pytest.mark.thorough
-def test_targets_improve_lenses_that_nobody_knew(made: MadeRoom) -> None:
+def test_targets_improve_unknown_lenses(made: MadeRoom) -> None:
     solved = solve(made.sightings, None)
     refined = with_targets(solved, TargetSightings(shown(made, 100, 0.1)[1], np.full(100, 0.1))).solved
     away = [

@@ -113,7 +113,7 @@ SAID = [
 
 
 @pytest.mark.parametrize("said", SAID)
-def test_three_hundred_who_ask_for_nothing_keep_nobody_out(page: Shown, said: bytes) -> None:
+def test_three_hundred_connections_without_a_request_keep_no_browser_out(page: Shown, said: bytes) -> None:
     moved_on = CROWD - MAX_WAITING - 2
     with ExitStack() as crowd:
         with refusing(page, "crowded", moved_on):

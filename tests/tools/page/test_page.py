@@ -115,7 +115,7 @@ def test_a_browser_is_told_the_room_first_and_then_what_is_new(page: Shown) -> N
     assert set(view["images"]) == set(page.plan.room.cameras)
 
 
-def test_pictures_are_asked_for_only_while_somebody_looks(page: Shown) -> None:
+def test_pictures_are_asked_for_only_while_a_browser_shows_them(page: Shown) -> None:
     with page.look() as browser:
         next(things(browser, "scene"))
         assert page.gate.words[WATCHED]
@@ -137,7 +137,7 @@ def resident(pid: int) -> int:
     return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGESIZE")
 
 
-def test_who_does_not_listen_holds_up_nobody_and_takes_bounded_memory(page: Shown) -> None:
+def test_a_browser_that_does_not_read_holds_up_no_other_and_takes_bounded_memory(page: Shown) -> None:
     """The stalled browser is sent nothing more after some pictures; the other one sees the newest ones."""
     noise = np.random.default_rng(0).integers(0, 255, (240, 320, 3), dtype="u1")
     picture = picture_of(at(0, Frame("cam0", noise)), 320)  # type: ignore[arg-type]

@@ -56,7 +56,7 @@ async def until(condition: Callable[[], bool]) -> None:
             await asyncio.sleep(0.005)
 
 
-def test_pictures_travel_only_while_somebody_looks(worker: zenoh.Session) -> None:
+def test_pictures_travel_only_while_a_page_shows_them(worker: zenoh.Session) -> None:
     async def select() -> list[tuple[str, int]]:
         seen: list[tuple[str, bytes]] = []
         network = Network(connect=tuple(locators(worker)))

@@ -111,7 +111,7 @@ def test_the_command_writes_weights_and_refuses_pictures_without_legs(quick, tmp
         whole.learn([], [], EVERYWHERE, rng, lambda _: None)
 
 
-def test_arms_and_legs_are_learnt_as_nobody(quick, monkeypatch):
+def test_arms_and_legs_are_learnt_as_no_person(quick, monkeypatch):
     """Of crops without room for legs as well."""
     rng, learnt = np.random.default_rng(0), []
 

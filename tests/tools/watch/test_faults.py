@@ -84,7 +84,7 @@ def test_the_rate_of_a_stage_counts_the_seconds_between_its_own_reports() -> Non
     assert (untold["rate"], untold["load"]) == (0.0, 0.0)
 
 
-def test_a_stage_whose_worker_is_absent_is_absent_and_nobody_knows_its_rate() -> None:
+def test_a_stage_whose_worker_is_absent_is_absent_and_has_no_rate() -> None:
     well, gone = stage(picture(WELL, WELL)), stage(picture(WELL, GONE))
     assert (well["state"], well["age_s"], well["rate"], well["load"]) == ("processing", None, 0.0, 0.0)
     assert (gone["state"], gone["age_s"], gone["rate"], gone["load"]) == ("absent", 12.3, None, None)

@@ -264,7 +264,7 @@ def test_a_port_or_run_that_is_not_there_is_told_with_what_is(run: str) -> None:
         said("echo", "track", "--run", "nobody")
 
 
-def test_a_run_is_shown_though_somebody_edits_a_plugin_of_it(
+def test_a_run_is_shown_though_a_plugin_of_it_is_edited(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "edited.py").write_text("class Low(")
