@@ -205,7 +205,7 @@ def _positions(
     absent = [wanted[name] for name in columns if wanted[name] not in head]
     absent += [word for name, word in named.items() if name in optional and word not in head]
     if absent:
-        text = f"columns {', '.join(absent)} are missing"
+        text = f"missing columns: {', '.join(absent)}"
         raise InputError([Mistake(Place(file, 1, 1), text, did_you_mean(absent[0], head, "columns"))])
     shared = [word for word in wanted.values() if [*wanted.values()].count(word) > 1 and word in head]
     if shared:

@@ -142,7 +142,7 @@ def _check_head(given: FrameParams, needs: Sequence[str], optional: Sequence[str
     absent = [name for name in needs if given.columns.get(name, name) not in head]
     if absent:
         wanted = [given.columns.get(name, name) for name in absent]
-        text = f"columns {', '.join(wanted)} are missing"
+        text = f"missing columns: {', '.join(wanted)}"
         remedy = f"{did_you_mean(wanted[0], head, 'columns')}; say it with columns: {{{absent[0]}: NAME}}"
         raise InputError([Mistake(Place(str(given.path), 1, 1), text, remedy)])
     return has_frame, has_time

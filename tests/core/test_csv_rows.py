@@ -118,5 +118,5 @@ def test_rows_with_more_columns_than_the_first_line_names_are_refused(tmp_path: 
 
 def test_every_column_that_is_missing_is_named(tmp_path: Path) -> None:
     (tmp_path / "tracks.csv").write_text("time,x\n")
-    with pytest.raises(InputError, match=r"tracks\.csv:1:1: columns object, y are missing"):
+    with pytest.raises(InputError, match=r"tracks\.csv:1:1: missing columns: object, y"):
         list(read_rows(tmp_path / "tracks.csv", ["time", "object", "x", "y"]))

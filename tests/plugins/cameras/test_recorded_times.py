@@ -104,7 +104,7 @@ def test_other_number_of_times_than_frames_is_refused(tmp_path: Path, name: str)
         ("t.csv", TABLE + "6,3,40,1\n5,3,41,2", r"t.csv:3:1: sync_index does not rise from line 2"),
         ("t.csv", TABLE + "5,3,40,soon", r't.csv:2:\d+: "soon" in column frame_time(.|\n)*time in s'),
         ("t.csv", TABLE + "5,3,40,1e30", r't.csv:2:\d+: "1e30" in column frame_time'),
-        ("t.csv", "sync_index,cam_id\n5,3", r"t.csv:1:1: columns frame_time are missing"),
+        ("t.csv", "sync_index,cam_id\n5,3", r"t.csv:1:1: missing columns: frame_time"),
         ("t.pts", "0\n33\n", r"t.pts:1:1: this is no list(.|\n)*# timestamp format v2"),
         ("t.pts", "# timestamp format v2\n0\n-5\n", r't.pts:3:1: "-5" is no time in ms'),
         ("t.pts", "# timecode format v2\n0\n7\n7.0\n", r"t.pts:4:1: this time stands twice"),

@@ -47,5 +47,5 @@ def test_bad_cell_is_named_with_line_and_column(tmp_path: Path, rows: str, compl
 def test_missing_columns_are_listed(tmp_path: Path) -> None:
     path = tmp_path / "truth.csv"
     path.write_text("frame,time,object,x,y,z\n")
-    with pytest.raises(InputError, match="columns hidden, trackable, pair are missing"):
+    with pytest.raises(InputError, match="missing columns: hidden, trackable, pair"):
         TruthCsv(path=path).setup()

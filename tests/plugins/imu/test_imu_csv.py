@@ -95,8 +95,8 @@ def test_what_sinks_csv_writes_is_read_again(tmp_path: Path) -> None:
 
 
 WRONG = {
-    "columns": ("time,gx,gy\n", {}, r"a\.csv:1:1: columns gz, ax, ay, az are missing"),
-    "renamed": (HEAD, {"columns": {"gx": "rate_x"}}, r"a\.csv:1:1: columns rate_x are missing"),
+    "columns": ("time,gx,gy\n", {}, r"a\.csv:1:1: missing columns: gz, ax, ay, az"),
+    "renamed": (HEAD, {"columns": {"gx": "rate_x"}}, r"a\.csv:1:1: missing columns: rate_x"),
     "no such": (HEAD, {"columns": {"gyr": "rate_x"}}, r'there is no column "gyr"'),
     "no time": (HEAD[5:], {}, r"a\.csv:1:1: .* has no column time.*with: \{rate: 100\}"),
     "text": (f"{HEAD}\n0,1,2,x,4,5,6\n", {}, r'a\.csv:2:7: "x" in column gz.*a number'),

@@ -54,7 +54,7 @@ def test_a_table_without_mistakes_is_fine(tmp_path: Path, stage: str, text: str)
 @pytest.mark.parametrize(
     ("stage", "text", "line", "said"),
     [
-        ("points_csv", POINTS.replace(",x,", ",u,"), 1, "columns x are missing"),
+        ("points_csv", POINTS.replace(",x,", ",u,"), 1, "missing columns: x"),
         ("points_csv", POINTS.replace("cam1", "cam7"), 3, '"cam7" in column camera'),
         ("points_csv", POINTS.replace("cam0,1", "cam0,one"), 2, '"one" in column x'),
         ("points_csv", POINTS.replace("frame", "number"), 1, "neither a column frame nor a column time"),

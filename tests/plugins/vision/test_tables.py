@@ -88,10 +88,10 @@ WRONG = {
     "no column": (
         "frame,cam,x,y\n0,cam0,1,2\n",
         {"fps": 1},
-        r"a\.csv:1:1: columns camera .*did you mean \"cam\"",
+        r"a\.csv:1:1: missing columns: camera\n.*did you mean \"cam\"",
     ),
-    "other names": ("frame,cam,u,v\n", {"fps": 1}, r"columns x, y, camera .*with columns: \{x: NAME"),
-    "renamed": (HEAD, {"fps": 1, "columns": {"x": "u"}}, r"a\.csv:1:1: columns u are missing"),
+    "other names": ("frame,cam,u,v\n", {"fps": 1}, r"missing columns: x, y, camera\n.*columns: \{x: NAME"),
+    "renamed": (HEAD, {"fps": 1, "columns": {"x": "u"}}, r"a\.csv:1:1: missing columns: u"),
     "no such": (HEAD, {"fps": 1, "columns": {"xx": "u"}}, 'no column "xx".*did you mean "x"'),
     "no time": ("camera,x,y\n", {}, r"a\.csv:1:1: neither a column frame nor a column time"),
     "no rate": (HEAD, {}, r"numbers frames and has no column time.*with: \{fps: 30\}"),

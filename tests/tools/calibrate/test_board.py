@@ -267,7 +267,7 @@ def test_timestamps_need_no_frame_numbers(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
-        ("sync_index", "sync", "columns sync_index are missing"),
+        ("sync_index", "sync", "missing columns: sync_index"),
         ("7,1,41", "7,1,x", r't.csv:3:\d+: "x" in column frame_index'),
         ("7,1,41,1.0\n", "7,1\n", r"t.csv:3:1: 2 columns, 4 needed"),
         ("8,0,41,1.1", "8,0,40,1.1", r"t.csv:4:1: frame_index does not rise from line 2"),

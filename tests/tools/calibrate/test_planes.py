@@ -164,7 +164,7 @@ def test_mistakes_in_the_points_are_named_with_their_line(
 ) -> None:
     good = lines(on_floor())
     for text, said in [
-        ("plane,point,u,v\n", "columns camera are missing"),
+        ("plane,point,u,v\n", "missing columns: camera"),
         ("plane,point,camera,u,v\n", "has no points"),
         (good + "floor,0,cam9,1,1\n", "needs a camera of the room or its number"),
         (good + "floor,0,cam1,1,1\n", "needs each camera once per point"),

@@ -38,7 +38,7 @@ def test_csv_takes_names_and_numbers_of_the_room_and_labels_of_the_wand(tmp_path
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("frame,camera,u\n0,0,1\n", "columns v are missing"),
+        ("frame,camera,u\n0,0,1\n", "missing columns: v"),
         ("frame,camera,u,v\n", "has no points"),
         ("frame,camera,u,v\n0,0,1,nan\n", "points.csv:2:7"),
         ("frame,camera,u,v\n0.5,0,1,2\n", "whole number"),

@@ -81,7 +81,7 @@ def test_without_anything_known_the_scale_is_said_to_be_unknown():
     [
         ("camera,x,y,z\ncam9,0,0,0\n", "one of cam0, "),
         ("camera,x,y,z\ncam0,0,0,0\n0,0,0,0\n", "each camera once"),
-        ("camera,x,y\ncam0,0,0\n", "columns z are missing"),
+        ("camera,x,y\ncam0,0,0\n", "missing columns: z"),
     ],
 )
 def test_a_wrong_file_of_centres_is_told(tmp_path, text, told):
