@@ -47,8 +47,10 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=100)
     parser.add_argument("--fps", type=float, default=25.0)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--exchanged", type=float, default=0.0, help="share of pictures with sides exchanged")
     given = parser.parse_args()
-    room, sets, truth, joints = found(given.people, given.frames, given.fps, given.seed)
+    params = {"people": given.people, "frames": given.frames, "fps": given.fps, "seed": given.seed}
+    room, sets, truth, joints = found(params, given.exchanged)
     figures = {kind: measured(room, sets, truth, kind, 0.25 / given.fps) for kind in ("points", "boxes")}
     figures["points"]["correct_parts"] = parts_of(room, sets, joints, 0.25 / given.fps)
     if given.json:
@@ -63,13 +65,16 @@ def main() -> None:
         )
 
 
-def found(people: int, frames: int, fps: float, seed: int) -> tuple[Room, list[Set], Any, list[Array]]:
-    """The room, what is found in each frame, the truth, and the true joints (P, 17, 3) m of each frame."""
-    room = load(ROOM)
+def found(given: dict[str, Any], exchanged: float) -> tuple[Room, list[Set], Any, list[Array]]:
+    """The room, what is found in each frame, the truth, and the true joints (P, 17, 3) m of each frame.
+
+    given: of `sim.person_points` and of the truth; exchanged: share of the pictures with sides exchanged.
+    """
+    room, fps, frames = load(ROOM), given["fps"], given["frames"]
     each = {}
     for (name, camera), late in zip(room.cameras.items(), LATE, strict=True):
         assert camera.source is not None
-        params = dict(camera.source.params) | {"people": people, "frames": frames, "fps": fps, "seed": seed}
+        params = dict(camera.source.params) | given | {"exchange_share": exchanged}
         stage = load_stage(camera.source.uses)(
             Context(name, room, Member("cameras", name)), **params, late_by=late / fps
         )
@@ -83,8 +88,7 @@ def found(people: int, frames: int, fps: float, seed: int) -> tuple[Room, list[S
         for frame in range(frames)
     ]
     assert room.truth is not None
-    params = dict(room.truth.params) | {"people": people, "frames": frames, "fps": fps, "seed": seed}
-    source = load_stage(room.truth.uses)(Context("truth", room), **params)
+    source = load_stage(room.truth.uses)(Context("truth", room), **(dict(room.truth.params) | given))
     source.setup()
     return room, sets, pose_truth_of(source.process()), joints_of(source, frames)
 

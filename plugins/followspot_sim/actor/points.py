@@ -8,13 +8,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from followspot import Source
+from followspot import Array, Source
 from followspot.geometry import undistort
 from followspot.people import Boxes
 from followspot.points import Points2D
+from followspot_sim.actor.exchanged_sides import Exchanges
 from followspot_sim.actor.landmarks import NAMES, landmarks
 from followspot_sim.actor.network import Finding, NetworkParams, found_in
-from followspot_sim.actor.scene import stage_of
+from followspot_sim.actor.scene import Play, stage_of
 from followspot_sim.performance import Performance
 
 
@@ -43,6 +44,8 @@ class PersonPoints(Performance):
     def setup(self) -> None:
         """Prepare the performance."""
         self._stage = stage_of(self.params)
+        seed = (self.params.seed, zlib.crc32(self.camera.name.encode()))
+        self._exchanges = Exchanges(self.params.exchange_share, self.params.exchange_time, seed)
 
     def process(self) -> Source[Outputs]:
         """What is found in each picture, frame k at k / fps seconds."""
@@ -57,8 +60,15 @@ class PersonPoints(Performance):
         play = self._stage.at(frame / self.params.fps + late) if late else self._stage.play(frame)
         people = zip(self._stage.cast, play.stances, play.surfaces, strict=True)
         joints = [landmarks(actor.body, stance, surface) for actor, stance, surface in people]
-        rng = np.random.default_rng([self.params.seed, zlib.crc32(self.camera.name.encode()), frame])
-        return found_in(self.camera, np.reshape(joints, (-1, 17, 3)), play.heights, self.params, rng)
+        names = self._exchanges.names(frame / self.params.fps, self.facing(play))
+        rng = np.random.default_rng([*self._exchanges.seed, frame])
+        return found_in(self.camera, np.reshape(joints, (-1, 17, 3)), play.heights, names, self.params, rng)
+
+    def facing(self, play: Play) -> Array:
+        """Cosine between where each chest points and where the camera is, (P,)."""
+        stances = np.array([(one.x, one.y, one.heading) for one in play.stances]).reshape(-1, 3)
+        toward = self.camera.center[:2] - stances[:, :2]
+        return np.asarray(np.cos(np.arctan2(toward[:, 1], toward[:, 0]) - stances[:, 2]))
 
     def points(self, found: Finding) -> Points2D:
         """The joints as a message."""
