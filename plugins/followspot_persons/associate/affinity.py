@@ -6,7 +6,7 @@ import numpy as np
 
 from followspot import Array
 from followspot.geometry import epipolar_distance, triangulate_pairs
-from followspot_persons.associate.joint_tracks import INDEPENDENT, WRONG
+from followspot_persons.associate.point_ratios import INDEPENDENT, WRONG
 from followspot_persons.associate.views import Noise, Views, rays
 
 ANYWHERE = 1000.0

@@ -11,7 +11,10 @@ from followspot import Array
 from followspot_persons.associate import joint_tracks
 from followspot_persons.associate.affinity import pair_ratios
 from followspot_persons.associate.existence import OddsLimits
-from followspot_persons.associate.joint_tracks import JointTracks, speeds
+from followspot_persons.associate.joint_tracks import JointTracks, expected, speeds
+from followspot_persons.associate.point_ratios import labelled, log_ratios
+from followspot_persons.associate.reversal import righted
+from followspot_persons.associate.sides import Sides, sides_of, unknown
 from followspot_persons.associate.triangulation import triangulated
 from followspot_persons.associate.views import Noise, View, Views, images
 
@@ -31,16 +34,22 @@ MARGIN = 0.1
 
 @dataclass(frozen=True)
 class JointModel:
-    """Names of the J joints, errors of found points, and the plane of the floor, (4,), if there is one."""
+    """Names of the J joints, errors of found points, number of cameras, plane of the floor, (4,), if any."""
 
     joints: tuple[str, ...]
     noise: Noise
+    cameras: int
     floor: tuple[float, ...] | None = None
     odds_limits = OddsLimits(initial=-5.0, detection=4.0)
 
+    @property
+    def sides(self) -> Sides:
+        """The sides of the joints."""
+        return sides_of(self.joints)
+
     def none(self) -> JointTracks:
         """No bodies."""
-        return JointTracks.none(len(self.joints))
+        return JointTracks.none(len(self.joints), self.cameras)
 
     def predicted(self, tracks: JointTracks, seconds: float) -> JointTracks:
         """The bodies some time later."""
@@ -48,11 +57,14 @@ class JointModel:
 
     def log_ratios(self, tracks: JointTracks, view: View, measured: Array) -> Array:
         """(M, N) of detections (N, J, 2) px being these bodies."""
-        return joint_tracks.log_ratios(tracks, view, measured, self.noise)
+        return log_ratios(tracks, expected(tracks, view, self.noise), view, measured, self.sides)
 
     def updated(self, tracks: JointTracks, rows: Array, view: View, measured: Array) -> JointTracks:
         """The bodies after their detections (K, J, 2) px."""
-        return joint_tracks.updated(tracks, rows, view, measured, self.noise)
+        own = tracks.where(rows)
+        points = expected(own, view, self.noise)
+        own, xy = labelled(own, points, view, measured, self.sides)
+        return tracks.replaced(rows, joint_tracks.updated(own, points, xy))
 
     def pair_ratios(self, views: Views, camera: Array, measured: Array) -> Array:
         """(N, N) of two detections of different cameras being one body."""
@@ -66,7 +78,8 @@ class JointModel:
             return None
         middle = joints.xyz[known].mean(axis=0)
         count, unseen = len(self.joints), np.eye(3) * UNSEEN**2
-        return JointTracks(
+        exchanged, reversal = unknown(1, self.cameras)
+        body = JointTracks(
             xyz=np.where(known[:, None], joints.xyz, middle)[None],
             velocity=np.zeros((1, count, 3)),
             position_covariance=np.where(known[:, None, None], joints.covariance, unseen)[None],
@@ -74,7 +87,13 @@ class JointModel:
             velocity_covariance=np.broadcast_to(np.eye(3) * WALKING**2, (1, count, 3, 3)).copy(),
             views=joints.views[None],
             known=known[None],
+            exchanged=exchanged,
+            reversal=reversal,
         )
+        for number, xy in zip(camera, measured, strict=True):
+            view = views.each[number]
+            body, _ = labelled(body, expected(body, view, self.noise), view, xy[None], self.sides)
+        return body
 
     def is_sure(self, xyz: Array, covariance: Array) -> bool:
         """Whether the places of a new body's joints, (K, 3) m, are known well enough and above the floor."""
@@ -88,7 +107,7 @@ class JointModel:
 
     def before_set(self, tracks: JointTracks) -> JointTracks:
         """The bodies before a set: no camera saw them yet."""
-        return tracks.unseen()
+        return righted(tracks.unseen(), self.joints, self.sides)
 
     def shifted(self, tracks: JointTracks, seconds: float) -> JointTracks:
         """The bodies a little earlier or later, as certain as they are."""

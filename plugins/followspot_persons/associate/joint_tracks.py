@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from followspot import Array
+from followspot_persons.associate import sides
 from followspot_persons.associate.motion import step
 from followspot_persons.associate.rows import Rows
 from followspot_persons.associate.views import Noise, View, images, jacobians
@@ -18,10 +19,6 @@ LIMB_SPEED, LIMB_MEMORY = 1.5, 0.5
 LIMBS = ("elbow", "wrist", "knee", "ankle", "toe", "heel", "hand", "foot")
 OUTLIER = 9.0
 """Squared normalised distance above which a point's variance grows with it: a bound on its influence."""
-WRONG = 0.1
-"""Share of a network's points that are anywhere."""
-INDEPENDENT = 4
-"""Points of a body whose errors are independent: more of them are no more evidence."""
 _EYE = np.eye(3)
 
 
@@ -29,7 +26,8 @@ _EYE = np.eye(3)
 class JointTracks(Rows):
     """M bodies of J joints. xyz, velocity: (M, J, 3) m, m/s; (M, J, 3, 3) covariances of position, of
     position with velocity, and of velocity; views: (M, J) cameras that saw the joint in the last set;
-    known: (M, J) whether it was ever measured.
+    known: (M, J) whether it was ever measured; exchanged, reversal: (M, C, G, 2), (M, G) log-odds of
+    `followspot_persons.associate.sides`, of C cameras and G parts.
     """
 
     xyz: Array
@@ -39,13 +37,16 @@ class JointTracks(Rows):
     velocity_covariance: Array
     views: Array
     known: Array
+    exchanged: Array
+    reversal: Array
 
     @classmethod
-    def none(cls, joints: int) -> JointTracks:
+    def none(cls, joints: int, cameras: int) -> JointTracks:
         """No bodies."""
         vector, matrix = np.zeros((0, joints, 3)), np.zeros((0, joints, 3, 3))
         flags = np.zeros((0, joints))
-        return cls(vector, vector, matrix, matrix, matrix, flags.astype(int), flags.astype(bool))
+        odds = sides.unknown(0, cameras)
+        return cls(vector, vector, matrix, matrix, matrix, flags.astype(int), flags.astype(bool), *odds)
 
     def unseen(self) -> JointTracks:
         """The same bodies; no camera has seen them yet."""
@@ -56,7 +57,7 @@ class JointTracks(Rows):
         shape = (len(self), joints)
         velocity = self.velocity.mean(axis=1) if self.velocity.shape[1] else np.zeros((len(self), 3))
         matrix = np.broadcast_to(_EYE, (*shape, 3, 3))
-        more = JointTracks(
+        more = (
             np.broadcast_to(middle[:, None], (*shape, 3)),
             np.broadcast_to(velocity[:, None], (*shape, 3)),
             sigma**2 * matrix,
@@ -65,8 +66,19 @@ class JointTracks(Rows):
             np.zeros(shape, int),
             np.zeros(shape, bool),
         )
-        pairs = zip(vars(self).values(), vars(more).values(), strict=True)
-        return JointTracks(*(np.concatenate(pair, axis=1) for pair in pairs))
+        pairs = zip(JOINT_FIELDS, more, strict=True)
+        return replace(self, **{name: np.concatenate([getattr(self, name), part], 1) for name, part in pairs})
+
+    def replaced(self, rows: Array, bodies: JointTracks) -> JointTracks:
+        """The bodies with others in these rows (K,)."""
+        found = {name: values.copy() for name, values in vars(self).items()}
+        for name, values in vars(bodies).items():
+            found[name][rows] = values
+        return JointTracks(**found)
+
+
+JOINT_FIELDS = tuple(one.name for one in fields(JointTracks) if one.name not in ("exchanged", "reversal"))
+"""Fields that have a row for each joint, (M, J, ...)."""
 
 
 def speeds(joints: tuple[str, ...]) -> tuple[Array, Array]:
@@ -89,6 +101,7 @@ def predicted(tracks: JointTracks, seconds: float, sigma: Array, memory: Array) 
         + position * _EYE,
         cross_covariance=fade * (tracks.cross_covariance + reach * tracks.velocity_covariance) + cross * _EYE,
         velocity_covariance=fade**2 * tracks.velocity_covariance + velocity * _EYE,
+        exchanged=sides.predicted(tracks.exchanged, seconds),
     )
 
 
@@ -115,34 +128,12 @@ def expected(tracks: JointTracks, view: View, noise: Noise) -> PredictedPoints:
     return PredictedPoints(there, slope, spread, error)
 
 
-def log_ratios(tracks: JointTracks, view: View, xy: Array, noise: Noise) -> Array:
-    """Log-likelihood ratios that detections are these bodies, (M, N), against points anywhere in the picture.
+def updated(tracks: JointTracks, points: PredictedPoints, xy: Array) -> JointTracks:
+    """The bodies after a detection of each, by the Kalman filter of each joint.
 
-    xy: (N, J, 2) px, NaN for joints that were not found. A share `WRONG` of the points may be anywhere.
+    points: of the bodies; xy: (M, J, 2) px, NaN for joints that were not found. The variance of a point far
+    from its expectation grows with its squared distance.
     """
-    points = expected(tracks, view, noise)
-    S = points.spread + points.error
-    determinant = S[..., 0, 0] * S[..., 1, 1] - S[..., 0, 1] ** 2
-    x, y = np.moveaxis(xy[None] - points.there[:, None], -1, 0)
-    squared = S[:, None, :, 1, 1] * x**2 + S[:, None, :, 0, 0] * y**2 - 2 * S[:, None, :, 0, 1] * x * y
-    squared /= determinant[:, None]
-    area = float(view.size.prod())
-    right = np.exp(-squared / 2) * (area / (2 * np.pi)) / np.sqrt(determinant)[:, None]
-    ratio = np.log((1 - WRONG) * right + WRONG)
-    found = np.isfinite(ratio)
-    count = found.sum(axis=2)
-    mean = np.where(found, ratio, 0.0).sum(axis=2) / np.maximum(count, 1)
-    return np.asarray(mean * np.minimum(count, INDEPENDENT))
-
-
-def updated(tracks: JointTracks, rows: Array, view: View, xy: Array, noise: Noise) -> JointTracks:
-    """The bodies after detections of one camera, by the Kalman filter of each joint.
-
-    rows: (K,) the bodies; xy: (K, J, 2) px of their detections, NaN for joints that were not found. The
-    variance of a point far from its expectation grows with its squared distance.
-    """
-    own = tracks.where(rows)
-    points = expected(own, view, noise)
     found = np.asarray(np.isfinite(xy + points.there).all(axis=-1))
     residual = np.where(found[..., None], xy - points.there, 0.0)
     H = np.where(found[..., None, None], points.slope, 0.0)
@@ -152,26 +143,17 @@ def updated(tracks: JointTracks, rows: Array, view: View, xy: Array, noise: Nois
     squared = np.vecdot(residual, np.linalg.solve(spread + error, residual[..., None])[..., 0])
     S = spread + error * np.maximum(1.0, squared / OUTLIER)[..., None, None]
     inverse, across = np.linalg.inv(S), np.swapaxes(H, -1, -2)
-    gain = own.position_covariance @ across @ inverse
-    gain_of_velocity = np.swapaxes(own.cross_covariance, -1, -2) @ across @ inverse
+    gain = tracks.position_covariance @ across @ inverse
+    gain_of_velocity = np.swapaxes(tracks.cross_covariance, -1, -2) @ across @ inverse
     gained, gained_of_velocity = gain @ S, gain_of_velocity @ S
     transposed, transposed_of_velocity = np.swapaxes(gain, -1, -2), np.swapaxes(gain_of_velocity, -1, -2)
-    part = JointTracks(
-        xyz=own.xyz + (gain @ residual[..., None])[..., 0],
-        velocity=own.velocity + (gain_of_velocity @ residual[..., None])[..., 0],
-        position_covariance=own.position_covariance - gained @ transposed,
-        cross_covariance=own.cross_covariance - gained @ transposed_of_velocity,
-        velocity_covariance=own.velocity_covariance - gained_of_velocity @ transposed_of_velocity,
-        views=own.views + found,
-        known=own.known | found,
+    return replace(
+        tracks,
+        xyz=tracks.xyz + (gain @ residual[..., None])[..., 0],
+        velocity=tracks.velocity + (gain_of_velocity @ residual[..., None])[..., 0],
+        position_covariance=tracks.position_covariance - gained @ transposed,
+        cross_covariance=tracks.cross_covariance - gained @ transposed_of_velocity,
+        velocity_covariance=tracks.velocity_covariance - gained_of_velocity @ transposed_of_velocity,
+        views=tracks.views + found,
+        known=tracks.known | found,
     )
-    return _replaced(tracks, rows, part)
-
-
-def _replaced(tracks: JointTracks, rows: Array, part: JointTracks) -> JointTracks:
-    """The bodies with other values in these rows."""
-    found = {}
-    for name, values in vars(tracks).items():
-        found[name] = values.copy()
-        found[name][rows] = getattr(part, name)
-    return JointTracks(**found)

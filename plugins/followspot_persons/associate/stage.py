@@ -87,7 +87,8 @@ class Associate(Stage):
         self.views = views_of(tuple(cameras.values()))
         noise = Noise(given.point_sigma, given.body_sigma, given.delay_sigma)
         floor = self.room.planes.get("floor")
-        self.joint_model = JointModel((), noise, None if floor is None else tuple(np.asarray(floor).tolist()))
+        plane = None if floor is None else tuple(np.asarray(floor).tolist())
+        self.joint_model = JointModel((), noise, len(cameras), plane)
         self.box_model = BoxModel(given.delay_sigma, FLOOR if floor is None else np.asarray(floor))
         p = given.confirmation_probability
         missed = to_ns(given.maximum_missed_time)

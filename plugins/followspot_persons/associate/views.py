@@ -19,7 +19,7 @@ NEAREST = 0.1
 class View:
     """A camera for undistorted points. projection: (3, 4), its third row gives the depth in m; center: (3,)
     m; back: (3, 3), from a pixel to the direction of its ray; focal: px; size: width, height, px; offset:
-    time of exposure minus time stamp, ns.
+    time of exposure minus time stamp, ns; number: among the cameras of the room.
     """
 
     name: str
@@ -29,6 +29,7 @@ class View:
     focal: float
     size: Array
     offset: int
+    number: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +57,7 @@ class Noise:
 
 def views_of(cameras: Sequence[Camera]) -> Views:
     """The matrices of these cameras."""
-    each = tuple(_view(camera) for camera in cameras)
+    each = tuple(_view(camera, number) for number, camera in enumerate(cameras))
     F = [
         [np.zeros((3, 3)) if a is b else fundamental_matrix(a.projection, b.projection) for b in each]
         for a in each
@@ -71,11 +72,12 @@ def views_of(cameras: Sequence[Camera]) -> Views:
     )
 
 
-def _view(camera: Camera) -> View:
+def _view(camera: Camera, number: int) -> View:
     focal = float(np.sqrt(camera.matrix[0, 0] * camera.matrix[1, 1]))
     offset = to_ns(camera.clock_offset)
     size = np.array(camera.size, float)
-    return View(camera.name, camera.projection, camera.center, back_projection(camera), focal, size, offset)
+    back = back_projection(camera)
+    return View(camera.name, camera.projection, camera.center, back, focal, size, offset, number)
 
 
 def images(projection: Array, xyz: Array) -> tuple[Array, Array]:

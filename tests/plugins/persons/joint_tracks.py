@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from followspot_persons.associate.joint_tracks import JointTracks
+from followspot_persons.associate.sides import unknown
 from followspot_sim.actor.landmarks import NAMES
 
 LEFT, RIGHT = 0.28, 0.26
@@ -22,4 +23,4 @@ def bodies(sigma: float, left: float = LEFT, right: float = RIGHT, views: int = 
     place = np.tile(sigma**2 * np.eye(3), (1, joints, 1, 1))
     nothing = np.zeros((1, joints, 3, 3))
     seen = np.full((1, joints), views)
-    return JointTracks(xyz, np.zeros_like(xyz), place, nothing, nothing, seen, seen > 0)
+    return JointTracks(xyz, np.zeros_like(xyz), place, nothing, nothing, seen, seen > 0, *unknown(1, 4))

@@ -80,13 +80,13 @@ def test_a_person_whom_a_network_finds_twice_is_one(words: tuple[str, ...], sinc
 def test_a_point_far_off_moves_a_joint_less_than_one_that_is_a_little_off() -> None:
     view = views_of(tuple(corner_room().cameras.values())).each[0]
     known, noise = bodies(0.03), Noise(2.0, 0.03, 0.01)
-    there = joint_tracks.expected(known, view, noise).there
+    points = joint_tracks.expected(known, view, noise)
     row = NAMES.index("left_wrist")
 
     def moved(pixels: float) -> float:
-        found = there.copy()
+        found = points.there.copy()
         found[0, row, 0] += pixels
-        after = joint_tracks.updated(known, np.zeros(1, int), view, found, noise)
+        after = joint_tracks.updated(known, points, found)
         return float(np.linalg.norm(after.xyz[0, row] - known.xyz[0, row]))
 
     assert moved(400.0) < moved(60.0)
