@@ -18,7 +18,7 @@ FACE = 8.0
 
 def righted(tracks: JointTracks, joints: tuple[str, ...], sides: Sides) -> JointTracks:
     """The bodies, of which parts that are probably reversed get their sides right."""
-    if not len(tracks):
+    if not (tracks.reversal + FACE > REVERSED).any():
         return tracks
     turned = tracks.reversal - FACE * agreement(tracks, joints, sides) > REVERSED
     if not turned.any():
