@@ -22,11 +22,11 @@ SURE = 12.0
 PARTS = (
     ("eye", "ear"),
     ("shoulder",),
-    ("elbow", "wrist", "hand"),
+    ("elbow", "wrist", "hand", "thumb", "index", "pinky"),
     ("hip",),
-    ("knee", "ankle", "heel", "toe", "foot"),
+    ("knee", "ankle", "heel", "toe", "big_toe", "small_toe", "foot"),
 )
-"""Words of the joints that are exchanged together."""
+"""How the names of joints begin, after the side, that are exchanged together."""
 _OTHER = {"left": "right", "right": "left"}
 
 
@@ -51,7 +51,7 @@ def sides_of(joints: tuple[str, ...]) -> Sides:
         other = f"{_OTHER.get(side, side)}_{joint}"
         if other != name and other in joints:
             mirror[row], left[row] = joints.index(other), side == "left"
-            part[row] = [any(word in joint for word in words) for words in PARTS]
+            part[row] = [joint.startswith(words) for words in PARTS]
     return Sides(mirror, part, left)
 
 

@@ -13,6 +13,7 @@ from followspot.points import Points2D
 from followspot_accuracy import PoseTruthTable
 from followspot_persons.associate.sides import PARTS, SHARE, SURE, observed, predicted, sides_of, unknown
 from followspot_persons.associate.stage import Outputs
+from followspot_persons.pose_net.blazepose import BlazePose
 from followspot_sim.actor.landmarks import NAMES
 
 FPS, FRAMES = 25, 60
@@ -171,3 +172,16 @@ def test_joints_have_another_side_only_if_both_are_named() -> None:
     assert sides.mirror.tolist() == [0, 2, 1, 3, 5, 4, 6]
     assert sides.part.sum(axis=1).tolist() == [0, 1, 1, 0, 1, 1, 0]
     assert sides.left.tolist() == [0, 1, 0, 0, 0, 1, 0]
+
+
+def test_fingers_belong_to_arms_and_toes_to_legs() -> None:
+    part = sides_of(BlazePose.joints).part
+    arms, legs = 2, 4
+    assert {BlazePose.joints[row] for row in np.flatnonzero(part[:, arms])} == {
+        f"{side}_{name}"
+        for side in ("left", "right")
+        for name in ("elbow", "wrist", "pinky", "index", "thumb")
+    }
+    assert {BlazePose.joints[row] for row in np.flatnonzero(part[:, legs])} == {
+        f"{side}_{name}" for side in ("left", "right") for name in ("knee", "ankle", "heel", "foot_index")
+    }
