@@ -138,10 +138,15 @@ def test_balls_that_are_hardly_seen_are_tracked_and_their_errors_are_within_what
 
 
 @pytest.mark.parametrize(
-    "sequence", ["dev3", *(pytest.param(s, marks=pytest.mark.thorough) for s in ("dev1", "dev4"))]
+    ("sequence", "share"),  # of the error that may remain; dev1, the most exact, gains least
+    [
+        ("dev3", 0.95),
+        pytest.param("dev1", 0.97, marks=pytest.mark.thorough),
+        pytest.param("dev4", 0.95, marks=pytest.mark.thorough),
+    ],
 )
 def test_smoothed_tracks_are_more_accurate_and_less_rough_and_else_the_same(
-    rooms: dict[str, Path], scored: Score, tmp_path: Path, sequence: str
+    rooms: dict[str, Path], scored: Score, tmp_path: Path, sequence: str, share: float
 ) -> None:
     smooth = track(
         rooms[sequence], tmp_path, "--set", "fuse.uses=balls.bundle", graph=GRAPH.with_name("smooth.yaml")
@@ -157,7 +162,7 @@ def test_smoothed_tracks_are_more_accurate_and_less_rough_and_else_the_same(
         np.mean([[pair["rmse_mm"], pair["median_mm"]] for pair in side], axis=0)
         for side in zip(*pairs, strict=True)
     ]
-    assert means[1][0] < 0.95 * means[0][0]
+    assert means[1][0] < share * means[0][0]
     assert means[1][0] < 4.0
     assert means[1][1] < 2.9
 
