@@ -105,6 +105,7 @@ def there_and_back(
     return (run.out / "ticks.csv").read_bytes(), (run.out / "kept.csv").read_bytes()
 
 
+@pytest.mark.thorough
 def test_each_camera_in_a_worker_of_its_own_gives_the_bytes_of_one_worker(graph: Path, stages: Path) -> None:
     one, kept = there_and_back(graph, stages, None)
     numbers = [int(line.split(b",")[2]) for line in one.splitlines()]

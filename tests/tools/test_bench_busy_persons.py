@@ -33,6 +33,7 @@ def test_a_room_without_a_video_is_refused(tmp_path: Path) -> None:
         bench_busy_persons.played(str(ROOM), tmp_path)
 
 
+@pytest.mark.thorough
 def test_a_run_tells_coverage_and_what_was_searched(tmp_path: Path) -> None:
     told = bench_busy_persons.run(ROOM, 1, 6, tmp_path)
     assert 0 <= told["coverage, %"] <= 100

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from functools import partial
 from heapq import heappop, heappush
@@ -79,6 +80,18 @@ class Schedule:
             rank = -heappop(self.ready)
             self._marked[rank] = False
             self._steps[rank]()
+
+    def fire_overdue(self) -> None:
+        """Let joins whose deadline has passed fire without what is missing, now or in their turn.
+
+        Raises StageError.
+        """
+        now = time.monotonic()
+        for runner in self._runners:
+            if runner.overdue_at is not None and runner.overdue_at <= now and not runner.done:
+                runner.gives_up = True
+                if not self._marked[runner.rank]:
+                    self._steps[runner.rank]()
 
     def fire_waiting(self) -> bool:
         """Fire the ready members of a batch group without the others; False if no member waits."""

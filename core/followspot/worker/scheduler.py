@@ -173,7 +173,10 @@ class Scheduler:
             self._stop_sources()
         if self._rest is not None:
             self._act_at_rest(self._rest, idle=False)
-        if self._sources_wait():
+        waiting = self._sources_wait()
+        if self._rounds % (len(self.runners) or 1) == 0:  # what waited here for a stage has been processed
+            self.schedule.fire_overdue()
+        if waiting:
             return True
         if self.schedule.ready:
             self.sources.pull()
@@ -233,9 +236,6 @@ class Scheduler:
             self.ends.receive(0)
         else:
             self.ends.receive(min(max(int(left_ms), _SHORTEST_POLL_MS), _LONGEST_SLEEP_MS))
-        for runner in self.runners:
-            if runner.overdue_at is not None and runner.overdue_at <= time.monotonic():
-                self.schedule.mark(runner.rank)
 
     def _clear_wakeup(self) -> bool:
         self._wakeup.clear()

@@ -60,6 +60,7 @@ def test_strangers_with_legs_are_told_from_those_without_by_the_network_and_by_t
     assert said(model, with_legs).min() > said(model, legless).max()
 
 
+@pytest.mark.thorough
 def test_odds_do_not_depend_on_how_many_backgrounds_are_learnt_from(quick, monkeypatch):
     """Nothing can be told of pictures that are alike, so that chances are even."""
     grey = np.full((160, 96, 3), 100, np.uint8)

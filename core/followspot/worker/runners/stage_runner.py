@@ -68,6 +68,9 @@ class StageRunner(StageLife):
         self.deadline = deadline
         self.overdue_at: float | None = None
         """When the deadline of the oldest waiting message passes, s, monotonic; None if none waits."""
+        self.gives_up = False
+        """Whether a deadline that has passed counts now: what waits here for a stage upstream is not
+        missing."""
         self.done = False
         """Whether the inputs have ended and the stage is closed."""
         self.blocked = False
@@ -105,6 +108,7 @@ class StageRunner(StageLife):
         for queue in self.join.dropping:
             queue.drop_oldest()
         overdue = self.deadline is not None and self._overdue(self.deadline)
+        self.gives_up = False
         fire_at = self.join.ready(overdue=overdue)
         if fire_at is None:
             self._idle()
@@ -263,7 +267,9 @@ class StageRunner(StageLife):
         """Whether a message of a live join has waited beyond the deadline; notes when the next one will."""
         since = self.join.waiting_since()
         self.overdue_at = None if since is None else (since - self.clock.steady) / 1e9 + deadline
-        return self.overdue_at is not None and time.monotonic() >= self.overdue_at
+        if self.overdue_at is None or not (self.gives_up or deadline == 0):
+            return False
+        return time.monotonic() >= self.overdue_at
 
 
 def _header(fired: Sequence[Message], time: int) -> Header:
