@@ -71,7 +71,9 @@ def found_in(
     given: NetworkParams,
     rng: np.random.Generator,
 ) -> Finding:
-    """joints: (P, 17, 3) m; heights: (P,) m of the people's heads; names: (P, 17) by which joints go."""
+    """joints: (P, 17, 3) m; heights: (P,) m of the people's heads; names: (P, 17), of each joint the one by
+    whose name it goes.
+    """
     there, seen = _pixels(camera, joints), visible(camera, joints, heights)
     seen &= ((there >= 0) & (there <= np.array(camera.size) - 1)).all(axis=-1)
     pixel, score = _noisy(camera, joints, there, seen, given, rng)
