@@ -229,14 +229,19 @@ def test_a_message_more_at_the_end_is_a_difference(
     assert f"message {FRAMES - 1} is new" in capsys.readouterr().out
 
 
+def chunks_of(path: Path) -> list[int]:
+    """Where the chunks of a recording begin, bytes."""
+    with path.open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert summary is not None
+    return [chunk.chunk_start_offset for chunk in summary.chunk_indexes]
+
+
 def test_verify_says_up_to_where_a_damaged_recording_is_good(
     show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     cut = tmp_path / "cut.mcap"
-    with show.open("rb") as file:
-        summary = make_reader(file).get_summary()
-    assert summary is not None
-    last = max(chunk.chunk_start_offset for chunk in summary.chunk_indexes)
+    last = max(chunks_of(show))
     cut.write_bytes(show.read_bytes()[: last + 100])
     assert main(["verify", str(cut)]) == 0
     told = capsys.readouterr().out
@@ -248,10 +253,7 @@ def test_verify_says_that_a_recording_was_cut_before_its_sources(
     show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     cut = tmp_path / "cut.mcap"
-    with show.open("rb") as file:
-        summary = make_reader(file).get_summary()
-    assert summary is not None
-    first = min(chunk.chunk_start_offset for chunk in summary.chunk_indexes)
+    first = min(chunks_of(show))
     cut.write_bytes(show.read_bytes()[: first + 100])
     assert main(["verify", str(cut)]) == 2
     assert f"damaged at byte {first} of {first + 100}" in capsys.readouterr().err

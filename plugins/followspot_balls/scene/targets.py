@@ -28,7 +28,7 @@ def tracked_targets(forecast: Forecast | None, count: int) -> Array:
 
 
 def unchanging(array: Array) -> Array:
-    """The array itself, read-only, so that those who share it cannot change it."""
+    """Make an array read-only and return it: no stage that shares it can change it."""
     array.setflags(write=False)
     return array
 

@@ -57,7 +57,10 @@ def labelled(
 
 
 def _of_points(points: PredictedPoints, view: View, xy: Array) -> Array:
-    """Of each point, (..., J); NaN where there is none. A share `WRONG` of the points may be anywhere."""
+    """Log-likelihood ratio that each point is its joint, (..., J), NaN if it was not found.
+
+    A share `WRONG` of the points may be anywhere. xy: (..., J, 2) px.
+    """
     S = points.spread + points.error
     determinant = S[..., 0, 0] * S[..., 1, 1] - S[..., 0, 1] ** 2
     a, b, c = (-part / (2 * determinant) for part in (S[..., 1, 1], -2 * S[..., 0, 1], S[..., 0, 0]))
@@ -68,7 +71,10 @@ def _of_points(points: PredictedPoints, view: View, xy: Array) -> Array:
 
 
 def _of_sides(ratio: Array, other: Array, sides: Sides) -> Array:
-    """Of each part's labels being exchanged, (..., G), by the ratios of its points with either labels."""
+    """Log-likelihood ratio that the labels of each part are exchanged, (..., G).
+
+    ratio, other: (..., J) of the points as labelled, and by the labels of the other side.
+    """
     named, turned = np.isfinite(ratio), np.isfinite(other)
     change = np.where(turned, other, 0.0) - np.where(named, ratio, 0.0)
     most = np.where(named & turned, TELLING, ALONE)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -43,9 +44,9 @@ class Typed(Stage):
         ({"text": 5}, "cannot be 5: it must be text"),
     ],
 )
-def test_a_value_of_another_type_is_told_in_the_words_of_files(given: dict[str, object], said: str) -> None:
+def test_a_value_of_another_type_is_told_in_the_words_of_files(given: dict[str, Any], said: str) -> None:
     graph = Graph("g")
-    graph.add("typed", Typed, **given)  # type: ignore[arg-type]
+    graph.add("typed", Typed, **given)
     with pytest.raises(InputError) as told:
         graph.plan()
     assert any(said in mistake.text for mistake in told.value.mistakes)

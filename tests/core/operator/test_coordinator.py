@@ -7,6 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from tests.core.worker.pair import PAIR, TICKS
 
 from followspot.control.dispatch import Request
 from followspot.control.host import HostLost, HostStatus, RunOrder, WorkerStatus
@@ -24,14 +25,6 @@ from followspot.operator.run_dispatcher import run_dispatcher
 from followspot.operator.run_requests import ChangeStages, MoveStages, Surroundings
 from followspot.worker.ledger import COLUMNS
 from followspot.worker.wiring import RunOptions
-
-TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
-PAIR = """
-graph: g
-stages:
-  a: {uses: ticks.count}
-  b: {uses: ticks.write, in: {number: a}}
-"""
 
 
 @pytest.fixture

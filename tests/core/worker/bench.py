@@ -44,4 +44,4 @@ class Bench:
 
     def got(self) -> list[tuple[int, int]]:
         """Times and values of what was sent."""
-        return [(message.header.time, message.value) for message in self.out.messages]  # type: ignore[attr-defined]
+        return [(one.header.time, one.value) for one in self.out.messages if isinstance(one, Note)]

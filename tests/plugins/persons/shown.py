@@ -53,7 +53,7 @@ class SlowInstance:
         return self.stage.process(frame, gradients_of(self.camera, frame), boxes)
 
     def leave(self, pictures=8):
-        """Nobody is there for some pictures; four take the time after which a person is absent."""
+        """Show an empty room in some pictures; after four of them the stage calls a person absent."""
         for _ in range(pictures):
             told = self.see()
         return told

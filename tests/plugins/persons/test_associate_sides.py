@@ -68,7 +68,7 @@ def joints_of(outputs: list[Outputs]) -> dict[tuple[int, int, str], np.ndarray]:
 
 
 def heading_errors(sets: list[Set], outputs: list[Outputs], truth: PoseTruthTable) -> list[np.ndarray]:
-    """Angles between the chests of the people of each set and that of who stands there, rad."""
+    """Angles between the chest of each tracked person and that of the nearest true one, rad."""
     poses, errors = table(sets, outputs), []
     for number, each in enumerate(sets):
         now = poses.time == each[0][0].header.time / 1e9

@@ -17,7 +17,7 @@ FPS, SHARE, DURATION = 25, 0.2, 0.6
 
 
 def found(exchange_share: float) -> np.ndarray:
-    """Pixels of the joints of one person who walks and turns, (F, 17, 2), NaN for those not found."""
+    """Pixels of the joints of one person that walks and turns, (F, 17, 2), NaN for joints not found."""
     matrix = np.array([[700.0, 0, 640], [0, 700.0, 480], [0, 0, 1]])
     camera = Camera("cam", "color", (1280, 960), matrix, np.zeros(5), ALONG_X, -ALONG_X @ [-3.0, 0, 1.2])
     params = {"people": 1, "seed": 4, "frames": 300, "fps": FPS, "person_miss": 0, "clutter": 0}

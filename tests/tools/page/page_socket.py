@@ -1,4 +1,4 @@
-"""The words of a browser that opens the page's socket, and what it is sent."""
+"""Requests of a browser that opens the socket of the page, and the messages that the page sends."""
 
 from __future__ import annotations
 
