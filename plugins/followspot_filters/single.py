@@ -10,6 +10,7 @@ from filterpy.kalman import KalmanFilter
 from followspot import Array
 from followspot_filters.bank import FIRST_ORDER
 from followspot_filters.models import TransitionModel, transition
+from followspot_target_filter.association_probability import association_probability, mixed
 from followspot_target_filter.manoeuvre import bounce_covariance, slowing_covariance
 
 
@@ -34,7 +35,7 @@ def widened(x: Array, P: Array, size: int, acceleration: float) -> tuple[Array, 
 
 
 class SingleModel:
-    """Follows one target; a sure measurement beyond the gate is a bounce.
+    """Follows one target; a measurement beyond the gate is a bounce, or of something else if it is unsure.
 
     gate: sigmas; initial_acceleration: one sigma of a new target's, m/s^2, if the model has accelerations.
     """
@@ -65,15 +66,18 @@ class SingleModel:
 
     def update(self, xyz: Array, noise: Array, sure: bool, seconds: float) -> None:
         offset = xyz - self.x[:3]
-        squared = float(offset @ np.linalg.solve(self.P[:3, :3] + noise, offset))
-        if sure and squared > self.gate**2:
-            wider = self.P.copy()
-            wider[:FIRST_ORDER, :FIRST_ORDER] += bounce_covariance(
-                offset[None], np.array([squared]), seconds
-            )[0]
+        squared = np.array([offset @ np.linalg.solve(self.P[:3, :3] + noise, offset)])
+        x, P = self.x, self.P
+        if squared[0] > self.gate**2:
+            wider = P.copy()
+            wider[:FIRST_ORDER, :FIRST_ORDER] += bounce_covariance(offset[None], squared, seconds)[0]
             self.filter.P = wider
         self.filter.update(xyz, R=noise)
         self.filter.P = (self.P + self.P.T) / 2
+        if not sure:
+            probability = association_probability(squared, self.gate)
+            mixture = mixed(self.x[None], self.P[None], x[None], P[None], probability)
+            self.filter.x, self.filter.P = (part[0] for part in mixture)
 
     def slow(self, factor: float) -> None:
         self.filter.P = self.P + slowing_covariance(self.x[None], factor)[0]

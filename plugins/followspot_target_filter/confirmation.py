@@ -68,9 +68,9 @@ def confirmed(
     possible = (positions.support > 0) & (positions.confirmed | (status != LOST)) & ~positions.predicted
     possible &= ~occupied(xyz, known, rules.separation)
     again = np.linalg.norm(xyz - life.candidate[target], axis=1) <= rules.maximum_step
-    # Two candidates are enough if one of them is evident; a target missing nearby needs one less.
+    # A target missing nearby needs one candidate less.
     near_by = (status == MISSING) & (before == MISSING)
-    agreeing = positions.support >= np.where(positions.evident, 2, rules.support) - near_by
+    agreeing = supported(positions, rules.support, less=near_by)
     # One candidate alone confirms a target where it was last measured, an unconfirmed one within half of
     # `return_distance`. Only targets with many measurements come back so easily: the others may be false.
     stayed = rules.return_distance * np.where(positions.confirmed, 1.0, 0.5)
@@ -87,6 +87,14 @@ def confirmed(
     candidate = life.candidate.copy()
     streak[target], candidate[target] = row, xyz
     return life._replace(streak=streak, candidate=candidate), known | strong
+
+
+def supported(positions: Positions, support: int, less: Array | int = 0) -> Array:
+    """Positions that enough candidates agree on, two if one of them is evident: (M,) bool.
+
+    support: candidates that are enough if none is; less: (M,) by how many fewer are enough.
+    """
+    return np.asarray(positions.support >= np.where(positions.evident, min(2, support), support) - less)
 
 
 def within(xyz: Array, center: Array, distance: Array | float) -> Array:

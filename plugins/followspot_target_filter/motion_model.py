@@ -50,7 +50,8 @@ class MotionModel(Protocol):
     def update(self, target: Array, xyz: Array, noise: Array, sure: Array, seconds: float) -> None:
         """Correct some targets by measured positions.
 
-        sure: (M,) bool, positions that may show a bounce; seconds: of the last step.
+        sure: (M,) bool, positions that are surely of their targets, while others may be of something else;
+        seconds: of the last step.
         """
 
     def slow(self, target: Array, factor: float) -> None:

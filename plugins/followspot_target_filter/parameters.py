@@ -38,7 +38,8 @@ class TargetFilterParams(StageParams):
         3,
         ge=1,
         unit="1",
-        description="candidates that confirm a target or a bounce at once; raising it avoids mistakes",
+        description="candidates that confirm a target or a bounce at once, two if one of them is evident; "
+        "raising it avoids mistakes",
     )
     confirmation_frames: int = Field(
         3,

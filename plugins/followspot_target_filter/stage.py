@@ -15,7 +15,13 @@ from followspot.messages import Array
 from followspot.room import Camera, Member, Room
 from followspot.stage import Stage
 from followspot.tracking import LOST, MISSING, PREDICTED, Forecast, Positions, Tracks
-from followspot_target_filter.confirmation import ConfirmationRules, LastPositions, confirmed, within
+from followspot_target_filter.confirmation import (
+    ConfirmationRules,
+    LastPositions,
+    confirmed,
+    supported,
+    within,
+)
 from followspot_target_filter.departure import DepartureTest
 from followspot_target_filter.life_cycle import (
     LifeCycle,
@@ -107,7 +113,7 @@ class TargetFilter(Stage, ABC):
         if np.count_nonzero(counted) < len(counted):
             positions = positions.where(counted)
         target, xyz = positions.target.astype(np.intp), positions.xyz
-        noise, sure = self.noise(positions.covariance), positions.support >= p.minimum_support
+        noise, sure = self.noise(positions.covariance), supported(positions, p.minimum_support)
         new = ((status == LOST) | (self.life.status == LOST)).take(target)
         old = slice(None)
         if np.count_nonzero(new):
@@ -115,7 +121,7 @@ class TargetFilter(Stage, ABC):
             old = ~new
         self.motion.update(target[old], xyz[old], noise[old], sure[old], self.period)
         measured, agreed, bridged = np.zeros((3, len(life.status)), bool)
-        measured[target], agreed[target] = ~positions.predicted, sure
+        measured[target], agreed[target] = ~positions.predicted, positions.support >= p.minimum_support
         bridged[target] = positions.predicted
         bridged |= doubt & ~measured
         if np.count_nonzero(bridged):

@@ -8,6 +8,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from followspot.messages import Array
+from followspot_target_filter.association_probability import association_probability, mixed
 from followspot_target_filter.manoeuvre import bounce_covariance, slowing_covariance
 
 
@@ -116,16 +117,30 @@ def update(motion: Motion, target: Array, xyz: Array, noise: Array) -> tuple[Mot
 def followed(
     motion: Motion, target: Array, xyz: Array, noise: Array, sure: Array, seconds: float, gate: float
 ) -> Motion:
-    """The motion corrected by measurements; improbable but sure ones first enlarge the covariance.
+    """The motion corrected by measurements; improbable ones first enlarge the covariance.
 
+    One that is not sure may be of something else. The motion is the mixture then of those with and without
+    it, as in probabilistic data association (Bar-Shalom, Willett & Tian 2011, section 2.3.1).
     sure: (M,) bool; others as for :func:`manoeuvred`.
     """
     corrected, squared = update(motion, target, xyz, noise)
-    sudden = sure & (squared > gate * gate)
-    if not np.count_nonzero(sudden):
+    sudden = squared > gate * gate
+    if np.count_nonzero(sudden):
+        wider = manoeuvred(motion, target[sudden], xyz[sudden], noise[sudden], seconds, gate)
+        corrected = update(wider, target, xyz, noise)[0]
+    if np.count_nonzero(sure) == len(sure):
         return corrected
-    motion = manoeuvred(motion, target[sudden], xyz[sudden], noise[sudden], seconds, gate)
-    return update(motion, target, xyz, noise)[0]
+    unsure = ~sure
+    return _mixture(corrected, motion, target[unsure], association_probability(squared[unsure], gate))
+
+
+def _mixture(one: Motion, other: Motion, target: Array, probability: Array) -> Motion:
+    """The first motion, but that of some targets, (M,), is the other with the rest of a probability, (M,)."""
+    state, covariance = one.state.copy(), one.covariance.copy()
+    state[target], covariance[target] = mixed(
+        state[target], covariance[target], other.state[target], other.covariance[target], probability
+    )
+    return Motion(state, covariance)
 
 
 def slowed(motion: Motion, target: Array, factor: float) -> Motion:
