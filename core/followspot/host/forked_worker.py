@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import select
 import signal
@@ -18,15 +19,18 @@ PID = struct.Struct("=q")
 EXIT_CODE = struct.Struct("=i")
 """As in `subprocess`: negative if a signal ended the worker."""
 EXIT_CODE_UNKNOWN = 255
-"""Of a worker whose fork server was killed before it."""
+"""Of a worker whose fork server ended before it."""
+_LOOK = 0.5
+"""Seconds between two looks whether a server that owes an answer is suspended."""
 
 
 class ForkedWorker:
     """`Process` of a worker that a fork server forks as soon as its imports are done."""
 
-    def __init__(self, status: socket.socket) -> None:
-        """status: gets the server's answer, and the exit code."""
+    def __init__(self, status: socket.socket, server: subprocess.Popen[bytes]) -> None:
+        """status: gets the answer of the server, and the exit code."""
         self._status = status
+        self._server = server
         self._pid = 0
         self._process: int | None = None
         """Descriptor of the process, which stays that of this process when another gets its number."""
@@ -50,7 +54,7 @@ class ForkedWorker:
         self._await_fork(timeout)
         if self._code is None:
             assert self._process is not None
-            _await(self._status.fileno(), timeout)
+            self._await_server(timeout)
             code = self._status.recv(EXIT_CODE.size)
             if not code:  # the server has died, and this worker lives on
                 _await(self._process, timeout)
@@ -67,11 +71,27 @@ class ForkedWorker:
             with suppress(ProcessLookupError):
                 signal.pidfd_send_signal(self._process, signal.SIGKILL)
 
+    def _await_server(self, timeout: float | None) -> None:
+        """Wait for an answer of the server, or its end. Raises subprocess.TimeoutExpired.
+
+        A suspended server would hide the exit of its workers: it is killed.
+        """
+        left = math.inf if timeout is None else timeout
+        while True:
+            if _suspended(self._server):
+                self._server.kill()
+            try:
+                return _await(self._status.fileno(), min(left, _LOOK))
+            except subprocess.TimeoutExpired:
+                left -= _LOOK
+                if left <= 0:
+                    raise
+
     def _await_fork(self, timeout: float | None) -> None:
         """Wait for the server's answer. Raises subprocess.TimeoutExpired."""
         if self._process is not None or self._code is not None:
             return
-        _await(self._status.fileno(), timeout)
+        self._await_server(timeout)
         pid, descriptors, _, _ = socket.recv_fds(self._status, PID.size, 1, socket.MSG_CMSG_CLOEXEC)
         if descriptors:
             (self._pid,), self._process = PID.unpack(pid), descriptors[0]
@@ -81,7 +101,7 @@ class ForkedWorker:
 
 
 class ForkServerProcess:
-    """A fork server, started with its first worker; a new one is started if it has died."""
+    """A fork server, started with its first worker; a new one is started if it has died or is suspended."""
 
     def __init__(self, stages: Iterable[str]) -> None:
         """stages: names of the stages that the server imports."""
@@ -91,9 +111,9 @@ class ForkServerProcess:
 
     def start(self, end: socket.socket) -> ForkedWorker:
         """Order a worker. end: of its control channel. Raises OSError."""
-        if self._server is None or self._server.poll() is not None:
+        if self._server is None or _suspended(self._server) or self._server.poll() is not None:
             self.close()
-            self._start_server()
+            self._server = self._start_server()
         assert self._orders is not None
         status, theirs = socket.socketpair()
         try:
@@ -102,22 +122,31 @@ class ForkServerProcess:
         except BaseException:
             status.close()
             raise
-        return ForkedWorker(status)
+        return ForkedWorker(status, self._server)
 
     def close(self) -> None:
         """End the server; its workers go on."""
         if self._orders is not None:
             self._orders.close()
         if self._server is not None:
+            self._server.kill()  # a suspended one would not see that its orders have ended
             self._server.wait()
 
-    def _start_server(self) -> None:
+    def _start_server(self) -> subprocess.Popen[bytes]:
         ours, theirs = socket.socketpair(type=socket.SOCK_SEQPACKET)
         with theirs:
             number = theirs.fileno()
             command = module_command("followspot.host.fork_server", str(number), *self._stages)
-            self._server = start_apart(command, number)
+            server = start_apart(command, number)
         self._orders = ours
+        return server
+
+
+def _suspended(server: subprocess.Popen[bytes]) -> bool:
+    """True if a signal has stopped the process, and none has continued it since."""
+    with suppress(ChildProcessError):  # it has ended
+        return os.waitid(os.P_PID, server.pid, os.WSTOPPED | os.WNOHANG | os.WNOWAIT) is not None
+    return False
 
 
 def _await(descriptor: int, timeout: float | None) -> None:

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
+from followspot.control.host import WorkerPhase
 from followspot.control.lifecycle import StopRun
 from followspot.control.move import MOVE_TIMEOUT, MoveOrder
 from followspot.control.worker_orders import LeaveRun, SendStates
@@ -51,8 +52,8 @@ class Supervisor:
         self._checkpoint_at = 0.0
         self._kill_at: float | None = None
         self._heartbeat = Heartbeat()
-        self._named: set[str] = set()
-        """Workers whose silence was told: nothing replaces them."""
+        self._named: set[tuple[str, int, WorkerPhase]] = set()
+        """Workers whose silence was told, each with its incarnation and phase."""
         self._restarts = RestartPolicy()
         self._notes = RestartNotes()
 
@@ -98,6 +99,7 @@ class Supervisor:
                 self._request_checkpoints()
         elif self._running and not self._stopping:
             self._name_silent(now)
+        self._name_starting(now)
         if self._kill_at is not None and now > self._kill_at:
             self._kill_at = None
             for worker in self._pool.workers.values():
@@ -198,19 +200,33 @@ class Supervisor:
     def _name_silent(self, now: float) -> None:
         """Name the running workers without a heartbeat, once each: the run waits for them."""
         for worker in self._silent(now, LONG_SILENCE):
-            if worker.name not in self._named:
-                self._named.add(worker.name)
+            if self._unnamed(worker):
                 silent = f"worker {worker.name} (process {worker.process.pid}) has been silent"
                 line = (
                     f"{silent} for {LONG_SILENCE:.0f} s: it hangs or was suspended, and the run waits for it"
                 )
                 self._report_event("warning", line, worker.name)
 
-    def _silent(self, now: float, longest: float) -> list[WorkerProcess]:
-        """The running workers without a heartbeat for `longest`, s."""
+    def _name_starting(self, now: float) -> None:
+        """Name the workers that take long to start, once each."""
+        for worker in self._silent(now, LONG_SILENCE, "starting"):
+            if self._unnamed(worker):
+                line = f"worker {worker.name} has been starting for {LONG_SILENCE:.0f} s: "
+                line += "a stage takes long to set up, or a process was suspended"
+                self._report_event("warning", line, worker.name)
+
+    def _unnamed(self, worker: WorkerProcess) -> bool:
+        """True the first time for this start of a worker, and its phase."""
+        key = worker.name, worker.incarnation, worker.phase
+        first = key not in self._named
+        self._named.add(key)
+        return first
+
+    def _silent(self, now: float, longest: float, phase: WorkerPhase = "running") -> list[WorkerProcess]:
+        """The workers in this phase without a heartbeat for `longest`, s."""
         workers = self._pool.workers
         silent = self._heartbeat.silent({w.name: w.heard for w in workers.values()}, now, longest)
-        return [w for w in map(workers.__getitem__, silent) if w.phase == "running" and w.busy]
+        return [w for w in map(workers.__getitem__, silent) if w.phase == phase and w.busy]
 
     def _request_checkpoints(self) -> None:
         for worker in self._pool.workers.values():

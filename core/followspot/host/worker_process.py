@@ -27,6 +27,7 @@ from followspot.control.worker_report import WorkerReport
 from followspot.host.forked_worker import EXIT_CODE_UNKNOWN
 from followspot.log.record import MAX_TEXT
 
+_NO_SERVER = "the process that forks workers died or was suspended"
 _TIMEOUT = 5.0
 """Seconds that a worker has to exit after its report."""
 
@@ -179,8 +180,8 @@ class WorkerProcess:
         code, pid = self.process.wait(), self.process.pid
         why = f", because {self.killed}" if self.killed else ""
         if not pid:
-            return f"worker {self.name} was not started: the process that forks workers died{why}"
-        how = "exit code unknown" if code == EXIT_CODE_UNKNOWN else f"exit code {code}"
+            return f"worker {self.name} was not started: {_NO_SERVER}{why}"
+        how = f"exit code unknown, as {_NO_SERVER}" if code == EXIT_CODE_UNKNOWN else f"exit code {code}"
         how = f"killed by {signal.Signals(-code).name}" if code < 0 else how
         return f"worker {self.name} (process {pid}) died: {how}{why}"
 

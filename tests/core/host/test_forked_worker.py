@@ -67,6 +67,37 @@ def test_a_worker_outlives_its_server_and_the_next_gets_a_new_one() -> None:
         assert first.wait(PATIENCE) == EXIT_CODE_UNKNOWN
 
 
+def suspend(pid: int) -> None:
+    os.kill(pid, signal.SIGSTOP)
+    assert wait_until(lambda: Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "T")
+
+
+def test_a_suspended_server_does_not_hide_the_death_of_a_worker_nor_keep_the_next_from_starting() -> None:
+    with closing(ForkServerProcess([])) as server, forked(server) as (first, _), forked(server) as (other, _):
+        assert alive(first.pid)
+        assert alive(other.pid)
+        (pid,) = servers()
+        suspend(pid)
+        os.kill(first.pid, signal.SIGKILL)
+        assert wait_until(lambda: first.poll() is not None), "the host notices"
+        assert first.poll() == EXIT_CODE_UNKNOWN
+        assert other.poll() is None, "a worker outlives its server"
+        with forked(server) as (second, _):
+            assert alive(second.pid)
+            assert servers() != [pid]
+            suspend(servers()[0])
+            other.kill()
+            assert other.wait(PATIENCE) == EXIT_CODE_UNKNOWN
+            second.kill()
+            second.wait(PATIENCE)
+        with forked(server) as (third, _):
+            assert alive(third.pid)
+            third.kill()
+            assert third.wait(PATIENCE) == -signal.SIGKILL
+            suspend(servers()[0])
+    assert not servers(), "nor does it keep the host from ending"
+
+
 @pytest.fixture
 def starts_a_thread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     """Name of a stage whose module starts a thread."""

@@ -96,6 +96,18 @@ def test_a_worker_that_nothing_replaces_is_named_once_if_it_is_suspended(plan: P
     host.close()
 
 
+def test_a_worker_that_takes_long_to_start_is_named_once(plan: Plan, tmp_path: Path) -> None:
+    host = LocalHost("")
+    host.prepare(new_order(plan, RunOptions(tmp_path), restart=True))
+    for tenths in range(300):
+        host.supervisor.check(host.workers["b"].heard + tenths / 10)
+    assert sorted(host.news) == [
+        f"worker {name} has been starting for 10 s: a stage takes long to set up, or a process was suspended"
+        for name in "abc"
+    ]
+    host.close()
+
+
 def test_a_host_whose_agent_is_started_again_counts_on(plan: Plan, tmp_path: Path) -> None:
     order = replace(new_order(plan, RunOptions(tmp_path), restart=True), fired={"c": 70})
     host = LocalHost("")

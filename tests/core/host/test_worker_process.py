@@ -13,6 +13,8 @@ from followspot.control.worker_report import WorkerReport
 from followspot.host.forked_worker import EXIT_CODE_UNKNOWN
 from followspot.host.worker_process import WorkerProcess
 
+NO_SERVER = "the process that forks workers died or was suspended"
+
 
 def worker(seconds: float) -> WorkerProcess:
     """A worker whose process exits after so many seconds."""
@@ -76,8 +78,8 @@ class Ended:
     [
         (7, -signal.SIGKILL, "worker left (process 7) died: killed by SIGKILL"),
         (7, 3, "worker left (process 7) died: exit code 3"),
-        (7, EXIT_CODE_UNKNOWN, "worker left (process 7) died: exit code unknown"),
-        (0, EXIT_CODE_UNKNOWN, "worker left was not started: the process that forks workers died"),
+        (7, EXIT_CODE_UNKNOWN, f"worker left (process 7) died: exit code unknown, as {NO_SERVER}"),
+        (0, EXIT_CODE_UNKNOWN, f"worker left was not started: {NO_SERVER}"),
     ],
 )
 def test_why_a_worker_is_gone_is_said_as_far_as_it_is_known(pid: int, code: int, reason: str) -> None:
