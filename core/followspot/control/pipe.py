@@ -16,6 +16,7 @@ from contextlib import suppress
 from typing import NamedTuple
 
 from followspot.control.dispatch import Request, from_wire, to_wire
+from followspot.descriptors import crowded, send_descriptors
 
 MAX_LINE = 64 << 20
 """Longest message, bytes; the plan of a room with a thousand cameras is shorter."""
@@ -60,17 +61,25 @@ class Channel:
         return self.socket.fileno()
 
     def send(self, request: Request, descriptors: Sequence[int] = ()) -> None:
-        """Send one request; the other process gets copies of the descriptors. Raises ChannelClosed."""
+        """Send one request; the other process gets copies of the descriptors.
+
+        Raises ChannelClosed, OSError if too many descriptors of this user stay on their way.
+        """
         line = json.dumps({"descriptors": len(descriptors), **to_wire(request)}).encode() + b"\n"
         try:
             with self._lock:
-                sent = socket.send_fds(self.socket, [line], list(descriptors)) if descriptors else 0
+                sent = send_descriptors(self.socket, line, descriptors) if descriptors else 0
                 self.socket.sendall(line[sent:])
         except OSError as error:
+            if crowded(error):
+                raise
             raise ChannelClosed(str(error)) from error
 
     def send_if_open(self, request: Request, descriptors: Sequence[int] = ()) -> None:
-        """Send one request unless the other process has ended, which the next `receive` notices."""
+        """Send one request unless the other process has ended, which the next `receive` notices.
+
+        Raises OSError as `send` does.
+        """
         with suppress(ChannelClosed):
             self.send(request, descriptors)
 

@@ -24,6 +24,7 @@ from pathlib import Path
 import cv2  # noqa: F401 - its threads are not those of stages
 import numpy as np
 
+from followspot.descriptors import send_descriptors
 from followspot.host.forked_worker import EXIT_CODE, PID
 from followspot.own_process import ignore_terminal, module_command
 from followspot.plugins.registry import PluginError, load_stage
@@ -64,7 +65,7 @@ class ForkServer:
         process = os.pidfd_open(pid)
         self._workers[process] = pid, status
         with suppress(OSError):  # the host may have ended
-            socket.send_fds(status, [PID.pack(pid)], [process])
+            send_descriptors(status, PID.pack(pid), [process])
         return process
 
     def _tell_exit(self, process: int) -> None:

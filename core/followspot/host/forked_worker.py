@@ -12,6 +12,7 @@ import subprocess
 from collections.abc import Iterable
 from contextlib import suppress
 
+from followspot.descriptors import send_descriptors
 from followspot.own_process import module_command, start_apart
 
 PID = struct.Struct("=q")
@@ -118,7 +119,7 @@ class ForkServerProcess:
         status, theirs = socket.socketpair()
         try:
             with theirs:
-                socket.send_fds(self._orders, [b"w"], [end.fileno(), theirs.fileno()])
+                send_descriptors(self._orders, b"w", [end.fileno(), theirs.fileno()])
         except BaseException:
             status.close()
             raise

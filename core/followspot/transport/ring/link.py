@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import socket
 from collections import deque
 
+from followspot.descriptors import crowded
 from followspot.transport.ring.control import ARENAS, SENT, WAITING, Control, fence
 from followspot.transport.ring.memory import Memory
 from followspot.transport.ring.notification import INLINE, OVER, SLOT, WATERMARK
@@ -13,6 +15,10 @@ from followspot.transport.ring.notification import INLINE, OVER, SLOT, WATERMARK
 _TOKENS = (INLINE, SLOT, WATERMARK)
 _WAKES = 256
 """Most wake-ups that `drain` clears at once."""
+_CROWDED = (
+    "an edge waits: too many descriptors are on their way between the processes of this user; "
+    "raise the limit, for example ulimit -n 4096, or take fewer workers: --placement"
+)
 
 
 class Link:
@@ -34,6 +40,7 @@ class Link:
         self._most = 2 * (depth + ARENAS)
         self._sent = 0
         self._pending: deque[tuple[bytes, Memory | None]] = deque()
+        self._told_crowded = False
 
     def send(self, datagram: bytes, memory: Memory | None = None) -> None:
         """Send the datagram, with the memory's descriptor, in order: now, or when the socket takes it."""
@@ -110,7 +117,7 @@ class Link:
         return False
 
     def _try_send(self, datagram: bytes, memory: Memory | None) -> bool:
-        """Send a datagram now; False if the socket takes none."""
+        """Send a datagram now; False if the socket, or the kernel, takes none now."""
         try:
             if memory is None:
                 self.socket.send(datagram)
@@ -118,7 +125,10 @@ class Link:
                 socket.send_fds(self.socket, [datagram], [memory.fd])
         except BlockingIOError:
             return False
-        except OSError:
+        except OSError as error:
+            if crowded(error):
+                self._tell_crowded()
+                return False
             return True  # the reader died; until `drain` notices, this counts as on its way
         self.ended = datagram == OVER
         for other in self.carried:
@@ -126,6 +136,12 @@ class Link:
         self._sent += 1
         self.control.words[SENT] = self._sent
         return True
+
+    def _tell_crowded(self) -> None:
+        """Log once that the memory of this edge waits for the descriptors of others to arrive."""
+        if not self._told_crowded:
+            self._told_crowded = True
+            logging.getLogger(__name__).warning(_CROWDED)
 
 
 def socket_pair() -> tuple[socket.socket, socket.socket]:
