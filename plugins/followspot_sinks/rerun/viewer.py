@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 from followspot import Field, Message, Mistake, OutputHost, OutputPath, Room, Stage, StageParams
@@ -41,6 +42,8 @@ class Rerun(Stage):
 
     params: Params
     stream: Any = None
+    path: Path | None = None
+    """The file, None with a viewer."""
 
     @classmethod
     def check_files(cls, params: Any, room: Room, member: Member | None) -> Iterable[Mistake]:
@@ -62,16 +65,21 @@ class Rerun(Stage):
         else:
             path = below(self.context.out, self.params.path)
             path.parent.mkdir(parents=True, exist_ok=True)
-            self.stream.save(unused_path(path) if self.context.resumed else path)
+            self.path = unused_path(path) if self.context.resumed else path
+            self.stream.save(self.path)
         blueprint = importlib.import_module("rerun.blueprint")
         self.stream.send_blueprint(layout_of(blueprint, self.room))
         log_cameras(self.rerun, self.stream, self.room)
         self.shown = True
 
     def process(self, message: Message) -> None:
-        """Log the message at its capture time; warn once of a type that the viewer cannot show."""
+        """Log the message at its capture time; warn once of a type that the viewer cannot show.
+
+        Raises FollowspotError if the file was removed.
+        """
         if self.stream is None:
             raise FollowspotError(f"{self.context.name} has no stream: it was not set up")
+        self._require_file()
         shape = shape_of(self.rerun, message, self.room)
         if shape is not None:
             self.stream.set_time(TIMELINE, duration=message.header.time / 1e9)
@@ -84,8 +92,14 @@ class Rerun(Stage):
             self.context.warn(f"Rerun shows nothing like {type(message).__name__}")
 
     def close(self) -> None:
-        """Write the remaining data."""
+        """Write the remaining data. Raises FollowspotError if the file was removed."""
         if self.stream is not None:
             stream, self.stream = self.stream, None
             stream.flush()
             stream.disconnect()
+            self._require_file()
+
+    def _require_file(self) -> None:
+        """Raises FollowspotError if the file is gone: the SDK does not tell."""
+        if self.path is not None and not self.path.exists():
+            raise FollowspotError(f"{self.path} was moved or removed while the run wrote it")

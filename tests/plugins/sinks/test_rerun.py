@@ -111,6 +111,18 @@ def test_a_type_that_the_viewer_does_not_know_is_told_once(tmp_path: Path) -> No
     assert told == ["Rerun shows nothing like Pairs"]
 
 
+def test_a_file_that_is_removed_while_it_is_written_is_told(tmp_path: Path) -> None:
+    pytest.importorskip("rerun")
+    stage = Rerun(Context("show", ROOM, out=tmp_path))
+    stage.setup()
+    stage.process(sent(TRACKS))
+    (tmp_path / "show.rrd").unlink()
+    with pytest.raises(FollowspotError, match=r"show\.rrd was moved or removed"):
+        stage.process(sent(TRACKS))
+    with pytest.raises(FollowspotError, match=r"show\.rrd was moved or removed"):
+        stage.close()
+
+
 class Kept:
     """Stands for the module `rerun`: an archetype is what it was made of."""
 
