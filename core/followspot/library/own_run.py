@@ -14,6 +14,7 @@ from followspot.control.lifecycle import StopRun
 from followspot.control.unix_socket import serve_requests
 from followspot.errors import FollowspotError
 from followspot.library.flight_recorder import StartRecorder, no_recorder
+from followspot.library.keywords import errors_in_python, in_python
 from followspot.library.report import Report
 from followspot.library.script_handle import ScriptHandle
 from followspot.library.subscription import Subscription
@@ -141,7 +142,7 @@ class OwnRun(ScriptHandle):
     def _live(self, ready: AbstractContextManager[PreparedRun], keep: StartRecorder) -> None:
         """The life of the run, in a thread: prepare, run, and tell all that wait for its end."""
         try:
-            with ready as (coordinator, around):
+            with errors_in_python(), ready as (coordinator, around):
                 self.run = coordinator.name
                 self._dispatcher = run_dispatcher(coordinator, around)
                 if self._abandoned:
@@ -165,7 +166,7 @@ class OwnRun(ScriptHandle):
             if isinstance(request, StopRun):
                 return None  # it may have ended a moment ago
             raise FollowspotError("the run has ended")
-        with self._sinks.yielding():  # the loop over a subscription may be what asks
+        with errors_in_python(), self._sinks.yielding():  # the loop over a subscription may be what asks
             return self._dispatcher.dispatch(request)
 
     def _failure(self) -> Exception | None:
@@ -176,7 +177,7 @@ class OwnRun(ScriptHandle):
         if self._error is not None:
             return RunFailed(repr(self._error))
         errors = self._report.errors if self._report is not None else ()
-        return RunFailed("\n".join(errors)) if errors else None
+        return RunFailed(in_python("\n".join(errors))) if errors else None
 
     def _warn(self) -> None:
         """Issue the report's warnings in Python and, unless the run was stopped, name the silent stages."""
@@ -185,7 +186,7 @@ class OwnRun(ScriptHandle):
             return
         silences = () if report.stopped else report.silences
         for text in (*report.warnings, *(f"{silence}; {silence.advice}" for silence in silences)):
-            warnings.warn(text, stacklevel=3)
+            warnings.warn(in_python(text), stacklevel=3)
 
     def _raise(self) -> None:
         if (error := self._failure()) is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypedDict, Unpack, get_args
 
@@ -13,6 +14,7 @@ from followspot.graph.compile import compile_graph
 from followspot.graph.override import as_option
 from followspot.graph.plan import MAX_SEED, Plan
 from followspot.library.graph import Graph
+from followspot.library.keywords import errors_in_python, mistakes_in_python
 
 
 class PlanSettings(TypedDict, total=False):
@@ -33,6 +35,17 @@ def plan_of(
     **options: Unpack[PlanSettings],
 ) -> Plan:
     """The plan of a graph with these options. Raises InputError with every mistake."""
+    with errors_in_python():
+        plan = _compiled(graph, settings, ports, **options)
+    return replace(plan, warnings=mistakes_in_python(plan.warnings))
+
+
+def _compiled(
+    graph: str | Path | Graph,
+    settings: Mapping[str, Any] | None,
+    ports: Sequence[str],
+    **options: Unpack[PlanSettings],
+) -> Plan:
     overrides = [as_option(name, value) for name, value in (settings or {}).items()]
     remedy = f"give a whole number from 0 to {MAX_SEED}, or nothing for the graph's"
     checked: dict[str, Any] = {

@@ -13,10 +13,12 @@ from followspot.graph.arrange import EdgeChoice
 from followspot.library.flight_recorder import recorder_of
 from followspot.library.graph import Graph
 from followspot.library.keep_options import Keep
+from followspot.library.keywords import errors_in_python
 from followspot.library.own_run import OwnRun
 from followspot.library.plan_settings import PlanSettings, plan_of, whole_number
 from followspot.library.subscription_sinks import SubscriptionSinks
 from followspot.operator.launch import prepared
+from followspot.operator.output_folder import made
 from followspot.transport.zenoh.network import Network
 from followspot.worker.wiring import RunOptions
 
@@ -83,8 +85,8 @@ def run(
         warnings.warn(str(mistake), stacklevel=2)
     sinks = SubscriptionSinks(plan, ports)
     kept = recorder_of(sinks.plan, keep)
-    folder = Path(out or Path("runs") / f"{plan.graph}-{time.strftime('%Y%m%d-%H%M%S')}")
-    folder.mkdir(parents=True, exist_ok=True)
+    with errors_in_python():
+        folder = made(Path(out or Path("runs") / f"{plan.graph}-{time.strftime('%Y%m%d-%H%M%S')}"))
     ready = prepared(
         sinks.plan,
         RunOptions(folder, frames),

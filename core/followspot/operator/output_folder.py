@@ -25,18 +25,23 @@ def reserved(folder: Path) -> Iterator[None]:
     if folder == Path():
         yield
         return
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-    except OSError as error:
-        text = f"cannot make the output folder {folder}: {error.strerror}; choose one with --out"
-        raise FollowspotError(text) from None
+    descriptor = os.open(made(folder), os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
         with suppress(OSError):
             _lock(descriptor, folder)
         yield
     finally:
         os.close(descriptor)
+
+
+def made(folder: Path) -> Path:
+    """The folder, which exists now. Raises FollowspotError."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        text = f"cannot make the output folder {folder}: {error.strerror}; choose one with --out"
+        raise FollowspotError(text) from None
+    return folder
 
 
 def replaced(plan: Plan, folder: Path) -> list[str]:

@@ -42,7 +42,7 @@ def test_the_mistake_names_the_joins_and_a_tolerance_that_mends_it(tmp_path: Pat
         '1000 messages/s reach stage "refine", which is in a loop, but by the tolerances of the joins meet, '
         "refine it fires once in 8 ms at most"
     )
-    assert "--set meet.tolerance=0.00045 --set refine.tolerance=0.00045" in mistake.remedy
+    assert 'set={"meet.tolerance": 0.00045, "refine.tolerance": 0.00045}' in mistake.remedy
     assert mistake.place is not None
     assert mistake.place.line == 7
     mended = {"meet.tolerance": 0.00045, "refine.tolerance": 0.00045}

@@ -172,7 +172,7 @@ def test_a_graph_that_leaves_out_a_kind_of_camera_is_warned_about(tmp_path: Path
     (tmp_path / "mine.yaml").write_text(without_infrared())
     (silent,) = (m for m in fs.check(tmp_path / "mine.yaml") if "send no blobs" in m.text)
     assert silent.text == "cam1, cam3, cam4 of the room send no blobs, and count as cameras that see no ball"
-    assert silent.remedy == "leave them out of the room: --cameras cam0,cam2,cam5"
+    assert silent.remedy == "leave them out of the room: cameras=['cam0', 'cam2', 'cam5']"
 
 
 @pytest.mark.parametrize("cameras", ["cam0,cam2,cam5", "cam1,cam3,cam4"])
