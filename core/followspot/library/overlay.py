@@ -12,7 +12,7 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import Any
 
-from followspot.errors import FollowspotError, writing
+from followspot.errors import FollowspotError, require_unused, writing
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.provenance import Written
@@ -36,6 +36,7 @@ def save_overlay(run: RunHandle, path: str | Path) -> tuple[str, ...]:
         raise FollowspotError("this run was not made from a graph file on this host: nothing to extend")
     if target.suffix != ".yaml" or not is_name(target.stem):
         raise FollowspotError(f"{target.name} is no name of a graph file; write NAME.yaml")
+    require_unused(target)
     base = _compiled(Path(written.graph), written, present)
     entries: dict[str, dict[str, Any]] = {group: {"uses": uses} for group, uses in _swapped(base, present)}
     lines = [f"seed: {present.seed}"] if present.seed != base.seed else []

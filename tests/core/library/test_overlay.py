@@ -102,7 +102,7 @@ def test_an_overlay_is_saved_as_an_overlay_of_it(tmp_path: Path) -> None:
 
 def test_a_file_that_exists_is_left_as_it_is(tmp_path: Path) -> None:
     (tmp_path / "show.yaml").write_text("mine")
-    with pytest.raises(FollowspotError, match="File exists"):
+    with pytest.raises(FollowspotError, match=r"is there already\n    name another file"):
         save(Run(GRAPH, "color.similarity=0.85"), tmp_path / "show.yaml")
     assert (tmp_path / "show.yaml").read_text() == "mine"
 
