@@ -10,6 +10,7 @@ from typing import Literal, NoReturn
 
 from followspot.errors import FollowspotError
 from followspot.files import removed, unused_path
+from followspot.limits import limit_remedy
 from followspot_recording.writer import McapWriter
 
 Compression = Literal["lz4", "zstd", "none"]
@@ -139,7 +140,7 @@ class Recorder:
 
     def _cut_short(self, error: OSError) -> NoReturn:
         self._broken = True
-        remedy = "free space on the disk or record fewer ports"
+        remedy = limit_remedy(error, "free space on the disk or record fewer ports")
         raise FollowspotError(f"{self.path} is cut short: {error.strerror}\n    {remedy}") from None
 
     def _register(self, topic: str, encoding: str, schema: Schema) -> int:

@@ -13,6 +13,7 @@ from pathlib import Path
 from followspot import Stage
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.files import removed
+from followspot.limits import limit_remedy
 
 FLUSH_BYTES = 1 << 13
 
@@ -78,7 +79,7 @@ class LineSink(Stage):
             whole = bisect_right(ends, done)
             self._take_back(done - (ends[whole - 1] if whole else 0))
             text = f"{self.file.name} is cut short: {error.strerror}; {len(lines) - whole} lines are lost"
-            remedy = "free space on the disk or choose another output folder"
+            remedy = limit_remedy(error, "free space on the disk or choose another output folder")
             raise FollowspotError(f"{text}\n    {remedy}") from None
 
     def _take_back(self, count: int) -> None:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import errno
 import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Protocol
+from resource import RLIM_INFINITY, RLIMIT_FSIZE, getrlimit
+from typing import NoReturn, Protocol
 
 import cv2
 import numpy as np
 
 from followspot.errors import FollowspotError
 from followspot.files import opencv_name
+from followspot.limits import limit_remedy
 from followspot.messages import Array
 
 SMALLEST = 16
@@ -64,13 +67,22 @@ class VideoFile:
             self._require_file()
 
     def _require_file(self) -> None:
-        """Raises FollowspotError if the disk is full or the video is gone: its writer tells neither."""
+        """Raises FollowspotError if the video is gone or may grow no more: its writer tells neither."""
         try:
-            found = os.statvfs(self.path.parent if self.writer is None else self.path)
+            size = 0 if self.writer is None else self.path.stat().st_size
+            found = os.statvfs(self.path.parent)
         except FileNotFoundError:
             raise FollowspotError(f"{self.path} was moved or removed while the run wrote it") from None
+        most, _ = getrlimit(RLIMIT_FSIZE)
         if found.f_bavail * found.f_frsize < LEAST_SPACE:
-            raise FollowspotError(f"{self.path} cannot be written: No space left on device")
+            self._refuse(errno.ENOSPC)
+        if most != RLIM_INFINITY and most - size < LEAST_SPACE:
+            self._refuse(errno.EFBIG)
+
+    def _refuse(self, number: int) -> NoReturn:
+        error = OSError(number, os.strerror(number))
+        remedy = limit_remedy(error, "free space on the disk or choose another output folder")
+        raise FollowspotError(f"{self.path} cannot be written: {error.strerror}\n    {remedy}")
 
     def _open(self, first: Array, rate: float) -> cv2.VideoWriter:
         height, width = first.shape[:2]

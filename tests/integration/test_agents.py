@@ -359,7 +359,7 @@ def test_a_host_whose_disk_is_full_says_where_the_outputs_were_to_go(room: Room)
     finished = finish(room.begin(), room.folder / "out")
     assert finished.code == 1
     folder = re.escape(str(room.folder / "pc-right" / "runs"))
-    why = rf"host pc-right: the run cannot begin: File too large \(outputs go to {folder}/\S+-pc-right\)"
+    why = rf"pc-right: the run cannot begin: File too large \(outputs go to {folder}/\S+-pc-right\)\n.*ulimit"
     assert re.search(why, finished.errors), finished.errors
 
 

@@ -35,6 +35,7 @@ from followspot.host.agent_run import AgentRun
 from followspot.host.agent_runs import AgentRuns
 from followspot.host.clocks.host import HostClock
 from followspot.host.local_host import LocalHost
+from followspot.limits import limit_remedy
 from followspot.log.file import LogFile
 from followspot.plugins.registry import use_plugin_files
 from followspot.transport.wakeup_event import WakeupEvent
@@ -174,11 +175,14 @@ class Agent:
         except OSError as error:  # a full disk, for example: the other runs here go on
             self.agent_runs.close(order.run)
             text = f"the run cannot begin: {error.strerror} (outputs go to {out.absolute()})"
-            raise FollowspotError(text) from None
+            remedy = limit_remedy(error, "free space there, or start the agent with another --out")
+            raise FollowspotError(f"{text}\n    {remedy}") from None
         except BaseException:
             self.agent_runs.close(order.run)
             raise
-        self.log_line(f"run {order.run[:8]} of {graph}: {len(run.workers)} workers, outputs in {out}")
+        workers = len(run.workers)
+        count = f"{workers} worker{'s' * (workers != 1)}"
+        self.log_line(f"run {order.run[:8]} of {graph}: {count}, outputs in {out}")
 
     def _folder(self, run: str) -> Path:
         """The output folder of a run: the folder that an earlier agent made for it, or a new one.

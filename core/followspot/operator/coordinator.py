@@ -16,6 +16,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.frame_count import accompanying_sources
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_to_data
+from followspot.limits import limit_remedy
 from followspot.log.merged import MergedLog
 from followspot.log.record import LogPage
 from followspot.log.run_log import OnLog
@@ -31,8 +32,8 @@ from followspot.operator.silent_hosts import SilentHosts
 
 _STOP_TIMEOUT = 20.0
 """Seconds that hosts have to end their workers after a stop."""
-_LIMITS = "raise the limits of this user, for example ulimit -n 4096, or take fewer workers: --placement"
-"""Remedy if the system refuses a run its workers."""
+_LIMITS = "raise the limits of this user, see ulimit -a, or take fewer workers: --placement"
+"""Remedy if the system refuses a run its workers for a reason of its own."""
 _DELIVERY_TIMEOUT = 5.0
 """Seconds after a stop in which the operator waits for a silent host, to deliver the stop to it."""
 
@@ -108,7 +109,7 @@ class Coordinator:
                 host.prepare(self.order)
             except OSError as error:
                 text = f"the workers cannot be started: {error.strerror}"
-                raise FollowspotError(f"{text}\n    {_LIMITS}") from None
+                raise FollowspotError(f"{text}\n    {limit_remedy(error, _LIMITS)}") from None
             self._order_relay.add(host)
         if not self._all_ready():
             self._end_early()

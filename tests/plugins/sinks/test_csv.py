@@ -136,7 +136,7 @@ def test_a_disk_that_becomes_full_leaves_whole_rows_and_the_error_counts_the_oth
         lost = whole.count(b"\n") - rest.count(b"\n")
         assert str(told.value) == (
             f"{tmp_path}/tracks.csv is cut short: File too large; {lost} lines are lost\n"
-            "    free space on the disk or choose another output folder"
+            "    raise the limit of the size of a file: ulimit -f unlimited"
         )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from tests.full_disk import full_disk
 
 from followspot import Camera, Context, FollowspotError, Header, InputError, Room, Target
 from followspot.geometry import project
@@ -248,6 +249,16 @@ def test_a_disk_that_gets_full_is_told_and_not_left_to_the_video(
     for step in (lambda: file.write(np.zeros((48, 64, 3), "u1"), 4, 4 * 10**8), file.close):
         with pytest.raises(FollowspotError, match=r"left\.mp4 cannot be written: No space left"):
             step()
+
+
+def test_a_limit_of_the_size_of_a_file_is_told_and_not_left_to_the_video(tmp_path: Path) -> None:
+    file = VideoFile(tmp_path / "left.mp4")
+    for number in range(4):
+        file.write(np.zeros((48, 64, 3), "u1"), number, number * 10**8)
+    with full_disk(500_000):
+        for step in (lambda: file.write(np.zeros((48, 64, 3), "u1"), 4, 4 * 10**8), file.close):
+            with pytest.raises(FollowspotError, match=r"left\.mp4 cannot be written: .*\n.*ulimit -f"):
+                step()
 
 
 @pytest.mark.parametrize("gone", ["drawn/left.mp4", "drawn"])

@@ -17,7 +17,7 @@ _WAKES = 256
 """Most wake-ups that `drain` clears at once."""
 _CROWDED = (
     "an edge waits: too many descriptors are on their way between the processes of this user; "
-    "raise the limit, for example ulimit -n 4096, or take fewer workers: --placement"
+    "raise the limit of open files, for example ulimit -n 4096, or take fewer workers: --placement"
 )
 
 

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from followspot.errors import FollowspotError
+from followspot.limits import limit_remedy
 from followspot.messages import Array, InvalidMessage
 from followspot.transport.ring.control import ARENAS, WAITING, Control, fence, released_word
 from followspot.transport.ring.heads import Head, HeadReader
@@ -25,10 +26,8 @@ _BYTES = np.dtype(np.uint8)
 
 def unmapped(error: OSError) -> FollowspotError:
     """The error of a reader that cannot map memory which its writer sent."""
-    return FollowspotError(
-        f"the memory of an edge cannot be mapped: {error.strerror}\n"
-        "    raise the limits of this user, for example ulimit -n 4096, or take fewer workers: --placement"
-    )
+    remedy = limit_remedy(error, "take fewer workers: --placement")
+    return FollowspotError(f"the memory of an edge cannot be mapped: {error.strerror}\n    {remedy}")
 
 
 class ReaderMemory:
