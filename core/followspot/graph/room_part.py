@@ -15,6 +15,7 @@ _BY_CAMERA = ("hue_histogram", "area", "gray")
 def part_of(room: Node, cameras: Sequence[str], mistakes: list[Mistake]) -> Node:
     """The document of a room with these cameras only; notes those that it does not have.
 
+    If there are such, it stays as it is: what the others lack is no mistake of the graph.
     The templates of the other cameras go with them, and so do parameters that are tuned for them alone.
     """
     known = _entries(child(room, "cameras"))
@@ -23,6 +24,8 @@ def part_of(room: Node, cameras: Sequence[str], mistakes: list[Mistake]) -> Node
             place = Place("--cameras", 1, 1, max(1, len(name)), name)
             remedy = did_you_mean(name, known, "cameras")
             mistakes.append(Mistake(place, f'the room has no camera "{name}"', remedy))
+    if not known.keys() >= set(cameras):
+        return room
     others = known.keys() - set(cameras)
 
     def target(node: Node) -> Node:

@@ -40,6 +40,8 @@ def test_a_camera_that_the_room_does_not_have_is_named(capsys: pytest.CaptureFix
     said = capsys.readouterr().err
     assert '--cameras:1:1: the room has no camera "kam3"' in said
     assert 'did you mean "cam3"?' in said
+    assert main(["check", str(DEMO), "--cameras", "kam3"]) == 2
+    assert capsys.readouterr().err.endswith("\n1 mistake, nothing was started\n"), "no others follow from it"
     with pytest.raises(SystemExit):
         main(["check", str(DEMO), "--cameras", ","])
     assert "name at least one camera" in capsys.readouterr().err
