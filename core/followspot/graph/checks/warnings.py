@@ -11,6 +11,7 @@ from followspot.document import Node, child
 from followspot.errors import Mistake
 from followspot.graph.checks.flow import Flow
 from followspot.graph.checks.lengths import implausible_lengths
+from followspot.graph.checks.lenses import folded_lenses
 from followspot.graph.checks.rates import joins_of_unequal_rates
 from followspot.graph.checks.shared_containers import shared_containers
 from followspot.graph.connections import CheckedEdge
@@ -36,6 +37,7 @@ def warnings(flow: Flow, expanded: Expanded) -> list[Mistake]:
         *joins_of_unequal_rates(flow, room),
         *_foreseen(flow, room),
         *implausible_lengths(room, expanded.room_node),
+        *folded_lenses(room, expanded.room_node),
         *shared_containers(flow),
     ]
     return [replace(mistake, warning=True) for mistake in distinct_mistakes(found)]
