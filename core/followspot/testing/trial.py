@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import inspect
+import os
+import site
 import tempfile
+import traceback
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import contextmanager
@@ -15,6 +18,7 @@ from typing import Any
 import numpy as np
 import pydantic
 
+import followspot
 from followspot.context import Context
 from followspot.messages import Array, Header, Message, stamped
 from followspot.port_specs import Ports
@@ -27,6 +31,8 @@ from followspot.testing.tiny_room import tiny_room
 
 ANSWER = 60.0
 """Longest wait for a deferred answer, s."""
+_LIBRARIES = (Path(followspot.__file__).parent, *map(Path, site.getsitepackages()), Path(os.__file__).parent)
+"""Folders of code that is not tried."""
 PERIOD = 33_333_333
 """Between two frames, ns."""
 
@@ -143,9 +149,17 @@ def noise(seed: int = 0) -> Array:
 
 
 def reason(error: BaseException) -> str:
-    """An exception in one line; its own `__str__` may fail."""
+    """An exception in one line, with the line of the code that raised it; its own `__str__` may fail."""
     try:
         text = str(error)
     except Exception:
         text = "its text cannot be read"
-    return " ".join(f"{type(error).__name__}: {text}".split())[:300]
+    return " ".join(f"{type(error).__name__}: {text}".split())[:300] + _raised_at(error)
+
+
+def _raised_at(error: BaseException) -> str:
+    """File and line where the code that is tried raised, or called what raised; "" if there is none."""
+    frames = traceback.extract_tb(error.__traceback__)
+    files = [(Path(frame.filename), frame.lineno) for frame in frames if not frame.filename.startswith("<")]
+    own = [(file, line) for file, line in files if not any(map(file.is_relative_to, _LIBRARIES))]
+    return f" ({own[-1][0].name}, line {own[-1][1]})" if own else ""

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import importlib
+import inspect
+import os
+import subprocess
+import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -197,8 +201,31 @@ def test_a_stage_that_only_this_process_can_import_is_found(
     (tmp_path / "gone.py").write_text("raise OSError('not with me')\n")
     assert not list(starts_in_a_fresh_process(Trial(kept)))
     assert list(starts_in_a_fresh_process(Trial(gone))) == [
-        "a fresh process cannot import it: OSError: not with me"
+        "a fresh process cannot import it: OSError: not with me (gone.py, line 1)"
     ]
+
+
+def test_a_promise_that_raises_names_the_line_of_the_stage_also_if_a_library_raised_there() -> None:
+    line = inspect.getsourcelines(Raising.process)[1] + 1
+    assert any(
+        finding.text.endswith(f"raise ZeroDivisionError: (test_conformance.py, line {line})")
+        for finding in findings(Raising, messages=0)
+    )
+
+
+def test_a_script_without_a_guard_checks_a_stage(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(f"from {breaking.__name__} import Loose\nclass Own(Loose):\n    pass\n")
+    script = (
+        "from mine import Own\nfrom followspot.testing.promises.life import starts_in_a_fresh_process\n"
+        "from followspot.testing.trial import Trial\nprint(list(starts_in_a_fresh_process(Trial(Own))))\n"
+    )
+    (tmp_path / "script.py").write_text(script)
+    path = os.pathsep.join([str(tmp_path), str(Path(__file__).parents[3])])
+    words = [sys.executable, str(tmp_path / "script.py")]
+    done = subprocess.run(
+        words, capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": path}
+    )
+    assert done.stdout == "[]\n", done.stderr
 
 
 def test_there_are_at_least_thirty_promises_each_with_a_name_and_a_reason() -> None:

@@ -12,10 +12,12 @@ import tempfile
 import threading
 import time
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from functools import cache
 from itertools import pairwise
 from multiprocessing.connection import Connection
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -181,7 +183,8 @@ def _import_error(module: str) -> str:
     context.set_forkserver_preload(["followspot.worker.main"])
     here, there = context.Pipe(duplex=False)
     process = context.Process(target=_import, args=(module, there), daemon=True)
-    process.start()
+    with _without_main():
+        process.start()
     there.close()
     try:
         return str(here.recv()) if here.poll(TIMEOUT) else f"not done after {TIMEOUT:g} s"
@@ -190,6 +193,16 @@ def _import_error(module: str) -> str:
     finally:
         process.kill()
         process.join()
+
+
+@contextmanager
+def _without_main() -> Iterator[None]:
+    """Let a process that starts meanwhile not run the script of this one, which may have no guard."""
+    main, sys.modules["__main__"] = sys.modules["__main__"], ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
 
 
 def _import(module: str, answer: Connection) -> None:
