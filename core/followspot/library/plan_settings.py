@@ -46,6 +46,8 @@ def _compiled(
     ports: Sequence[str],
     **options: Unpack[PlanSettings],
 ) -> Plan:
+    if not isinstance(settings, Mapping | None):
+        raise InputError.of(f"set is {settings!r}", 'give a mapping, for example {"fuse.uses": "balls.mean"}')
     overrides = [as_option(name, value) for name, value in (settings or {}).items()]
     remedy = f"give a whole number from 0 to {MAX_SEED}, or nothing for the graph's"
     checked: dict[str, Any] = {

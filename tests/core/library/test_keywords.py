@@ -63,6 +63,11 @@ def test_mistakes_in_the_options_of_a_run_name_its_keywords(
     assert words in str(told)
 
 
+def test_settings_that_are_no_mapping_are_told(graph: Path) -> None:
+    (mistake,) = fs.check(graph, set="b.term=2", plugin_files=[TICKS])  # type: ignore[arg-type]
+    assert (mistake.text, mistake.remedy.split()[0:3]) == ("set is 'b.term=2'", ["give", "a", "mapping,"])
+
+
 def test_a_folder_that_cannot_be_made_is_told_with_its_remedy(graph: Path) -> None:
     with pytest.raises(FollowspotError, match=r"cannot make the output folder .*; choose one with out="):
         fs.run(graph, out=graph / "below", plugin_files=[TICKS])
