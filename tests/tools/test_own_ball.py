@@ -125,6 +125,7 @@ def test_what_other_targets_and_cameras_know_stays_and_likeness_is_told(
     [
         (["room", "new", "-o", "FOLDER/new.yaml"], "neither a video nor a webcam"),
         (["room", "new", "--video", "FOLDER/no.mp4", "-o", "FOLDER/new.yaml"], "there is no video"),
+        (["room", "new", "--video", "0", "-o", "FOLDER/new.yaml"], "a webcam is --webcam 0"),
         (["room", "new", "--video", "FOLDER/balls.avi", "-o", "FOLDER/room.yaml"], "is there already"),
         (["room", "new", "--webcam", "0", "--size", "wide", "-o", "FOLDER/new.yaml"], "--size wide"),
         (["run", GRAPH, "--room", "FOLDER/balls.avi"], "room new --video FOLDER/balls.avi -o room.yaml"),

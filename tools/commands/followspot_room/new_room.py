@@ -79,7 +79,12 @@ def _source(video: Path) -> StageUse:
 def _size(video: Path) -> tuple[int, int]:
     """Size of the pictures of a video or of a folder of pictures. Raises InputError."""
     if not video.exists():
-        raise InputError.of(f"there is no video {video}", "give a video, or a folder of pictures")
+        remedy = (
+            f"a webcam is --webcam {video}"
+            if video.name.isdigit()
+            else "give a video, or a folder of pictures"
+        )
+        raise InputError.of(f"there is no video {video}", remedy)
     found = picture_size(video)
     if found is None:
         raise InputError.of(f"there is no picture in {video}", "give a video, or a folder of pictures")
