@@ -65,6 +65,7 @@ class KeypointsLive(Stage):
         self.folder = of_camera(self.params.path, self.camera.name, self.room.cameras)
         if not self.folder.is_dir():
             raise InputError.of(f"{self.folder} is no folder", "name the folder that the network writes into")
+        self.gone = False
         there = dict(self.pictures())
         self.known = set(there)
         """Numbers of the pictures whose files were there."""
@@ -100,8 +101,19 @@ class KeypointsLive(Stage):
             )
 
     def pictures(self) -> list[tuple[int, Path]]:
-        """The files of the folder by the numbers of their pictures. Raises InputError."""
-        return picture_files(self.folder, self.room.cameras)
+        """The files of the folder by the numbers of their pictures; none while it is gone, with a warning.
+
+        Raises InputError.
+        """
+        try:
+            found = picture_files(self.folder, self.room.cameras)
+        except FileNotFoundError:
+            if not self.gone:
+                self.context.warn(f"{self.folder} is gone: no joints until it is there again")
+            self.gone = True
+            return []
+        self.gone = False
+        return found
 
     def persons(self, path: Path) -> list[Person] | None:
         """The persons of a picture as soon as its file can be read; None if it never can."""
@@ -118,7 +130,8 @@ class KeypointsLive(Stage):
         """The joints of one picture. Raises InputError if they have no names."""
         rate = self.params.fps
         found = joints_of(persons, self.params, self.params.joints, str(path))
-        when = capture_time(number, exact_rate(rate)) if rate else path.stat().st_mtime_ns
+        written = self.written or time.time_ns()  # a file may be removed as soon as it was read
+        when = capture_time(number, exact_rate(rate)) if rate else written
         yield at(when, points_of(found, self.camera, self.params), seq=number)
 
 

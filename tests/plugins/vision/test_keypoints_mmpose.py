@@ -12,6 +12,7 @@ import pytest
 from followspot import Context, InputError
 from followspot.room import Member
 from followspot.testing import tiny_room
+from followspot_vision.keypoint_files import read_picture
 from followspot_vision.keypoints_json import KeypointsJson
 from followspot_vision.keypoints_live import KeypointsLive
 
@@ -87,7 +88,9 @@ class Writer:
         if not self.steps:
             return False
         step = self.steps.pop(0)
-        if step is not None:
+        if callable(step):
+            step()
+        elif step is not None:
             path, text = step
             path.write_text(text)
         return True
@@ -100,6 +103,33 @@ def live(folder: Path, *steps: Any, **params: Any) -> tuple[list[Any], list[str]
     stage = KeypointsLive(context, path=folder, **params)
     stage.setup()
     return list(stage.process()), warnings
+
+
+def test_a_folder_that_is_gone_for_a_while_is_told_and_read_again(tmp_path: Path) -> None:
+    folder, away = tmp_path / "cam0", tmp_path / "away"
+    folder.mkdir()
+    people = json.dumps({"people": [{"pose_keypoints_2d": [1, 2, 0.9] * 17}]})
+    steps = [lambda: folder.rename(away), None, lambda: away.rename(folder)]
+    found, warnings = live(folder, *steps, (folder / "a_001_keypoints.json", people), fps=10)
+    assert [m.header.seq for m in found] == [1]
+    assert warnings == [f"{folder} is gone: no joints until it is there again"]
+
+
+def test_a_file_that_is_removed_as_soon_as_it_was_read_ends_no_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a_001_keypoints.json"
+    people = json.dumps({"people": [{"pose_keypoints_2d": [1, 2, 0.9] * 17}]})
+
+    def cleaned(file: Path) -> list[Any]:
+        persons = read_picture(file)
+        file.unlink()
+        return persons
+
+    monkeypatch.setattr("followspot_vision.keypoints_live.read_picture", cleaned)
+    found, warnings = live(tmp_path, (path, people))
+    assert [(m.header.seq, len(m.xy)) for m in found] == [(1, 17)]
+    assert warnings == []
 
 
 def test_pictures_come_when_their_files_do(tmp_path: Path) -> None:
