@@ -135,6 +135,8 @@ class PictureFolder:
         """Write one file. Raises FollowspotError."""
         path = self.folder / f"{seq:06d}.{self.form}"
         if not cv2.imwrite(opencv_name(path), picture):
+            if not self.folder.is_dir():
+                raise FollowspotError(f"{self.folder} was moved or removed while the run wrote it")
             raise FollowspotError(f"{path} cannot be written\n    free space on the disk")
 
     def close(self) -> None:

@@ -17,7 +17,7 @@ from followspot.people import Boxes, Poses
 from followspot.testing import check_stage
 from followspot.tracking import LOST, TRACKED, Blobs, Forecast, Frame, Tracks
 from followspot_sinks.draw import Draw
-from followspot_sinks.picture_files import VideoFile, side_by_side
+from followspot_sinks.picture_files import PictureFolder, VideoFile, side_by_side
 from followspot_sinks.pose_drawing import arrows, images, outline
 from followspot_sinks.target_drawing import PALETTE, target_color
 
@@ -271,6 +271,14 @@ def test_a_video_that_is_gone_while_it_is_written_is_an_error(tmp_path: Path, go
     for step in (lambda: file.write(np.zeros((48, 64, 3), "u1"), 4, 4 * 10**8), file.close):
         with pytest.raises(FollowspotError, match=r"left\.mp4 was moved or removed while the run wrote it"):
             step()
+
+
+def test_a_folder_of_pictures_that_is_gone_while_it_is_written_is_an_error(tmp_path: Path) -> None:
+    folder = PictureFolder(tmp_path, "left", "png")
+    folder.write(np.zeros((48, 64, 3), "u1"), 0, 0)
+    (tmp_path / "left").rename(tmp_path / "elsewhere")
+    with pytest.raises(FollowspotError, match="left was moved or removed while the run wrote it"):
+        folder.write(np.zeros((48, 64, 3), "u1"), 1, 0)
 
 
 def test_infrared_picture_is_drawn_on_in_color(tmp_path: Path) -> None:
