@@ -30,7 +30,8 @@ class Datagrams:
                 self.socket.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, card)
         except (OSError, ValueError) as error:
             self.socket.close()
-            text = f"cannot send to {host} from {interface}: {error}"
+            why = error.strerror if isinstance(error, OSError) else error
+            text = f"cannot send to {host} from {interface}: {why}"
             remedy = "host: a name or an address; interface: this computer's own address in that network"
             raise InputError([Mistake(None, text, remedy)]) from None
 

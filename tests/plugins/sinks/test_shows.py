@@ -145,6 +145,12 @@ def test_lights_receive_places_speeds_and_names(receiver: socket.socket) -> None
     assert pypsn.parse_psn_packet(again).trackers[0].tracker_name == b"red"  # a second later
 
 
+def test_a_card_that_this_computer_does_not_have_is_told_in_words() -> None:
+    lights = Psn(Context("lights", ROOM), interface="192.0.2.7")
+    with pytest.raises(InputError, match=r"from 192\.0\.2\.7: Cannot assign requested address\n"):
+        lights.setup()
+
+
 def test_lights_never_turn_to_a_number_that_is_none(receiver: socket.socket) -> None:
     """A place that is NaN is sent as the last one that was known, and as not tracked now."""
     unknown = np.full((1, 3), np.nan)
