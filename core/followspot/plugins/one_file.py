@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import inspect
 import re
 import sys
 import traceback
@@ -113,7 +114,15 @@ def _check_signature(stage: type[Stage], path: str) -> None:
         ports(stage)
         check_init(stage)
     except SignatureError as error:
-        raise PluginFileError(f"{path}: {error}") from None
+        raise PluginFileError(f"{path}:{_line_of(stage, path)}: {error}") from None
+
+
+def _line_of(stage: type[Stage], path: str) -> int:
+    """Line of the file at which the stage says what it takes and gives, or begins."""
+    code = getattr(getattr(stage, "process", None), "__code__", None)
+    if code is not None and code.co_filename == path:
+        return int(code.co_firstlineno)
+    return inspect.findsource(stage)[1] + 1
 
 
 def _line(error: BaseException, path: str) -> int:

@@ -224,7 +224,8 @@ def test_each_stage_of_a_file_is_named_after_the_file_and_the_class(tmp_path: Pa
         ("leaves.py", "\nraise SystemExit(3)\n", "leaves.py:2: SystemExit: 3"),
         ("empty.py", "x = 1\n", "defines no stage"),
         ("Bad-Name.py", STAGE, "name it like a Python module"),
-        ("unsigned.py", STAGE.replace(" -> Source[Note]", ""), "unsigned.py: Piano.process says not"),
+        ("unsigned.py", STAGE.replace(" -> Source[Note]", ""), "unsigned.py:9: Piano.process says not"),
+        ("idle.py", STAGE.replace("def process", "def proceed"), "idle.py:8: Piano"),
     ],
 )
 def test_a_file_that_is_no_plugin_is_one_line(tmp_path: Path, name: str, text: str, said: str) -> None:
