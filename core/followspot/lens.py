@@ -21,6 +21,8 @@ TOLERANCE = 1e-12
 """Step at which the inversion of a lens model stops, in focal lengths (fisheye) or px (pinhole)."""
 POLYNOMIAL = ("pinhole", "rational")
 """Models with distortions that are polynomials of OpenCV, or quotients of them."""
+_NEGLIGIBLE = 1e-100
+"""Largest coefficient of the highest power that no lens has: what it turns lies beyond any angle."""
 IDENTITY = np.eye(3)
 ORIGIN = np.zeros(3)
 
@@ -69,7 +71,7 @@ def fold(camera: Camera) -> float:
     over, under = Polynomial([1.0, k1, k2, k3]), Polynomial([1.0, k4, k5, k6])
     s = Polynomial([0.0, 1.0])  # squared tangent; the image is at r over(s) / under(s)
     growth = (over + 2 * s * over.deriv()) * under - 2 * s * over * under.deriv()
-    turns = np.concatenate([growth.trim().roots(), under.trim().roots()])
+    turns = np.concatenate([growth.trim(_NEGLIGIBLE).roots(), under.trim(_NEGLIGIBLE).roots()])
     return float(np.sqrt(turns.real[(turns.imag == 0) & (turns.real > 0)].min(initial=np.inf)))
 
 

@@ -53,6 +53,8 @@ def test_a_lens_that_folds_within_its_picture_is_told_at_its_line(
         ("fisheye", [-0.05, 0.01, 0, 0]),
         ("rational", [0.3, 0.1, 0.001, -0.001, 0.0, 0.6, 0.2, 0.01]),
         ("cylinder", []),
+        ("pinhole", [0.0, 0.0, 0.0, 0.0, 5e-324]),  # the smallest number, by which nothing can be divided
+        ("rational", [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 5e-324]),
     ],
 )
 def test_lenses_of_real_cameras_are_fine(tmp_path: Path, model: str, distortion: list[float]) -> None:
