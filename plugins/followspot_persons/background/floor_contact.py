@@ -13,6 +13,7 @@ import numpy as np
 from followspot import Array, Camera
 from followspot.geometry import project
 from followspot_persons.background.ghost import is_ghost
+from followspot_persons.background.goes_on import goes_on_below
 from followspot_persons.background.scene import Scene
 from followspot_persons.body.standing import WAIST, knows_floor, rise
 from followspot_persons.body.stature import PROPORTION_SIGMA
@@ -43,6 +44,8 @@ BESIDE = 0.45
 """Half the width of another person's columns, in heights of its upper body."""
 LEGS = 0.7
 """Height above the lowest row in which no ghost may be, in heights of the upper body."""
+ASTRIDE = 0.6
+"""Reach of a foot beside the strip, in heights of the upper body: half a long step."""
 FREE = 0.5
 """Share of the strip that nearer people must leave."""
 ROUNDS = 4
@@ -115,6 +118,10 @@ class _Axis:
         (x0, y0), (x1, y1) = self.head, self.foot
         return np.asarray(x0 + (row - y0) * (x1 - x0) / (y1 - y0))
 
+    def beside(self, rows: Array, half: int) -> Array:
+        """Columns up to so many beside the axis at these rows (R,), (R, 2 half + 1) px."""
+        return np.rint(self.column(rows)).astype(int)[:, None] + np.arange(-half, half + 1)
+
 
 def presence(scene: Scene | None, pose: Array, others: Array) -> Presence | None:
     """Compare a person with the background; None if it is unknown, or if the person has no image.
@@ -165,7 +172,8 @@ class _Strip:
     """Foreground along the axis of a body from head to below the feet.
 
     rows: (R,); columns: (R, C); changed, free: (R, C) bool, foreground, and what no nearer person hides;
-    body, about: share of foreground in the middle of the upper body, and in all columns of its rows.
+    others: (K, 4) px, upper bodies of nearer people; body, about: share of foreground in the middle of the
+    upper body, and in all columns of its rows.
     """
 
     axis: _Axis
@@ -173,6 +181,7 @@ class _Strip:
     columns: Array
     changed: Array
     free: Array
+    others: Array
     body: float
     about: float
 
@@ -185,15 +194,20 @@ class _Strip:
         last = min(scene.camera.size[1], int(axis.foot[1] + 0.5 * (axis.foot[1] - axis.head[1])))
         rows = np.arange(max(0, int(axis.head[1])), max(last, 1))
         half = int(WIDTH * axis.tall)
-        aside = np.arange(-half, half + 1)
-        columns = np.rint(axis.column(rows)).astype(int)[:, None] + aside
-        middle = np.abs(aside) <= half / 3
+        columns = axis.beside(rows, half)
+        middle = np.abs(np.arange(-half, half + 1)) <= half / 3
         changed = scene.changed(rows[:, None], columns)
         upper = changed[rows < axis.waist[1]]
         free = scene.beside(columns, others, BESIDE)
         if not upper.size:
             return None
-        return cls(axis, rows, columns, changed, free, float(upper[:, middle].mean()), float(upper.mean()))
+        shares = float(upper[:, middle].mean()), float(upper.mean())
+        return cls(axis, rows, columns, changed, free, others, *shares)
+
+    @property
+    def gap(self) -> int:
+        """Longest gap between two rows of legs, px."""
+        return max(1, round(GAP * self.axis.tall))
 
     def distance(self, scene: Scene) -> float | None:
         """Horizontal distance of the person from the camera by the feet, m; None if they are not seen."""
@@ -201,18 +215,28 @@ class _Strip:
         return None if low is None else distance_on_floor(scene.camera, self.axis, low)
 
     def lowest(self, scene: Scene) -> int | None:
-        """The lowest row of the person; None if nobody is there, a nearer person hides too much, or the legs
-        are a ghost's.
+        """The lowest row of the person; None if nobody is there, a nearer person hides too much, the legs are
+        a ghost's, or they go on beside the strip.
         """
         if self.body < BODY or self.free.mean() < FREE:
             return None
         filled = (self.changed & self.free).sum(axis=1) >= SHARE * self.free.shape[1]
-        tall = self.axis.tall
-        last = lowest(filled, max(1, round(GAP * tall)))
-        legs = slice(max(0, last + 1 - round(LEGS * tall)), last + 1)
+        last = lowest(filled, self.gap)
+        legs = slice(max(0, last + 1 - round(LEGS * self.axis.tall)), last + 1)
         there = self.rows[legs, None], self.columns[legs] % scene.camera.size[0]
         ghost = is_ghost(self.changed[legs], scene.pixels[there], scene.background[there], scene.light)
-        return None if ghost else int(self.rows[last])
+        return None if ghost or self.astride(scene, last) else int(self.rows[last])
+
+    def astride(self, scene: Scene, last: int) -> bool:
+        """Whether legs leave the strip at its side: their foreground goes on below its lowest row, of this
+        index, so that this row is of a knee.
+        """
+        reach, first = round(ASTRIDE * self.axis.tall), max(0, last - self.gap)
+        rows, width = self.rows[first : last + 1 + reach], self.columns.shape[1]
+        columns = self.axis.beside(rows, width // 2 + reach)
+        changed = scene.changed(rows[:, None], columns) & scene.beside(columns, self.others, BESIDE)
+        strip = slice(0, last + 1 - first), slice(reach, reach + width)
+        return goes_on_below(changed, strip, self.gap)
 
 
 def lowest(filled: Array, gap: int) -> int:

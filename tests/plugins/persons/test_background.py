@@ -10,6 +10,7 @@ from tests.plugins.persons.before_wall import background_and_body
 from tests.plugins.persons.drawn import (
     BACK,
     SECOND,
+    SHIRT,
     WALL,
     boxes_of,
     frame_of,
@@ -18,6 +19,7 @@ from tests.plugins.persons.drawn import (
 )
 from tests.plugins.persons.shown import SlowInstance
 
+from followspot.geometry import project
 from followspot.messages import stamped
 from followspot_persons.background.background import FEWEST, INTERVAL, LONGEST, MOST, Background, foreground
 from followspot_persons.background.existence import EVIDENCE, RIGID, Stirring, evidence_of
@@ -167,6 +169,23 @@ def test_legs_that_the_background_has_and_the_picture_not_are_nobodys_feet(ghost
     told = presence(changed, standing(3.9), NOBODY)
     assert told.foreground > 0.6
     assert told.contact is None if ghost else told.contact.distance == pytest.approx(3.6, abs=0.1)
+
+
+@pytest.mark.parametrize("to_the_floor", [True, False])
+def test_legs_that_part_in_a_step_are_no_feet_where_they_leave_the_middle(to_the_floor):
+    """Both shanks go on aside, so that the lowest row below the trunk is of the knees, 0.3 m farther away."""
+    true = standing(3.0)
+    scene = background_and_body(true)
+    knee, foot = project(scene.camera, np.array([[2.82, 0, 0.15], [2.82, 0, 0.0]]))[:, 1].astype(int)
+    pixels = scene.pixels.copy()
+    pixels[knee:] = WALL
+    if to_the_floor:
+        for row in range(knee - 10, foot):
+            for side in (-1, 1):
+                pixels[row, 159 + side * (row - knee + 15) + np.arange(-5, 6)] = SHIRT
+    told = presence(replace(scene, pixels=pixels), true, NOBODY)
+    assert told.foreground > 0.6
+    assert (told.contact is None) == to_the_floor
 
 
 def test_a_box_of_a_head_becomes_that_of_the_upper_body_and_another_one_stays():
