@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from datetime import UTC, datetime
-from decimal import Decimal
+from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
 
@@ -51,7 +51,7 @@ def time_of_name(path: Path, form: str) -> int:
 
 def _by_unit(stem: str, unit: str) -> int | None:
     found = LAST_NUMBER.search(stem)
-    return int(Decimal(found[1]).scaleb(DECIMALS[unit]).to_integral_value()) if found else None
+    return round(Fraction(found[1]) * 10 ** DECIMALS[unit]) if found else None
 
 
 def _by_date(stem: str, form: str) -> int | None:

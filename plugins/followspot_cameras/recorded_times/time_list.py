@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from decimal import Decimal
+from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from followspot.files import open_text
 
 HEADER = re.compile(r"# time(code|stamp) format v2\s*")
 NUMBER = re.compile(r"[0-9]{1,18}(\.[0-9]{1,18})?")
-LARGEST = Decimal(4_000_000_000_000)
+LARGEST = 4_000_000_000_000
 """ms; some 126 years, so that no sum of times overflows."""
 REMEDY = 'the first line is "# timestamp format v2", each other line a time in ms, as mkvmerge writes them'
 
@@ -49,10 +49,13 @@ def read_time_list(path: Path) -> list[int]:
 
 
 def _nanoseconds(path: Path, number: int, line: str) -> int:
-    """A time in ms as ns. Raises InputError."""
-    if not NUMBER.fullmatch(line) or Decimal(line) > LARGEST:
+    """A time in ms as ns. Raises InputError.
+
+    A decimal number would set a context variable, and numpy then takes longer to find its own in every call.
+    """
+    if not NUMBER.fullmatch(line) or (milliseconds := Fraction(line)) > LARGEST:
         raise _wrong(path, number, f'"{line[:40]}" is no time in ms', REMEDY)
-    return int((Decimal(line) * 1_000_000).to_integral_value())
+    return round(milliseconds * 1_000_000)
 
 
 def _wrong(path: Path, line: int, text: str, remedy: str) -> InputError:

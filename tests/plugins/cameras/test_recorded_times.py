@@ -1,6 +1,7 @@
 """Recordings whose pictures have capture times of their own."""
 
 from collections.abc import Sequence
+from contextvars import Context
 from fractions import Fraction
 from pathlib import Path
 
@@ -12,6 +13,8 @@ from tests.plugins.cameras.recordings import SIZE, context, numbers, picture, re
 
 from followspot import InputError, Room
 from followspot_cameras.images import Images
+from followspot_cameras.recorded_times.file_names import time_of_name
+from followspot_cameras.recorded_times.time_list import read_time_list
 from followspot_cameras.video.stage import Video
 from followspot_cameras.video.times import TimeStamps
 
@@ -207,3 +210,12 @@ def test_time_stamps_that_stand_still_are_refused(tmp_path: Path) -> None:
     assert stamps.time_of(0) == 40_000_000
     with pytest.raises(InputError, match=r"a.mkv: frame 1 has no later time stamp"):
         stamps.time_of(1)
+
+
+def test_reading_times_sets_no_context_variable(tmp_path: Path) -> None:
+    """One that is set makes each later call of numpy slower; arithmetic of decimal numbers sets one."""
+    path, here = tmp_path / "t.pts", Context()
+    path.write_text(LIST)
+    assert here.run(read_time_list, path) == [0, 33_333_000, 500_500_000]
+    assert here.run(time_of_name, Path("cam_12.5.png"), "ms") == 12_500_000
+    assert not len(here)
