@@ -13,6 +13,7 @@ from followspot.room import Camera, Room, Target
 from followspot.tracking import Blobs
 from followspot_balls.detection.hue import BINS
 from followspot_balls.detection.rival_colors import TOLD_APART
+from followspot_balls.scene.targets import unchanging
 
 
 class SearchParams(StageParams):
@@ -90,7 +91,8 @@ def blobs_by_view(cameras: Sequence[Camera], view: Array, found: Detections, row
     view: (N,) number of the camera that shows each blob; rows: (M,) ascending, those that are sent.
     """
     rows = rows.take(view.take(rows).argsort(kind="stable"))
-    pixel, area, similarity, targets = (column.take(rows, axis=0) for column in found)
+    # What is read-only is sent as it is, a part of a column that can be changed as a copy.
+    pixel, area, similarity, targets = (unchanging(column.take(rows, axis=0)) for column in found)
     ends = view.take(rows).searchsorted(np.arange(len(cameras) + 1)).tolist()
     return [
         Blobs(
