@@ -9,6 +9,7 @@ from followspot.tracking import Candidates, Forecast
 from followspot_balls.association.existence import Existence, near
 from followspot_balls.association.likelihood import ball_vs_reflector_log_ratio
 from followspot_balls.association.view_association import ViewAssociation, WeighedHypotheses
+from followspot_balls.scene.distances import squared_distances
 
 SETTLED = 3
 """Candidates at the forecast of a target that determine its position."""
@@ -53,11 +54,12 @@ class AssociateTracked(ViewAssociation):
 
     def settled(self, candidates: Candidates, forecast: Forecast) -> Array:
         """Which targets three candidates show at their forecasts, one of them in their colour: (T,) bool."""
-        off = candidates.xyz[:, None] - forecast.xyz
         variance = forecast.covariance.diagonal(axis1=1, axis2=2).max(axis=1)
-        there = candidates.targets & (np.vecdot(off, off) <= np.maximum(GATE**2 * variance, MINIMUM_GATE**2))
-        own = candidates.labelled @ there if self.colored else True
-        return np.asarray((there.sum(axis=0) >= SETTLED) & own)
+        reach2 = np.maximum(GATE**2 * variance, MINIMUM_GATE**2)[:, None]
+        there = squared_distances(forecast.xyz, candidates.xyz) <= reach2
+        there &= candidates.targets.T
+        own = there @ candidates.labelled if self.colored else True
+        return np.asarray((there.sum(axis=1) >= SETTLED) & own)
 
     def undecided(self, found: WeighedHypotheses, tracked: Array) -> Array:
         """Targets without a track whose likeliest position leads by less than `MINIMUM_LEAD`: (T,) bool."""

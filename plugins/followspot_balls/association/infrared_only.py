@@ -11,6 +11,7 @@ import numpy as np
 from followspot import Array, Field, Room, StageParams
 from followspot.geometry import Views
 from followspot.tracking import MISSING, Candidates, Forecast, Positions
+from followspot_balls.scene.distances import squared_distances
 from followspot_balls.scene.targets import target_radii
 
 
@@ -71,11 +72,11 @@ class Colorless:
 
     def shown(self, positions: Positions, candidates: Candidates) -> Array:
         """Whether a candidate with the colour of its target lies in its ball: (M,) bool."""
-        labelled = candidates.labelled.nonzero()[0]
-        off = candidates.xyz.take(labelled, axis=0)[:, None] - positions.xyz
-        inside = np.vecdot(off, off) < self.radius2.take(positions.target)
-        inside &= candidates.targets.take(labelled, axis=0).take(positions.target, axis=1)
-        return np.asarray(inside.any(axis=0))
+        target = positions.target
+        inside = squared_distances(positions.xyz, candidates.xyz) < self.radius2.take(target)[:, None]
+        inside &= candidates.labelled
+        inside &= candidates.targets.take(target, axis=1).T
+        return np.asarray(inside.any(axis=1))
 
     def in_picture(self, xyz: Array) -> Array:
         """Whether positions lie in the picture of a colour camera: (M, 3) m -> (M,) bool."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from followspot.messages import Array
 from followspot.tracking import TRACKED, Forecast
+from followspot_balls.scene.distances import squared_distances
 from followspot_balls.scene.targets import lost_targets
 
 
@@ -36,16 +37,15 @@ def in_search_spheres(
     xyz: (N, 3) m, NaN for none; labelled: (N,) bool; radii: (T,) m, of the targets; reach: the radii of the
     spheres, (T,) m; alike: (T, T) bool, which targets have one colour, None if none have.
     """
-    lost = lost_targets(forecast, len(radii))
-    real = ~np.isnan(xyz[:, :1])
+    lost = lost_targets(forecast, len(radii))[:, None]
+    real = ~np.isnan(xyz[:, 0])
     if forecast is None or np.count_nonzero(lost) == lost.size:
-        return np.asarray(real & lost)
-    offset = xyz[:, None] - forecast.xyz
-    spheres = reach(forecast)
-    distance2 = np.vecdot(offset, offset)
-    ball = (distance2 <= np.square(radii)) & ~lost
-    tracked = ball & (forecast.state == TRACKED)
-    taken = (~labelled & tracked.any(axis=1))[:, None]
+        return np.asarray(real & lost).T
+    spheres = reach(forecast)[:, None]
+    distance2 = squared_distances(forecast.xyz, xyz)
+    ball = (distance2 <= np.square(radii)[:, None]) & ~lost
+    tracked = ball & (forecast.state == TRACKED)[:, None]
+    taken = ~labelled & tracked.any(axis=0)
     if alike is not None:
-        taken = taken | (tracked @ alike)
-    return np.asarray(real & (lost | (distance2 <= spheres * spheres)) & (ball | ~taken))
+        taken = taken | (alike.T @ tracked)
+    return np.asarray(real & (lost | (distance2 <= spheres * spheres)) & (ball | ~taken)).T
