@@ -114,14 +114,15 @@ class MeanShift(Fusion):
         if np.count_nonzero(lost):
             there &= (candidates.targets.T & candidates.confirmed).any(axis=1) | ~lost
         target = there.nonzero()[0]
-        weights, lost = weights[target], lost[target]
+        weights, lost = weights.take(target, axis=0), lost.take(target)
         center, sigma = expectation(forecast, target, lost)
         bandwidth = np.maximum(self.params.bandwidth_scale * sigma, self.params.minimum_bandwidth)
         bandwidth[lost] = self.params.lost_bandwidth
         sample = Sample(candidates.xyz, candidates.labelled, weights, bandwidth)
         modes = self.modes(sample, center, candidates, target, lost)
-        held, narrow = modes.held.copy(), (bandwidth.max(axis=1) < self.params.lost_bandwidth).nonzero()[0]
-        held[narrow] *= self.covariance.precision(candidates, target.take(narrow))
+        precision = self.covariance.precision(candidates, target)
+        precision[bandwidth.max(axis=1) >= self.params.lost_bandwidth] = 1.0
+        held = modes.held * precision
         place = weighted_mean(candidates.xyz, held)
         used = modes.held > self.params.minimum_support_weight
         support = used.sum(axis=1, dtype=np.int32)
@@ -130,7 +131,7 @@ class MeanShift(Fusion):
             target=target.astype(np.int32),
             xyz=place,
             covariance=self.covariance.of(candidates, target, place, held)
-            + rivals_covariance(candidates.xyz, place, weights, modes.held, self.params.rival_exponent),
+            + rivals_covariance(candidates.xyz, place, weights, modes, self.params.rival_exponent),
             support=support,
             confirmed=np.asarray((used & candidates.confirmed).any(axis=1)),
             evident=np.asarray((shown & candidates.evident).any(axis=1)),
@@ -168,7 +169,7 @@ class MeanShift(Fusion):
             credit = self.credit(candidates, center[dense], lost[dense])
             start[dense] = densest(sample.rows(dense), credit)
         first = seek_modes(start, sample, p.convergence_distance, p.maximum_iterations)
-        poor = ~dense & (first.held.sum(axis=1) <= p.minimum_mode_share * sample.weights.sum(axis=1))
+        poor = ~dense & (first.total <= p.minimum_mode_share * sample.weights.sum(axis=1))
         if not np.count_nonzero(poor):
             return first
         rest = sample.rows(poor)

@@ -102,7 +102,8 @@ def cut(pictures: Sequence[Array], windows: Windows) -> Array:
     places = zip(pictures, first.tolist(), end.tolist(), place.tolist(), strict=True)
     for pixels, (left, top), (right, bottom), (column, row) in places:
         part = pixels[top:bottom, left:right]
-        strip[row : row + part.shape[0], column : column + part.shape[1]] = part
+        height, width, _ = part.shape
+        strip[row : row + height, column : column + width] = part
     return strip
 
 

@@ -17,6 +17,7 @@ from followspot.room import Room
 from followspot.tracking import Candidates
 from followspot_balls.detection.strip import row_and_column
 from followspot_balls.fusion.blob_params import BlobParams
+from followspot_balls.fusion.modes import Modes
 from followspot_balls.measurement.glow_shift import glow_sigma
 from followspot_balls.measurement.outline import unit_outline
 from followspot_balls.measurement.points import point_images
@@ -145,22 +146,21 @@ class ModeCovariance:
         covariance += shift * shift.swapaxes(1, 2)
 
 
-def rivals_covariance(xyz: Array, center: Array, weights: Array, held: Array, exponent: float) -> Array:
+def rivals_covariance(xyz: Array, center: Array, weights: Array, modes: Modes, exponent: float) -> Array:
     """What the possibility adds that candidates outside the modes show the balls: (M, 3, 3) m^2.
 
     It is their spread about the mode times its probability o^k / (h^k + o^k), with the weights h in the mode
     and o outside it, as in a mixture (Bar-Shalom, Li & Kirubarajan 2001, section 1.4.16).
-    xyz: (N, 3) m; center: (M, 3) m; weights, held: (M, N); exponent: k.
+    xyz: (N, 3) m; center: (M, 3) m; weights: (M, N); exponent: k.
     """
-    inside = held.sum(axis=1)
-    total = np.maximum(weights.sum(axis=1) - inside, 0.0)
-    odds = np.minimum(total / np.maximum(inside, TINY), 1e6) ** exponent
+    total = np.maximum(weights.sum(axis=1) - modes.total, 0.0)
+    odds = np.minimum(total / np.maximum(modes.total, TINY), 1e6) ** exponent
     covariance = np.zeros((len(center), 3, 3))
     likely = (odds >= UNLIKELY).nonzero()[0]
     if not len(likely):
         return covariance
     odds, total = odds.take(likely), total.take(likely)
-    outside = weights.take(likely, axis=0) - held.take(likely, axis=0)
+    outside = weights.take(likely, axis=0) - modes.held.take(likely, axis=0)
     outside *= (odds / (1 + odds) / np.maximum(total, TINY))[:, None]
     offset = xyz - center.take(likely, axis=0)[:, None]
     covariance[likely] = (outside[..., None] * offset).swapaxes(1, 2) @ offset

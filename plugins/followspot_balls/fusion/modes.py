@@ -36,6 +36,8 @@ class Modes(NamedTuple):
     """(M, 3) m."""
     held: Array
     """(M, N) weight of each candidate inside the kernel, 0 outside."""
+    total: Array
+    """(M,) their sum."""
     steps: Array
     """(M,) steps until convergence."""
 
@@ -47,7 +49,7 @@ def seek_modes(start: Array, sample: Sample, tolerance: float, steps: int) -> Mo
     start: (M, 3) m; tolerance: length of the last step, m; steps: at most.
     """
     center, taken = start, np.zeros(len(start), int)
-    held, moving = sample.weights, np.ones(len(start), bool)
+    moving = np.ones(len(start), bool)
     scale, unlabelled = scales(sample.bandwidth), 1.0 - sample.labelled
     across = np.ascontiguousarray(sample.xyz.T)  # long rows are computed faster
     for step in range(1, steps + 1):
@@ -63,7 +65,7 @@ def seek_modes(start: Array, sample: Sample, tolerance: float, steps: int) -> Mo
         center = mean
         if not np.count_nonzero(moving):
             break
-    return Modes(center, held, taken)
+    return Modes(center, held, total, taken)
 
 
 def weighted_mean(xyz: Array, weights: Array) -> Array:

@@ -14,6 +14,7 @@ from followspot.messages import Array
 from followspot.sealing import seal
 from followspot.tracking import Candidates, Forecast
 from followspot_balls.fusion.mode_covariance import ModeCovariance, rivals_covariance
+from followspot_balls.fusion.modes import Modes
 from followspot_balls.mean_shift import MeanShift
 from followspot_balls.measurement.center_precision import variance
 from followspot_balls.measurement.glow_shift import glow_sigma
@@ -187,8 +188,9 @@ def test_depth_cameras_that_see_nothing_have_no_mode() -> None:
 def test_rivals_widen_the_covariance_by_their_spread_and_the_odds_that_they_are_right() -> None:
     xyz = PLACE + np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.0, -0.2]])
     weights = np.array([[2.0, 1.0, 1.0], [2.0, 0.0, 1.0], [2.0, 0.0, 0.0]])
-    held = weights * [1.0, 0.0, 0.0]
-    found = rivals_covariance(xyz, np.tile(PLACE, (3, 1)), weights, held, 4.0)
+    held, center = weights * [1.0, 0.0, 0.0], np.tile(PLACE, (3, 1))
+    modes = Modes(center, held, held.sum(axis=1), np.ones(3, int))
+    found = rivals_covariance(xyz, center, weights, modes, 4.0)
     assert found[0] == pytest.approx(np.diag([0.01, 0.0, 0.04]) / 2 / 2)
     assert found[1] == pytest.approx(np.diag([0.0, 0.0, 0.04]) / 17)
     assert not found[2].any()
