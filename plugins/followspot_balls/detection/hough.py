@@ -124,10 +124,14 @@ def derivatives(level: Array, index: Array) -> Array:
 
     level: (H, W) u8; index: (P,) flat.
     """
-    smooth = cv2.sepFilter2D(level, cv2.CV_32F, SMOOTH, SMOOTH, borderType=cv2.BORDER_CONSTANT)
-    right = cv2.Scharr(smooth, cv2.CV_32F, 1, 0, borderType=cv2.BORDER_CONSTANT)
-    down = cv2.Scharr(smooth, cv2.CV_32F, 0, 1, borderType=cv2.BORDER_CONSTANT)
-    return np.array([right.take(index), down.take(index), SCHARR * smooth.take(index)])
+    planes = np.empty((3, *level.shape), np.float32)
+    right, down, smooth = planes
+    cv2.sepFilter2D(level, cv2.CV_32F, SMOOTH, SMOOTH, smooth, borderType=cv2.BORDER_CONSTANT)
+    cv2.Scharr(smooth, cv2.CV_32F, 1, 0, right, borderType=cv2.BORDER_CONSTANT)
+    cv2.Scharr(smooth, cv2.CV_32F, 0, 1, down, borderType=cv2.BORDER_CONSTANT)
+    found = planes.reshape(3, -1).take(index, axis=1)
+    found[2] *= SCHARR
+    return found
 
 
 def agreement(votes: Array, weight: Array, label: Array, start: Array) -> tuple[Array, Array]:

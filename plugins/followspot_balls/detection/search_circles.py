@@ -85,6 +85,8 @@ class Pictures(NamedTuple):
     """(C, 1, 2) px, half of their width and height."""
     side: Array
     """(C, 1) px, the longer of these."""
+    scale: Array
+    """(C, 1) factor of the smallest search radius."""
 
 
 def search_radius(travel: Array, minimum: float | Array, scale: float) -> Array:
@@ -133,7 +135,7 @@ def room_regions(room: Room, forecast: Forecast | None, minimum: float, scale: f
         return RoomRegions(circles, np.zeros(views * count, bool), nothing, nothing[:, 0])
     images = forecast_images(room, forecast)
     pictures = room_pictures(room)
-    radius = search_radius(images.travel, minimum * np.maximum(1.0, pictures.side / USUAL), scale)
+    radius = search_radius(images.travel, minimum * pictures.scale, scale)
     inside = reaching(images.center, radius, pictures)
     corners, sides = windows(images.center, radius + images.ball, inside, pictures)
     center, ball = images.center.reshape(-1, 2), images.ball.reshape(-1)
@@ -190,7 +192,8 @@ def room_views(room: Room) -> Views:
 def room_pictures(room: Room) -> Pictures:
     """The picture sizes of a room's cameras."""
     size = np.array([camera.size for camera in room.cameras.values()]).reshape(-1, 1, 2)
-    return Pictures(size / 2, size.max(axis=2, initial=0))
+    side = size.max(axis=2, initial=0)
+    return Pictures(size / 2, side, np.maximum(1.0, side / USUAL))
 
 
 def across(local: Array) -> Array:
