@@ -170,8 +170,8 @@ class Bridge(Stage):
 
     def outside_gate(self, positions: Positions, forecast: Forecast) -> Array:
         """Positions of no supporting pair, or of a single weak one, far from the forecast: (M,) bool."""
-        weak = positions.support < np.where(positions.evident, 1, 2)
-        if not weak.any():
+        weak = positions.support + positions.evident < 2
+        if not np.count_nonzero(weak):
             return weak
         single = self.params.single_pair_sigma**2 * np.eye(3)
         known = np.where(np.isfinite(positions.covariance), positions.covariance, single)

@@ -120,7 +120,7 @@ class VerifyPairs(Stage):
         light = self.sure_light(near, off_plane, keep, len(frame.view))
         if not (self.params.color_color and self.params.infrared_infrared):
             keep &= self.of_wanted_kinds(near.color)
-        return self.pairs(frame, near, keep.nonzero()[0], light)
+        return self.pairs(frame, near.where(keep), light)
 
     def gathered(self, blobs: Sequence[Blobs], forecast: Forecast | None) -> GatheredBlobs:
         """The blobs of all cameras at one moment, with the clutter around them, which is learnt."""
@@ -185,18 +185,18 @@ class VerifyPairs(Stage):
             wanted &= color.any(axis=1)
         return wanted
 
-    def pairs(self, frame: GatheredBlobs, near: NearPairs, rows: Array, light: Array) -> Pairs:
-        """The message with some pairs, and what each is evidence of. rows: of `near`; light: (N,) bool."""
-        pair, color = near.pair.take(rows, axis=0), near.color.take(rows, axis=0)
+    def pairs(self, frame: GatheredBlobs, near: NearPairs, light: Array) -> Pairs:
+        """The message with these pairs, and what each is evidence of. light: (N,) bool."""
+        pair, color = near.pair, near.color
         dark = ~(light.take(pair[:, 0]) | light.take(pair[:, 1]))
         confirmed = color[:, 0] != color[:, 1] if frame.both_kinds else dark
         return Pairs(
             cameras=self.cameras,
-            view=near.cameras.take(rows, axis=0).astype(np.int32),
+            view=near.cameras.astype(np.int32),
             blob=frame.row.take(pair).astype(np.int32),
-            xy=near.ends.take(rows, axis=0),
+            xy=near.ends,
             area=frame.area.take(pair),
-            epipolar=near.distance.take(rows),
+            epipolar=near.distance,
             labelled=color[:, 0] | color[:, 1],
             confirmed=confirmed,
             evident=confirmed & dark,

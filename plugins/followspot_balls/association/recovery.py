@@ -87,8 +87,9 @@ class Recovery:
         weighing of views does not know their measurements.
         """
         count = len(self.detection)
-        lost = lost_targets(forecast, count)[positions.target]
-        weighed = lost & positions.confirmed & (positions.evident | (positions.support > 1))
+        weighed = lost_targets(forecast, count).take(positions.target)
+        if np.count_nonzero(weighed):
+            weighed &= positions.confirmed & (positions.evident | (positions.support > 1))
         if self.depth or not np.count_nonzero(weighed):
             self.forget(forecast)
             return positions
@@ -129,7 +130,7 @@ class Recovery:
         if forecast is None or len(forecast.state) != len(self.odds):
             self.odds = np.zeros(len(self.odds))
         else:
-            self.odds = np.where(forecast.state == MISSING, self.odds, 0.0)
+            self.odds = self.odds * (forecast.state == MISSING)
 
     def with_support(self, positions: Positions, weighed: Array, ratio: Array, total: Array) -> Positions:
         """The positions with the support that recovers targets in one frame if sure, else in several.

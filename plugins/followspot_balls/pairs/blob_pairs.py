@@ -45,6 +45,11 @@ class NearPairs(NamedTuple):
     color: Array
     """(M, 2) bool, which are blobs of colour cameras."""
 
+    def where(self, keep: Array) -> NearPairs:
+        """Some of the pairs; these themselves if all are kept, as in most frames. keep: (M,) bool."""
+        rows = keep.nonzero()[0]
+        return self if len(rows) == len(keep) else NearPairs(*(column.take(rows, axis=0) for column in self))
+
 
 def candidate_pairs(view: Array, targets: Array) -> Array:
     """All pairs of blobs in different views that may belong to one target: (M, 2), the first view lower.
