@@ -53,7 +53,7 @@ def seal(message: M) -> M:
             raise InvalidMessage(f"{name} is a {type(array).__name__}, not a numpy array")
         if not array.flags.c_contiguous:
             values[name] = array = np.ascontiguousarray(array)
-        elif (owner := array.base) is not None:
+        elif type(owner := array.base) is np.ndarray and owner.flags.writeable:
             values[name] = array = _kept(array, owner)
         array.setflags(False)  # write=False; the keyword would double the cost
         layout += array.shape, array.dtype
@@ -61,13 +61,13 @@ def seal(message: M) -> M:
     return message
 
 
-def _kept(array: Array, owner: Any) -> Array:
-    """A view that does not change if the stage writes to the array that owns its memory.
+def _kept(array: Array, owner: Array) -> Array:
+    """A view that does not change if the stage writes to the array, not read-only, that owns its memory.
 
     A part of a larger array is copied, since the stage may fill the rest; else the owner becomes read-only.
     Memory that no array owns, as a loan, is left as it is.
     """
-    if type(owner) is not np.ndarray or not (owner.flags.writeable and owner.flags.owndata):
+    if not owner.flags.owndata:
         return array
     if owner.nbytes > array.nbytes:
         return array.copy()
