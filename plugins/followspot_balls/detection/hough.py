@@ -102,7 +102,8 @@ def own_area(area: Array, largest: Array, radius: Array, rim: Array) -> Array:
     area: (N,) px, of the components; largest: (N,) px, that balls have; radius: (N,) px, of the discs; rim:
     (N,) of :func:`disc_centers`.
     """
-    return np.where((area > largest) & (rim >= SEPARATE), np.pi * np.square(radius), area)
+    merged = (area > largest) & (rim >= SEPARATE)
+    return np.where(merged, np.pi * np.square(radius), area) if np.count_nonzero(merged) else area
 
 
 def rim_band(blobs: Components, known: Array, shape: tuple[int, ...]) -> tuple[Array, Array]:

@@ -244,6 +244,6 @@ def windows(center: Array, reach: Array, inside: Array, pictures: Pictures) -> t
     center: (C, T, 2) px; reach: (C, T) px; inside: (C, T) bool, which have a window. Returns the upper left
     corners, (C, T, 2) int px, and the sides, (C, T) int px; none exceeds twice the picture.
     """
-    half = np.minimum(np.where(inside, reach, 0), pictures.side).astype(int) + MARGIN
+    half = np.fmin(reach, pictures.side).astype(int) + MARGIN
     nearest = np.rint(np.where(inside[..., None], center, 0)).astype(int)
     return nearest - half[..., None], 2 * half + 1
