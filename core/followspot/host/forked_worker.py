@@ -113,8 +113,19 @@ class ForkServerProcess:
     def start(self, end: socket.socket) -> ForkedWorker:
         """Order a worker. end: of its control channel. Raises OSError."""
         if self._server is None or _suspended(self._server) or self._server.poll() is not None:
-            self.close()
-            self._server = self._start_server()
+            self._renew()
+        try:
+            return self._ordered(end)
+        except BrokenPipeError:  # the server was killed a moment ago
+            self._renew()
+            return self._ordered(end)
+
+    def _renew(self) -> None:
+        self.close()
+        self._server, self._orders = self._start_server()
+
+    def _ordered(self, end: socket.socket) -> ForkedWorker:
+        assert self._server is not None
         assert self._orders is not None
         status, theirs = socket.socketpair()
         try:
@@ -133,14 +144,14 @@ class ForkServerProcess:
             self._server.kill()  # a suspended one would not see that its orders have ended
             self._server.wait()
 
-    def _start_server(self) -> subprocess.Popen[bytes]:
+    def _start_server(self) -> tuple[subprocess.Popen[bytes], socket.socket]:
+        """A server, and where it takes orders."""
         ours, theirs = socket.socketpair(type=socket.SOCK_SEQPACKET)
         with theirs:
             number = theirs.fileno()
             command = module_command("followspot.host.fork_server", str(number), *self._stages)
             server = start_apart(command, number)
-        self._orders = ours
-        return server
+        return server, ours
 
 
 def _suspended(server: subprocess.Popen[bytes]) -> bool:

@@ -20,6 +20,7 @@ _KEYWORDS = {
 _OPTION = re.compile(r"followspot [a-z][^`,;\n]*|--([a-z]+)\b(?!-)(?: (?=[\w./])|(?=:))?")
 """A command, which stays as it is, or an option."""
 _CAMERAS = re.compile(r"--cameras (\w[\w,-]*)")
+_KEEP = re.compile(r"--keep (\w+)")
 _SETTINGS = re.compile(r"--set ([\w./]+)=([\w.]+)(?: (?=--set [\w./]+=))?")
 """A parameter and its value; with the space before another one."""
 
@@ -35,7 +36,8 @@ def in_python(text: str) -> str:
         return name if "=" in name or follows == ":" else f"{name}="
 
     settings = _SETTINGS.sub(r'set={"\1": \2}', text).replace("}set={", ", ")
-    return _OPTION.sub(keyword, _CAMERAS.sub(_listed, settings))
+    values = _KEEP.sub(r'keep="\1"', _CAMERAS.sub(_listed, settings))
+    return _OPTION.sub(keyword, values)
 
 
 def _listed(cameras: re.Match[str]) -> str:

@@ -18,7 +18,6 @@ from typing import Any
 import numpy as np
 import pydantic
 
-import followspot
 from followspot.context import Context
 from followspot.messages import Array, Header, Message, stamped
 from followspot.port_specs import Ports
@@ -31,7 +30,7 @@ from followspot.testing.tiny_room import tiny_room
 
 ANSWER = 60.0
 """Longest wait for a deferred answer, s."""
-_LIBRARIES = (Path(followspot.__file__).parent, *map(Path, site.getsitepackages()), Path(os.__file__).parent)
+_LIBRARIES = (Path(__file__).parents[1], *map(Path, site.getsitepackages()), Path(os.__file__).parent)
 """Folders of code that is not tried."""
 PERIOD = 33_333_333
 """Between two frames, ns."""

@@ -77,5 +77,5 @@ def test_a_folder_in_use_and_a_mark_without_a_recorder_name_keywords(tmp_path: P
     with endless(tmp_path) as run:
         with pytest.raises(FollowspotError, match="choose another with out="), endless(tmp_path):
             pass
-        with pytest.raises(FollowspotError, match="start it with keep=30s"):
+        with pytest.raises(FollowspotError, match='start it with keep="30s"'):
             run.mark()

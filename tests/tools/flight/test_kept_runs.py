@@ -135,7 +135,7 @@ def test_a_script_marks_a_moment_and_reads_it(graph: Path, tmp_path: Path) -> No
 
 def test_a_run_that_keeps_nothing_cannot_be_marked(graph: Path, tmp_path: Path) -> None:
     with fs.run(graph, plugin_files=[graph.with_name("clock.py")], out=tmp_path) as run:
-        with pytest.raises(FollowspotError, match="start it with --keep"):
+        with pytest.raises(FollowspotError, match='start it with keep="30s"'):
             run.mark()
         run.stop()
 
