@@ -130,17 +130,13 @@ def followed(
         corrected = update(wider, target, xyz, noise)[0]
     if np.count_nonzero(sure) == len(sure):
         return corrected
-    unsure = ~sure
-    return _mixture(corrected, motion, target[unsure], association_probability(squared[unsure], gate))
-
-
-def _mixture(one: Motion, other: Motion, target: Array, probability: Array) -> Motion:
-    """The first motion, but that of some targets, (M,), is the other with the rest of a probability, (M,)."""
-    state, covariance = one.state.copy(), one.covariance.copy()
-    state[target], covariance[target] = mixed(
-        state[target], covariance[target], other.state[target], other.covariance[target], probability
+    unsure = (~sure).nonzero()[0]
+    row, probability = target[unsure], association_probability(squared[unsure], gate)
+    state, covariance = corrected
+    state[row], covariance[row] = mixed(
+        state[row], covariance[row], motion.state[row], motion.covariance[row], probability
     )
-    return Motion(state, covariance)
+    return corrected
 
 
 def slowed(motion: Motion, target: Array, factor: float) -> Motion:
