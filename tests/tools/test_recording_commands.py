@@ -270,13 +270,18 @@ def test_a_recording_that_is_cut_short_is_told_to_scripts_and_by_export(
     show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     half, start = tmp_path / "half.mcap", tmp_path / "start.mcap"
-    chunks = sorted(chunks_of(show))  # where they begin depends on the speed of the machine
-    half.write_bytes(show.read_bytes()[: chunks[-1] + 100])
     start.write_bytes(show.read_bytes()[:4000])
-    with fs.open_recording(half) as recording:
-        with pytest.warns(UserWarning, match=r"half\.mcap: .*byte"):
+    found: list[object] = []
+    for chunk in sorted(chunks_of(show))[1:]:  # a busy machine writes fewer messages into each
+        half.write_bytes(show.read_bytes()[: chunk + 100])
+        with (
+            fs.open_recording(half) as recording,
+            pytest.warns(UserWarning, match=r"half\.mcap: .*byte"),
+        ):
             found = [*recording["track.tracks"]]
-        assert 0 < len(found) < FRAMES
+        if found:
+            break
+    assert 0 < len(found) < FRAMES
     with pytest.warns(UserWarning, match=r"start\.mcap"):
         fs.open_recording(start).close()
     assert main(["export", str(start), str(tmp_path / "out"), "--to", "csv"]) == 2

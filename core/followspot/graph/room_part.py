@@ -15,7 +15,7 @@ _BY_CAMERA = ("hue_histogram", "area", "gray")
 def part_of(room: Node, cameras: Sequence[str], mistakes: list[Mistake]) -> Node:
     """The document of a room with these cameras only; notes those that it does not have.
 
-    If there are such, it stays as it is: what the others lack is no mistake of the graph.
+    If it lacks any, the room stays whole, so that no other mistakes follow from that.
     The templates of the other cameras go with them, and so do parameters that are tuned for them alone.
     """
     known = _entries(child(room, "cameras"))

@@ -121,10 +121,12 @@ class ForkServerProcess:
             return self._ordered(end)
 
     def _renew(self) -> None:
+        """End the server, if there is one, and start another."""
         self.close()
         self._server, self._orders = self._start_server()
 
     def _ordered(self, end: socket.socket) -> ForkedWorker:
+        """Order a worker from the server that is there. Raises OSError."""
         assert self._server is not None
         assert self._orders is not None
         status, theirs = socket.socketpair()
@@ -145,7 +147,7 @@ class ForkServerProcess:
             self._server.wait()
 
     def _start_server(self) -> tuple[subprocess.Popen[bytes], socket.socket]:
-        """A server, and where it takes orders."""
+        """Start a server; return it with the socket that sends it orders."""
         ours, theirs = socket.socketpair(type=socket.SOCK_SEQPACKET)
         with theirs:
             number = theirs.fileno()

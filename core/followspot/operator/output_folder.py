@@ -11,6 +11,7 @@ from pathlib import Path
 from followspot.errors import FollowspotError
 from followspot.graph.parameters import output_paths
 from followspot.graph.plan import Plan
+from followspot.limits import limit_remedy
 from followspot.plugins.registry import load_stage
 
 
@@ -25,7 +26,8 @@ def reserved(folder: Path) -> Iterator[None]:
     if folder == Path():
         yield
         return
-    descriptor = os.open(made(folder), os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    with _refused(made(folder), "open"):
+        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
         with suppress(OSError):
             _lock(descriptor, folder)
@@ -36,12 +38,21 @@ def reserved(folder: Path) -> Iterator[None]:
 
 def made(folder: Path) -> Path:
     """The folder, which exists now. Raises FollowspotError."""
-    try:
+    with _refused(folder, "make"):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        text = f"cannot make the output folder {folder}: {error.strerror}; choose one with --out"
-        raise FollowspotError(text) from None
     return folder
+
+
+@contextmanager
+def _refused(folder: Path, what: str) -> Iterator[None]:
+    """Raise FollowspotError with a remedy if the system refuses what is done to a folder."""
+    try:
+        yield
+    except OSError as error:
+        remedy = limit_remedy(error, "choose one with --out")
+        raise FollowspotError(
+            f"cannot {what} the output folder {folder}: {error.strerror}; {remedy}"
+        ) from None
 
 
 def replaced(plan: Plan, folder: Path) -> list[str]:

@@ -215,8 +215,8 @@ class _Strip:
         return None if low is None else distance_on_floor(scene.camera, self.axis, low)
 
     def lowest(self, scene: Scene) -> int | None:
-        """The lowest row of the person; None if nobody is there, a nearer person hides too much, the legs are
-        a ghost's, or they go on beside the strip.
+        """The lowest row of the person. None if nobody is there, if a nearer person hides too much, if the
+        legs are those of a ghost, or if they go on beside the strip.
         """
         if self.body < BODY or self.free.mean() < FREE:
             return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from tests.core.library.scripts import TICKS, endless
@@ -53,18 +54,19 @@ def test_keywords_stand_for_options_and_commands_stay(text: str, expected: str) 
     ],
 )
 def test_mistakes_in_the_options_of_a_run_name_its_keywords(
-    graph: Path, options: dict[str, object], words: str
+    graph: Path, options: dict[str, Any], words: str
 ) -> None:
     with pytest.raises(InputError) as caught:
-        fs.run(graph, **{"plugin_files": [TICKS], **options})  # type: ignore[arg-type]
+        fs.run(graph, **{"plugin_files": [TICKS], **options})
     assert words in str(caught.value)
     assert "--" not in str(caught.value)
-    (told, *_) = fs.check(graph, **{"plugin_files": [TICKS], **options})  # type: ignore[arg-type]
+    (told, *_) = fs.check(graph, **{"plugin_files": [TICKS], **options})
     assert words in str(told)
 
 
 def test_settings_that_are_no_mapping_are_told(graph: Path) -> None:
-    (mistake,) = fs.check(graph, set="b.term=2", plugin_files=[TICKS])  # type: ignore[arg-type]
+    option: Any = "b.term=2"
+    (mistake,) = fs.check(graph, set=option, plugin_files=[TICKS])
     assert (mistake.text, mistake.remedy.split()[0:3]) == ("set is 'b.term=2'", ["give", "a", "mapping,"])
 
 

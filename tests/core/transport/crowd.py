@@ -6,6 +6,7 @@ whom there is no limit.
 
 from __future__ import annotations
 
+import io
 import json
 import logging
 import os
@@ -72,11 +73,10 @@ def main() -> None:
     resource.setrlimit(resource.RLIMIT_NOFILE, (LIMIT, LIMIT))
     if os.getuid() == 0:
         os.setuid(65534)
-    logged: list[str] = []
-    handler = logging.Handler()
-    handler.emit = lambda record: logged.append(record.getMessage())  # type: ignore[method-assign]
-    logging.getLogger().addHandler(handler)
-    print(json.dumps({"ring": through_ring(), "channel": through_channel(), "logged": logged}))
+    logged = io.StringIO()
+    logging.basicConfig(stream=logged, format="%(message)s")
+    arrived = {"ring": through_ring(), "channel": through_channel()}
+    print(json.dumps({**arrived, "logged": logged.getvalue().splitlines()}))
 
 
 if __name__ == "__main__":
