@@ -20,7 +20,8 @@ _KEYWORDS = {
 _OPTION = re.compile(r"followspot [a-z][^`,;\n]*|--([a-z]+)\b(?!-)(?: (?=[\w./])|(?=:))?")
 """A command, which stays as it is, or an option."""
 _CAMERAS = re.compile(r"--cameras (\w[\w,-]*)")
-_KEEP = re.compile(r"--keep (\w+)")
+_VALUES = re.compile(r"(followspot [a-z][^`,;\n]*)|--(keep|placement) ([\w:./-]*\w)")
+"""A command, which stays as it is, or an option whose value is a text."""
 _SETTINGS = re.compile(r"--set ([\w./]+)=([\w.]+)(?: (?=--set [\w./]+=))?")
 """A parameter and its value; with the space before another one."""
 
@@ -36,8 +37,12 @@ def in_python(text: str) -> str:
         return name if "=" in name or follows == ":" else f"{name}="
 
     settings = _SETTINGS.sub(r'set={"\1": \2}', text).replace("}set={", ", ")
-    values = _KEEP.sub(r'keep="\1"', _CAMERAS.sub(_listed, settings))
-    return _OPTION.sub(keyword, values)
+    return _OPTION.sub(keyword, _VALUES.sub(_quoted, _CAMERAS.sub(_listed, settings)))
+
+
+def _quoted(found: re.Match[str]) -> str:
+    command, name, value = found.groups()
+    return command or f'{name}="{value}"'
 
 
 def _listed(cameras: re.Match[str]) -> str:

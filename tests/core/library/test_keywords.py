@@ -35,8 +35,10 @@ def graph(tmp_path: Path) -> Path:
         ("name it here with --connect", "name it here with network=Network(connect=...)"),
         (
             "followspot run GRAPH --frames 200 > report.json, then --placement auto:report.json",
-            "followspot run GRAPH --frames 200 > report.json, then placement=auto:report.json",
+            'followspot run GRAPH --frames 200 > report.json, then placement="auto:report.json"',
         ),
+        ("a run with --placement camera: stop it", 'a run with placement="camera": stop it'),
+        ("`followspot run GRAPH --placement camera`", "`followspot run GRAPH --placement camera`"),
         ("write to --record-ports or --outer", "write to --record-ports or --outer"),
     ],
 )
