@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from followspot.errors import FollowspotError, InputError, Mistake, Place
+from followspot.errors import FollowspotError, Guess, InputError, Mistake, Place
 from followspot.graph.arrange import EdgeChoice, plan
 from followspot.graph.check import Checked, check
 from followspot.graph.checks.interfaces import check_interface
@@ -74,8 +74,8 @@ def checked_graph(
     subscribed: Sequence[str] = (),
 ) -> tuple[Checked, Placed]:
     """The graph before it is planned, with the places of all that is written; see `compile_graph`."""
-    mistakes: list[Mistake] = []
-    _use(plugin_files, mistakes)
+    refused = _refused(plugin_files)
+    mistakes = list(refused)
     try:
         file = None if room is None else str(room)
         loaded = load(path, mistakes, room=file, cameras=cameras, overrides=overrides)
@@ -88,7 +88,7 @@ def checked_graph(
     mistakes += checked.risks if strict else ()
     placed = place(expanded, None if placement is None else str(placement), mistakes)
     if mistakes:
-        raise InputError(_ordered(mistakes))
+        raise InputError(_ordered([m for m in mistakes if not (refused and _may_follow(m))]))
     return checked, placed
 
 
@@ -98,12 +98,21 @@ def _stages(ports: Sequence[str]) -> set[str]:
     return names | {name.rpartition("/")[0] for name in names}
 
 
-def _use(files: Sequence[str], mistakes: list[Mistake]) -> None:
+def _refused(files: Sequence[str]) -> list[Mistake]:
+    """The mistakes of plugin files that cannot be used; the others are loaded."""
+    mistakes = []
     for file in files:
         try:
             use_plugin_files([file], changed=True)
         except FollowspotError as error:
             mistakes.append(Mistake(None, f"--plugin: {error}"))
+    return mistakes
+
+
+def _may_follow(mistake: Mistake) -> bool:
+    """Whether a mistake may be due to a refused plugin file: an unknown stage that is like no other."""
+    unknown = mistake.text.startswith("no stage ") and mistake.text.endswith(" is installed")
+    return unknown and isinstance(mistake.help, Guess) and not mistake.help.nearest
 
 
 def _ordered(mistakes: Sequence[Mistake]) -> list[Mistake]:

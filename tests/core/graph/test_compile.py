@@ -267,5 +267,15 @@ def test_mistakes_of_graph_room_placement_and_options_are_reported_together(tmp_
         assert part in shown
 
 
+def test_stages_that_a_refused_plugin_file_may_offer_are_no_mistakes_of_their_own(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text("import no_such_package\n")
+    graph = write(tmp_path, graph="graph: g\nstages: {a: {uses: mine.own}, b: {uses: toy.peir}}\n")
+    with pytest.raises(InputError) as caught:
+        compile_graph(graph, plugin_files=[TOY, str(tmp_path / "mine.py")])
+    (refused_file, like_another) = caught.value.mistakes
+    assert "No module named 'no_such_package'" in refused_file.text
+    assert like_another.text == 'no stage "toy.peir" is installed'
+
+
 def test_a_mistake_of_a_stage_is_reported_once_however_many_cameras(tmp_path: Path) -> None:
     assert len(refused(tmp_path, "detect.level=7")) == 1
