@@ -83,12 +83,12 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
     """Run a plan with the given options and print the summary. Returns the exit code."""
     from followspot.cli.progress import ProgressBar
     from followspot.cli.run_log import ShownLog
-    from followspot.library.execute import RunOptions, replaced, run_plan
+    from followspot.library.execute import RunOptions, replaced, run_plan, unused_agents
     from followspot.library.report import Report
 
     plan = placed(plan, args.host)
     if not args.quiet:
-        for note in plan.notes:
+        for note in (*plan.notes, *unused_agents(plan, args.connect or ())):
             print(f"note: {note}", file=sys.stderr)
     for line in warning_lines(plan.warnings):
         print(line, file=sys.stderr)

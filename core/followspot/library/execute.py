@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from followspot.control.progress import OnProgress, Progress
-from followspot.operator.launch import run_plan
+from followspot.operator.launch import run_plan, unused_agents
 from followspot.operator.output_folder import replaced
 from followspot.operator.reporting.report import RunReport
 from followspot.operator.reporting.scored import scored_file
@@ -23,4 +23,5 @@ __all__ = [
     "run_plan",
     "run_scores",
     "scored_file",
+    "unused_agents",
 ]

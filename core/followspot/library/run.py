@@ -13,11 +13,11 @@ from followspot.graph.arrange import EdgeChoice
 from followspot.library.flight_recorder import recorder_of
 from followspot.library.graph import Graph
 from followspot.library.keep_options import Keep
-from followspot.library.keywords import errors_in_python
+from followspot.library.keywords import errors_in_python, in_python
 from followspot.library.own_run import OwnRun
 from followspot.library.plan_settings import PlanSettings, plan_of, whole_number
 from followspot.library.subscription_sinks import SubscriptionSinks
-from followspot.operator.launch import prepared
+from followspot.operator.launch import prepared, unused_agents
 from followspot.operator.output_folder import made
 from followspot.transport.zenoh.network import Network
 from followspot.worker.wiring import RunOptions
@@ -83,6 +83,8 @@ def run(
     )
     for mistake in plan.warnings:
         warnings.warn(str(mistake), stacklevel=2)
+    for text in unused_agents(plan, network.connect):
+        warnings.warn(in_python(text), stacklevel=2)
     sinks = SubscriptionSinks(plan, ports)
     kept = recorder_of(sinks.plan, keep)
     with errors_in_python():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import time
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -87,6 +87,16 @@ def prepared(
                 return
         run = local_run(plan, options, on_log, restart=restart, in_process=in_process)
         yield run, Surroundings(options.out.resolve(), None, plan.written, time.time())
+
+
+def unused_agents(plan: Plan, endpoints: Sequence[str]) -> tuple[str, ...]:
+    """What there is to say of a run that is to use the agents at some endpoints, and whose plan uses none."""
+    if not endpoints or any(worker.host for worker in plan.workers):
+        return ()
+    return (
+        f"no worker is on another host, so agents at {', '.join(endpoints)} have nothing to do: "
+        "name hosts in a file for --placement, or move stages there while the run goes on",
+    )
 
 
 def local_run(
