@@ -7,6 +7,8 @@ each of N rows which targets it may belong to. Messages name cameras; numbers of
 
 from __future__ import annotations
 
+from typing import Self
+
 import numpy as np
 
 from followspot.messages import Array, Message, column
@@ -152,6 +154,32 @@ class Positions(Message):
     """Steps until convergence; 0 for direct methods."""
     predicted: Array = column("M", dtype="?")
     """True if the position comes from one view and the forecast or a plane: it is no measurement."""
+
+    @classmethod
+    def fused(
+        cls,
+        candidates: Candidates,
+        target: Array,
+        used: Array,
+        xyz: Array,
+        covariance: Array | None = None,
+        iterations: Array | int = 0,
+    ) -> Self:
+        """The positions that a fusion gives some targets, with what the candidates that it used tell of them.
+
+        target: (M,) numbers of the targets; used: (M, N) bool, the candidates of each; xyz: (M, 3) m;
+        covariance: (M, 3, 3) m^2, None if the fusion estimates none; iterations: (M,), or one number for all.
+        """
+        return cls(
+            target=np.asarray(target, np.int32),
+            xyz=xyz,
+            covariance=np.full((len(target), 3, 3), np.nan) if covariance is None else covariance,
+            support=used.sum(axis=1, dtype=np.int32),
+            confirmed=np.asarray((used & candidates.confirmed).any(axis=1)),
+            evident=np.asarray((used & candidates.evident).any(axis=1)),
+            iterations=np.full(len(target), iterations, np.int32),
+            predicted=np.zeros(len(target), bool),
+        )
 
 
 class Forecast(Message):

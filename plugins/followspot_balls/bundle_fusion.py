@@ -117,16 +117,7 @@ class Bundle(Fusion):
         fit = self.refined(start, claims, expected, self.cutoff(candidates, target, lost))
         agreeing = (fit.slot[:, candidates.view] == table.slot) & (fit.trust[:, candidates.view] > USED)
         used = agreeing.all(axis=2) & candidates.targets.T[target]
-        positions = Positions(
-            target=target.astype(np.int32),
-            xyz=fit.xyz,
-            covariance=fit.covariance,
-            support=used.sum(axis=1).astype(np.int32),
-            confirmed=np.asarray((used & candidates.confirmed).any(axis=1)),
-            evident=np.asarray((used & candidates.evident).any(axis=1)),
-            iterations=np.full(len(target), STEPS, np.int32),
-            predicted=np.zeros(len(target), bool),
-        )
+        positions = Positions.fused(candidates, target, used, fit.xyz, fit.covariance, STEPS)
         seen = positions if used.any(axis=1).all() else positions.where(positions.support > 0)
         return self.validated(seen, candidates, forecast)
 

@@ -17,14 +17,5 @@ class Mean(Stage):
         used = candidates.targets.T & (candidates.confirmed | ~lost[:, None])
         target = np.flatnonzero(used.any(axis=1))
         used = used[target]
-        support = used.sum(axis=1)
-        return Positions(
-            target=target.astype(np.int32),
-            xyz=used @ candidates.xyz / support[:, None],
-            covariance=np.full((len(target), 3, 3), np.nan),
-            support=support.astype(np.int32),
-            confirmed=np.asarray((used & candidates.confirmed).any(axis=1)),
-            evident=np.asarray((used & candidates.evident).any(axis=1)),
-            iterations=np.zeros(len(target), np.int32),
-            predicted=np.zeros(len(target), bool),
-        )
+        xyz = used @ candidates.xyz / used.sum(axis=1)[:, None]
+        return Positions.fused(candidates, target, used, xyz)

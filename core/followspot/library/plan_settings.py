@@ -15,6 +15,7 @@ from followspot.graph.override import as_option
 from followspot.graph.plan import MAX_SEED, Plan
 from followspot.library.graph import Graph
 from followspot.library.keywords import errors_in_python, mistakes_in_python
+from followspot.plugins.registry import offer_stage
 
 
 class PlanSettings(TypedDict, total=False):
@@ -48,7 +49,7 @@ def _compiled(
 ) -> Plan:
     if not isinstance(settings, Mapping | None):
         raise InputError.of(f"set is {settings!r}", 'give a mapping, for example {"fuse.uses": "balls.mean"}')
-    overrides = [as_option(name, value) for name, value in (settings or {}).items()]
+    overrides = [_override(name, value) for name, value in (settings or {}).items()]
     remedy = f"give a whole number from 0 to {MAX_SEED}, or nothing for the graph's"
     checked: dict[str, Any] = {
         **options,
@@ -62,6 +63,12 @@ def _compiled(
     if isinstance(graph, Graph):
         return graph.plan(overrides=overrides, subscribed=ports, **checked)
     return compile_graph(graph, overrides=overrides, subscribed=ports, **checked)
+
+
+def _override(name: str, value: Any) -> str:
+    """The `--set` of a parameter, or of a stage, which may be a class of this process."""
+    stage = name.endswith(".uses") and isinstance(value, type)
+    return as_option(name, offer_stage(value) if stage else value)
 
 
 def whole_number(name: str, value: Any, least: int, remedy: str, most: int | None = None) -> int | None:

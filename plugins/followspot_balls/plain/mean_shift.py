@@ -68,17 +68,8 @@ class PlainMeanShift(Stage):
         modes = seek_modes(start, sample, p.convergence_distance, p.maximum_iterations)
         used = modes.held > 0
         filled = np.flatnonzero(used.any(axis=1))
-        used = used[filled]
-        return Positions(
-            target=target[filled].astype(np.int32),
-            xyz=modes.center[filled],
-            covariance=np.full((len(filled), 3, 3), np.nan),
-            support=used.sum(axis=1).astype(np.int32),
-            confirmed=np.asarray((used & candidates.confirmed).any(axis=1)),
-            evident=np.asarray((used & candidates.evident).any(axis=1)),
-            iterations=modes.steps[filled].astype(np.int32),
-            predicted=np.zeros(len(filled), bool),
-        )
+        xyz, steps = modes.center[filled], modes.steps[filled]
+        return Positions.fused(candidates, target[filled], used[filled], xyz, iterations=steps)
 
     def kernels(self, target: Array, lost: Array, forecast: Forecast | None) -> tuple[Array, Array]:
         """Initial centres and bandwidths of some targets: (M, 3) m each.

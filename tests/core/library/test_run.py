@@ -14,7 +14,7 @@ from tests.core.library.scripts import GRAPH, TICKS, composed, endless
 import followspot as fs
 import followspot.library.own_run as run_module
 from followspot.errors import FollowspotError
-from followspot.tracking import Tracks
+from followspot.tracking import Candidates, Forecast, Positions, Tracks
 
 
 def test_a_single_name_needs_no_list(tmp_path: Path) -> None:
@@ -68,6 +68,30 @@ def test_a_class_of_this_process_takes_the_place_of_another_one(tmp_path: Path) 
         next(seen)
         assert run.swap("low", Empty).stages[0].uses == "here.empty"
         assert any(tracks.is_empty for tracks in seen)
+
+
+class Median(fs.Stage):
+    """The median of each target's candidates."""
+
+    def process(self, candidates: Candidates, forecast: fs.Latest[Forecast] = None) -> Positions:
+        target = np.flatnonzero(candidates.targets.any(axis=0))
+        used = candidates.targets.T[target]
+        xyz = np.array([np.median(candidates.xyz[row], axis=0) for row in used]).reshape(-1, 3)
+        return Positions.fused(candidates, target, used, xyz)
+
+
+def test_a_class_of_this_process_takes_the_place_of_a_stage_of_a_file_from_the_beginning(
+    tmp_path: Path,
+) -> None:
+    mine = {"fuse.uses": Median}
+    assert fs.check(GRAPH, set=mine) == []
+    with fs.run(GRAPH, set=mine, frames=40, out=tmp_path) as run:
+        assert "here.median" in {stage.uses for stage in run.plan().stages}
+        assert min(row["coverage"] for row in run.wait().accuracy) > 0.9
+    with pytest.raises(FollowspotError, match="put it into a file and name that in plugin_files"):
+        fs.run(GRAPH, set=mine, out=tmp_path, placement="camera")
+    with pytest.raises(FollowspotError, match="Path has no method `process`"):
+        fs.check(GRAPH, set={"fuse.uses": Path})
 
 
 def test_the_handle_is_safe_from_many_threads(tmp_path: Path) -> None:
