@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
+from followspot.library.plan_settings import of_kind, several
 from followspot.library.script_handle import ScriptHandle
 from followspot.operator.connect import connected_run
 from followspot.plugins.registry import use_plugin_files
@@ -28,7 +29,10 @@ class ConnectedRun(ScriptHandle):
 
 
 def connect(
-    run: str | None = None, *, network: Network | None = None, plugin_files: Sequence[str | Path] = ()
+    run: str | None = None,
+    *,
+    network: Network | None = None,
+    plugin_files: str | Path | Sequence[str | Path] = (),
 ) -> ConnectedRun:
     """A handle on a run that goes on: on this machine, else under agents that `network` leads to.
 
@@ -36,5 +40,6 @@ def connect(
     one run; plugin_files: with the stages and messages that agents have from files of theirs. Raises
     FollowspotError if there is no such run, or several.
     """
-    use_plugin_files([str(Path(file).absolute()) for file in plugin_files])
+    of_kind("run", run, str | None, "give its name, or the beginning of it")
+    use_plugin_files([str(Path(file).absolute()) for file in several("plugin_files", plugin_files)])
     return ConnectedRun(run, network)

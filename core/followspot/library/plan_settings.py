@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypedDict, Unpack, get_args
@@ -16,6 +16,8 @@ from followspot.graph.plan import MAX_SEED, Plan
 from followspot.library.graph import Graph
 from followspot.library.keywords import errors_in_python, mistakes_in_python
 from followspot.plugins.registry import offer_stage
+
+PATH = str | Path
 
 
 class PlanSettings(TypedDict, total=False):
@@ -47,14 +49,15 @@ def _compiled(
     ports: Sequence[str],
     **options: Unpack[PlanSettings],
 ) -> Plan:
-    if not isinstance(settings, Mapping | None):
+    if not isinstance(settings, Mapping | None) or not all(isinstance(name, str) for name in settings or ()):
         raise InputError.of(f"set is {settings!r}", 'give a mapping, for example {"fuse.uses": "balls.mean"}')
     overrides = [_override(name, value) for name, value in (settings or {}).items()]
+    _check_files(graph, options)
     remedy = f"give a whole number from 0 to {MAX_SEED}, or nothing for the graph's"
     checked: dict[str, Any] = {
         **options,
-        "cameras": _several(options.get("cameras", ())),
-        "plugin_files": _several(options.get("plugin_files", ())),
+        "cameras": several("cameras", options.get("cameras", ())),
+        "plugin_files": several("plugin_files", options.get("plugin_files", ())),
         "seed": whole_number("seed", options.get("seed"), 0, remedy, MAX_SEED),
     }
     edges = options.get("edges", "auto")
@@ -84,6 +87,24 @@ def whole_number(name: str, value: Any, least: int, remedy: str, most: int | Non
     return number
 
 
-def _several(values: Any) -> Sequence[Any]:
-    """Several names or files; one may stand alone."""
-    return (values,) if isinstance(values, str | Path) else values
+def of_kind(name: str, value: Any, kind: Any, remedy: str) -> None:
+    """Raise InputError for an option whose value is of another kind. kind: as `isinstance` takes it."""
+    if not isinstance(value, kind):
+        raise InputError.of(f"{name} is of type {type(value).__name__}", remedy)
+
+
+def several(name: str, values: Any) -> tuple[Any, ...]:
+    """Several names or files; one may stand alone. Raises InputError."""
+    found = (values,) if isinstance(values, PATH) else values
+    if not isinstance(found, Iterable) or not all(isinstance(value, PATH) for value in found):
+        raise InputError.of(f"{name} is {values!r:.80}", "give a text, or a list of texts")
+    return tuple(found)
+
+
+def _check_files(graph: Any, options: PlanSettings) -> None:
+    """Raise InputError for a file that is named by anything but a path."""
+    of_kind("graph", graph, PATH | Graph, "give the path of a graph file, or an fs.Graph")
+    remedy = "give the path of a room file; followspot.room_file.save(room, path) writes one"
+    of_kind("room", options.get("room"), PATH | None, remedy)
+    remedy = 'give "camera", "stage", or the path of a placement file'
+    of_kind("placement", options.get("placement"), PATH | None, remedy)

@@ -15,7 +15,7 @@ from followspot.library.graph import Graph
 from followspot.library.keep_options import Keep
 from followspot.library.keywords import errors_in_python, in_python
 from followspot.library.own_run import OwnRun
-from followspot.library.plan_settings import PlanSettings, plan_of, whole_number
+from followspot.library.plan_settings import PATH, PlanSettings, of_kind, plan_of, several, whole_number
 from followspot.library.subscription_sinks import SubscriptionSinks
 from followspot.operator.launch import prepared, unused_agents
 from followspot.operator.output_folder import made
@@ -27,7 +27,7 @@ def check(
     graph: str | Path | Graph,
     *,
     set: Mapping[str, Any] | None = None,  # noqa: A002  # as --set is called
-    ports: Sequence[str] = (),
+    ports: str | Sequence[str] = (),
     **options: Unpack[PlanSettings],
 ) -> list[Mistake]:
     """Every mistake in a graph, its room and its placement, as data; nothing is started.
@@ -36,7 +36,10 @@ def check(
     set, ports, room, cameras, placement, seed, plugin_files, edges: as `run` takes them.
     """
     try:
-        return list(plan_of(graph, set, ports, **options).warnings)
+        ports = several("ports", ports)
+        plan = plan_of(graph, set, ports, **options)
+        SubscriptionSinks(plan, ports).end()
+        return list(plan.warnings)
     except InputError as error:
         return list(error.mistakes)
 
@@ -68,7 +71,10 @@ def run(
     many seconds (``"30s"``), and `OwnRun.mark` saves them; the others: as the options of `followspot run`.
     Issues the warnings of `check` in Python. Raises InputError with every mistake.
     """
-    ports = (ports,) if isinstance(ports, str) else ports
+    ports = several("ports", ports)
+    of_kind("out", out, PATH | None, "give the path of a folder")
+    of_kind("media", media, PATH, "give the path of a folder")
+    of_kind("network", network, Network, "give followspot.Network(connect=...)")
     frames = whole_number("frames", frames, 1, "give a whole number from 1, or nothing for all")
     plan = plan_of(
         graph,

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any
 from uuid import uuid4
 
-from followspot.errors import FollowspotError
+from followspot.errors import InputError
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker, nearest_kind
 from followspot.library.sink import SINK, offer_subscriptions, withdraw_subscriptions
@@ -29,8 +29,7 @@ class SubscriptionSinks:
     def __init__(self, plan: Plan, words: Sequence[str]) -> None:
         """words: names of ports; see `chosen_ports`.
 
-        Raises InputError if there is no such port, FollowspotError if a class of this process would run
-        elsewhere.
+        Raises InputError if there is no such port, or if a class of this process would run elsewhere.
         """
         self.in_process = (plan.workers[0].name,) if len(plan.workers) == 1 else (_WORKER,)
         self.failure: Callable[[], Exception | None] = lambda: None
@@ -108,10 +107,10 @@ class SubscriptionSinks:
 
 
 def _check_offered(plan: Plan) -> None:
-    """Classes of this process can run in this process only. Raises FollowspotError."""
+    """Classes of this process can run in this process only. Raises InputError."""
     offered = [stage.name for stage in plan.stages if stage.uses.startswith(OFFERED)]
     if offered and len(plan.workers) > 1:
-        raise FollowspotError(
-            f"{', '.join(offered)}: a class of this process cannot run beside several workers; "
-            "put it into a file and name that in plugin_files, or run without a placement"
+        raise InputError.of(
+            f"{', '.join(offered)}: a class of this process cannot run beside several workers",
+            "put it into a file and name that in plugin_files, or run without a placement",
         )
