@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +11,10 @@ from followspot.control.dispatch import Ask
 from followspot.errors import FollowspotError
 from followspot.html import html_table
 from followspot.library.overlay import save_overlay
+from followspot.library.plan_settings import several
 from followspot.library.subscription import M, Subscription
 from followspot.library.tap_subscriptions import TapSubscriptions
+from followspot.operator.change_outcome import MoveOutcome
 from followspot.operator.run_handle import RunHandle
 
 
@@ -51,6 +53,14 @@ class ScriptHandle(RunHandle, Closing):
         port: STAGE.PORT, or a shorter name as `ports=` of `run` takes it. Raises FollowspotError.
         """
         return self._taps.subscription(port)
+
+    def move(self, stages: str | Sequence[str], place: str) -> MoveOutcome:
+        """Move stages of a live run, one or several, to another worker, or to a host in reach of the run.
+
+        Workers whose stages or kinds of edges change restart from the state of their stages. Messages in
+        flight to and from them are lost and counted.
+        """
+        return super().move(several("stages", stages), place)
 
     def save(self, path: str | Path) -> tuple[str, ...]:
         """Save what was changed as a new graph file that extends the run's own; the stages that it names.

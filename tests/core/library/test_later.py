@@ -217,7 +217,7 @@ def test_a_subscription_follows_a_stage_that_moves(tmp_path: Path) -> None:
     with begun(tmp_path, stages, workers=workers) as run:
         messages = run["b"]
         before = next(messages)
-        run.move(["b"], "left")
+        run.move("b", "left")
         while next(messages).header.time < before.header.time + 1_000_000_000:
             pass
     assert run.report.ok
