@@ -12,37 +12,14 @@ from followspot import Array, Camera, Field, Latest, Mistake, Room, Stage
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.detection.components import above_local_peak, clipped, components, of_size
 from followspot_balls.detection.detector import DetectionParams, Detections, blobs_by_view, without_template
+from followspot_balls.detection.gray_levels import Limits, in_pictures, in_range
 from followspot_balls.detection.hough import disc_centers, own_area
 from followspot_balls.detection.search_circles import Circles, Regions, distances, search_regions, within
-from followspot_balls.detection.strip import (
-    Strip,
-    Windows,
-    abreast,
-    clusters,
-    cut,
-    row_and_column,
-    scattered,
-    window_strip,
-)
+from followspot_balls.detection.strip import Strip, Windows, abreast, cut, window_strip
 from followspot_balls.detection.touching_balls import divided, touching
 
 SAME = 0.5
 """Distance below which blobs of two windows are one, px."""
-
-
-class Limits(NamedTuple):
-    """Limits of brightness and area of a ball in each of V views."""
-
-    darkest: Array
-    """(V,) u8."""
-    brightest: Array
-    """(V,) u8."""
-    smallest: Array
-    """(V,) px, of any target."""
-    largest: Array
-    """(V,) px, of any target."""
-    areas: Array
-    """(V, T, 2) smallest and largest of each target, px."""
 
 
 class Found(NamedTuple):
@@ -157,39 +134,6 @@ def blobs_of(
         level, strip, view = in_pictures([pictures[n] for n in seeking.tolist()], seeking, limits)
         found.append(measured(level, strip, view, circles, limits, p))
     return found[-1] if len(found) < 3 else Found(*map(np.concatenate, zip(*found, strict=True)))
-
-
-def in_pictures(pictures: Sequence[Array], view: Array, limits: Limits) -> tuple[Array, Strip, Array]:
-    """Pixels of whole pictures in the range of their views, gathered into a strip; the view of each part.
-
-    pictures: (H, W, 1) of V views, which may differ in size; view: (V,) their numbers.
-    """
-    places, grays = zip(
-        *map(bright, pictures, limits.darkest.take(view), limits.brightest.take(view)), strict=True
-    )
-    layer = np.arange(len(view)).repeat([len(place) for place in places])
-    height, width, _ = np.array([pixels.shape for pixels in pictures]).T
-    y, x = row_and_column(np.concatenate(places), width.take(layer))
-    size = len(view), int(height.max()), int(width.max())
-    found = clusters(layer, y, x, size, limits.smallest.take(view))
-    gray = np.concatenate(grays).take(found.entry)
-    return scattered(found.shape, found.place, gray), found.strip, view.take(found.layer)
-
-
-def bright(pixels: Array, darkest: Array, brightest: Array) -> tuple[Array, Array]:
-    """Flat index and grey level of the pixels in a range. pixels: (H, W, 1)."""
-    # one pass over a channel of several, and fast ones from then on
-    gray = np.ascontiguousarray(pixels[..., 0])
-    shown = gray >= darkest
-    shown &= gray <= brightest
-    place = shown.reshape(-1).nonzero()[0]
-    return place, gray.reshape(-1).take(place)
-
-
-def in_range(gray: Array, limits: Limits, view: Array) -> Array:
-    """Grey levels in the range of their view, 0 elsewhere. gray: (H, W) u8; view: (W,)."""
-    shown = (gray >= limits.darkest.take(view)) & (gray <= limits.brightest.take(view))
-    return np.asarray(shown.view(np.uint8) * gray)
 
 
 def measured(
