@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from followspot.errors import FollowspotError, Guess, InputError, Mistake, Place
 
-_NETWORK = ("connect", "discover", "certificates", "insecure")
+_NETWORK = ("connect", "listen", "discover", "router", "certificates", "insecure")
 _RUN = ("out", "room", "cameras", "set", "placement", "frames", "seed", "edges", "restart", "media", "keep")
 _KEYWORDS = {
     "plugin": "plugin_files",
@@ -33,8 +33,9 @@ def in_python(text: str) -> str:
         name = _KEYWORDS.get(found[1] or "")
         if name is None:
             return found[0]
-        follows = found.string[found.end() : found.end() + 1]
-        return name if "=" in name or follows == ":" else f"{name}="
+        if "=" in name:
+            return name + found[0][len(found[0].rstrip()) :]
+        return name if found.string[found.end() : found.end() + 1] == ":" else f"{name}="
 
     settings = _SETTINGS.sub(r'set={"\1": \2}', text).replace("}set={", ", ")
     return _OPTION.sub(keyword, _VALUES.sub(_quoted, _CAMERAS.sub(_listed, settings)))

@@ -34,6 +34,10 @@ def graph(tmp_path: Path) -> Path:
         ("raise ulimit -n 4096, or --placement", "raise ulimit -n 4096, or placement="),
         ("name it here with --connect", "name it here with network=Network(connect=...)"),
         (
+            "begun with --listen or --router",
+            "begun with network=Network(listen=...) or network=Network(router=...)",
+        ),
+        (
             "followspot run GRAPH --frames 200 > report.json, then --placement auto:report.json",
             'followspot run GRAPH --frames 200 > report.json, then placement="auto:report.json"',
         ),
