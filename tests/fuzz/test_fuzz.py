@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
 import json
+import random
 import subprocess
 import sys
 from pathlib import Path
@@ -38,6 +40,16 @@ def test_every_broken_input_is_accepted_or_counted_with_a_reason(outcomes: dict[
         assert outcome["accepted"] + sum(outcome["refused"].values()) == outcome["inputs"] > 0
     reasons = [reason for outcome in outcomes.values() for reason in outcome["refused"]]
     assert len(reasons) > (50 if len(outcomes) == 22 else 15)
+
+
+def test_extreme_messages_of_every_type_can_be_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(FUZZ.parent)
+    extreme, wire = importlib.import_module("fuzzing.extreme"), importlib.import_module("fuzzing.wire")
+    of_texts = [kind for kind in wire.KINDS if tuple[str, ...] in dict(kind.scalars).values()]
+    assert of_texts
+    for kind in of_texts:
+        for number in range(150):  # some have longer texts than a message holds
+            assert extreme.extreme_token(kind, random.Random(number))
 
 
 def test_a_crash_is_reported_and_fails_the_script(tmp_path: Path) -> None:

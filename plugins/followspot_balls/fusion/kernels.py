@@ -8,8 +8,8 @@ from followspot.messages import Array
 
 
 def epipolar_weight(distance: Array, threshold: Array | float) -> Array:
-    """Weight exp(-d^2 / (2 T_ED^2)) of the epipolar distance (eq. 8); px."""
-    return np.asarray(np.exp(-np.square(distance) / (2 * threshold * threshold)))
+    """Weight exp(-d^2 / (2 T_ED^2)) of the epipolar distance (eq. 8), px; 0 if the distance is NaN."""
+    return np.asarray(np.fmax(np.exp(-np.square(distance) / (2 * threshold * threshold)), 0.0))
 
 
 def scales(bandwidth: Array) -> Array:

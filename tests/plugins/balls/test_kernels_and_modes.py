@@ -51,6 +51,7 @@ def test_labelled_candidates_get_the_flat_kernel_and_others_the_gaussian() -> No
 
 def test_weight_of_epipolar_distance_has_alpha_two_t_squared() -> None:
     assert epipolar_weight(np.array([0.0, 3.0, 6.0]), 3.0) == pytest.approx([1.0, np.exp(-0.5), np.exp(-2.0)])
+    assert epipolar_weight(np.array([np.nan, 3.0]), 3.0) == pytest.approx([0.0, np.exp(-0.5)])
 
 
 @pytest.mark.parametrize("origin", [0.0, 1e4])
