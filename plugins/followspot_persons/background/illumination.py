@@ -63,5 +63,12 @@ class Illumination:
 
 
 def in_usual_light(pixels: Array, light: float) -> Array:
-    """Pixels (uint8) as they would be in the light of the first picture. light: theirs, relative to it."""
-    return pixels if light == 1.0 else np.asarray(cv2.convertScaleAbs(pixels, alpha=1 / light))
+    """Pixels (uint8) as they would be in the light of the first picture.
+
+    light: theirs, relative to it; the pixels stay as they are if none can be.
+    """
+    return (
+        pixels
+        if light == 1.0 or not light > 0.0
+        else np.asarray(cv2.convertScaleAbs(pixels, alpha=1 / light))
+    )

@@ -58,6 +58,11 @@ def test_pixels_in_the_usual_light_are_those_of_the_first_picture():
     assert np.abs(back - ROOM).max() <= 1
 
 
+@pytest.mark.parametrize("light", [0.0, -1.0, np.nan])
+def test_light_that_none_can_be_changes_nothing(light: float):
+    np.testing.assert_array_equal(in_usual_light(ROOM, light), ROOM)
+
+
 def test_the_slow_instance_learns_the_same_colours_in_the_dark():
     show, pose = SlowInstance(particles=200), standing(2.5)
     pixels = drawn(show.camera, pose)
