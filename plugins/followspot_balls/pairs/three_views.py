@@ -18,7 +18,8 @@ def threefold(pairs: Pairs | Candidates, possible: Array, sure: Array) -> Array:
     if not len(sought):
         return found
     row, target = possible[:, sought].nonzero()
-    blob = (target[:, None] << 48) + (pairs.view[row].astype(np.int64) << 32) + pairs.blob[row]
+    number_in_view = pairs.blob[row].view(np.uint32)  # a host may send negative ones, which no blob has
+    blob = (target[:, None] << 48) + (pairs.view[row].astype(np.int64) << 32) + number_in_view
     blobs, number = np.unique(blob, return_inverse=True)
     before = np.searchsorted(blobs, np.arange(len(sought) + 1) << 48)
     first, second = number.reshape(blob.shape).T - before[target]

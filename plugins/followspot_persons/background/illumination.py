@@ -67,8 +67,6 @@ def in_usual_light(pixels: Array, light: float) -> Array:
 
     light: theirs, relative to it; the pixels stay as they are if none can be.
     """
-    return (
-        pixels
-        if light == 1.0 or not light > 0.0
-        else np.asarray(cv2.convertScaleAbs(pixels, alpha=1 / light))
-    )
+    if light == 1.0 or not light > 0.0:
+        return pixels
+    return np.asarray(cv2.convertScaleAbs(pixels, alpha=1 / light))

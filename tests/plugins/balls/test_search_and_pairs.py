@@ -341,6 +341,13 @@ def test_three_blobs_confirm_each_other_only_if_each_makes_a_pair_with_both_othe
     assert not threefold(second, all_three, first).any()  # another blob of the second camera
 
 
+def test_numbers_that_no_blob_has_make_no_triangle() -> None:
+    pairs = verify({name: [BALL] for name in ("cam0", "cam1")})
+    none = {"view": np.zeros_like(pairs.view), "blob": pairs.blob + np.array([-1 << 31, -5], "i4")}
+    strange = seal(Pairs(**{**vars(pairs), **none}))
+    assert not threefold(strange, strange.targets, strange.targets).any()
+
+
 @pytest.mark.parametrize(("distance", "kept"), [(0.0, 0), (0.08, 0), (0.4, 1)])
 def test_infrared_light_of_a_tracked_target_is_no_evidence_of_a_lost_one(distance: float, kept: int) -> None:
     # 1.5 outlines of 7.6 cm belong to the tracked target
