@@ -31,7 +31,7 @@ class MarkerTruth(Performance):
         names = tuple(self.room.targets)[: self.params.markers]
         for frame in self.frames():
             poses = [marker_pose(k, self.params.markers, frame / self.params.fps) for k in range(len(names))]
-            shown = np.array([self.shown(*pose) for pose in poses], bool).reshape(len(names), -1).sum(axis=1)
+            shown = np.array([sum(self.shown(*pose)) for pose in poses], int)
             xyz = np.array([middle for _, middle in poses]).reshape(-1, 3)
             yield self.at(frame, Truth(names, xyz, shown == 0, shown >= 1, shown >= 2))
 

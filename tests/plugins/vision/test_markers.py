@@ -309,6 +309,7 @@ def test_they_keep_the_promises_of_stages() -> None:
     check_stage(Aruco, messages=200)
     check_stage(MarkerCamera, frames=3)
     check_stage(MarkerTruth, frames=3)
+    check_stage(MarkerTruth, frames=3, markers=0)
 
 
 def test_the_graph_of_markers_writes_poses_and_tracks_near_the_truth(tmp_path: Path) -> None:
