@@ -67,6 +67,7 @@ class PoseTracker(Stage):
         self.slow_poses: dict[int, SlowPose] = {}
         self.illumination = Illumination()
         self.past = PastPictures()
+        self.told = False
         self.boxed = -1
         self.time = -1
 
@@ -115,16 +116,27 @@ class PoseTracker(Stage):
     ) -> Fitness:
         """The fitness of poses of one of the people in a picture of a time, ns."""
         colors = (people.mean[row].astype(np.float32), people.variance[row].astype(np.float32))
+        usable = self.has_features_of(people) and self.params.use_colors
         return Fitness(
             picture,
             self.shape,
             self.weights,
-            colors=colors if self.params.use_colors else None,
+            colors=colors if usable else None,
             detection=detection,
             contact=propagated_contact(people.contact[row], (time - int(people.seen[row])) * NANOSECOND),
             pairs=self.pairs,
             walkable=self.walkable,
         )
+
+    def has_features_of(self, people: Appearances) -> bool:
+        """Whether the colours are of the features of this shape; if not, they do not count, and a warning
+        says so once.
+        """
+        given, own = people.mean.shape[1], len(self.shape.names)
+        if given != own and not self.told:
+            self.told = True
+            self.context.warn(f"colours of {given} features do not count, {own} are in this stage's shape")
+        return bool(given == own)
 
     def correct_by_slow_poses(self, people: Appearances, now: int) -> None:
         """Initiate persons that the slow instance has found, and mix its poses into the particles of tracked

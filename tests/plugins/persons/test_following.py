@@ -267,3 +267,16 @@ def test_boxes_are_used_once_and_given_to_the_nearest_person():
     boxes = boxes_of(room.camera, frame, standing(2.5, 0.7))
     assert list(room.stage.detections(boxes, frame.header.time, 0.1)) == [2]
     assert room.stage.detections(boxes, frame.header.time, 0.1) == {}
+
+
+@pytest.mark.parametrize("features", [1, 7])
+def test_colours_of_another_shape_do_not_count_and_are_told_of_once(features):
+    show, warnings = FastInstance(difference_weight=1.0), []
+    show.stage.context = replace(show.stage.context, warn=warnings.append)
+    show.tell(standing(2.5))
+    told = {name: getattr(show.told, name)[:, :features] for name in ("mean", "variance", "evidence")}
+    show.told = stamped(replace(show.told, **told), show.told.header)
+    for _ in range(3):
+        poses = show.see(standing(2.5), boxed=[standing(2.5)])
+    assert poses.person.tolist() == [1]
+    assert warnings == [f"colours of {features} features do not count, 45 are in this stage's shape"]
