@@ -6,6 +6,7 @@ import csv
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import copy_context
 from dataclasses import dataclass
 from decimal import Decimal, DecimalException
 from pathlib import Path
@@ -68,13 +69,11 @@ class Row:
 
     def nanoseconds(self, column: str, unit: str) -> int:
         """A time in ns without the error of binary fractions. unit: of `DECIMALS`. Raises InputError."""
-        try:
-            value = Decimal(_plain(self.cell(column))).scaleb(DECIMALS[unit])
-            if value.is_finite() and abs(value) < MAX_TIME // 2:
-                return int(value.to_integral_value())
-        except (DecimalException, ValueError):
-            pass
-        raise self.mistake(column, f"a time in {unit}")
+        # decimal leaves its settings in the context, where each later call of numpy would pass them
+        time = copy_context().run(_nanoseconds, self.cell(column), unit)
+        if time is None:
+            raise self.mistake(column, f"a time in {unit}")
+        return time
 
     def numbers(self, *columns: str) -> list[float]:
         """Finite numbers. Raises InputError."""
@@ -135,6 +134,15 @@ def header_of(path: Path) -> tuple[str, ...]:
     """The names in the first line of a CSV file. Raises InputError."""
     with _lines(path) as lines:
         return tuple(_head(str(path), lines))
+
+
+def _nanoseconds(text: str, unit: str) -> int | None:
+    """A time in ns; None if the text is none."""
+    try:
+        value = Decimal(_plain(text)).scaleb(DECIMALS[unit])
+        return int(value.to_integral_value()) if abs(value) < MAX_TIME // 2 else None
+    except (DecimalException, ValueError):
+        return None
 
 
 def _plain(number: str) -> str:
