@@ -7,7 +7,7 @@ import os
 import shutil
 import socket
 import subprocess
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -62,10 +62,29 @@ def doctor(
         env={**os.environ, "PYTHONPATH": str(path)} if path else None,
     )
     assert done.stdout, done.stderr
-    findings = json.loads(done.stdout)["findings"]
+    return told(done.returncode, done.stdout)
+
+
+def told(code: int, output: str) -> Told:
+    """What stands in the output of `followspot doctor --json`."""
+    findings = json.loads(output)["findings"]
     bad = [f["subject"] for f in findings if f["state"] != "ok"]
     assert len(set(bad)) == len(bad)
-    return Told(done.returncode, {f["subject"]: f for f in findings})
+    return Told(code, {f["subject"]: f for f in findings})
+
+
+@pytest.fixture
+def here(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., Told]:
+    """The doctor in this process, which has imported many stages, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def doctor(*words: object) -> Told:
+        code = main(["doctor", "--json", *map(str, words)])
+        return told(code, capsys.readouterr().out)
+
+    return doctor
 
 
 def install(site: Path, name: str, entries: str, module: str) -> None:
@@ -133,15 +152,15 @@ def ill(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Told]:
         yield doctor(folder, *words, "--certificates", folder / "none", path=site, files=200)
 
 
-def test_a_sound_computer_room_and_graph_have_no_problem(tmp_path: Path) -> None:
-    told = doctor(tmp_path, "--room", ROOM, "--graph", ROOT / "graphs" / "glowballs.yaml")
+def test_a_sound_computer_room_and_graph_have_no_problem(here: Callable[..., Told]) -> None:
+    told = here("--room", ROOM, "--graph", ROOT / "graphs" / "glowballs.yaml")
     assert {f["text"] for f in told.findings.values() if f["state"] == "problem"} == set()
     assert told.code == 0
     assert "no GPU" in told.findings["computer"]["text"]
 
 
-def test_a_depth_camera_says_how_much_it_measures(tmp_path: Path) -> None:
-    told = doctor(tmp_path, "--room", ROOT / "graphs/rooms/simulated_depth.yaml")
+def test_a_depth_camera_says_how_much_it_measures(here: Callable[..., Told]) -> None:
+    told = here("--room", ROOT / "graphs/rooms/simulated_depth.yaml")
     for name in ("depth0", "depth1"):
         assert told.findings[name]["state"] == "ok"
         assert "sim.depth_camera: 320x240, " in told.findings[name]["text"]
@@ -160,11 +179,11 @@ targets: {ball: {radius: 0.0762}}
 """
 
 
-def test_a_sensor_says_what_it_sends_and_how_often(tmp_path: Path) -> None:
+def test_a_sensor_says_what_it_sends_and_how_often(tmp_path: Path, here: Callable[..., Told]) -> None:
     (tmp_path / "room.yaml").write_text(SENSORS)
     rows = "".join(f"{n / 50},0,0,0,0,0,9.8\n" for n in range(100))
     (tmp_path / "slow.csv").write_text(f"time,gx,gy,gz,ax,ay,az\n{rows}")
-    found = doctor(tmp_path, "--room", tmp_path / "room.yaml").findings
+    found = here("--room", tmp_path / "room.yaml").findings
     said = {name: (one["state"], one["text"]) for name, one in found.items() if f"  {name}:" in SENSORS}
     assert said == {
         "green": ("ok", "sim.imu: Inertial, 200 readings/s"),
@@ -250,10 +269,10 @@ def test_a_computer_without_network_agents_and_the_right_opencv(tmp_path: Path) 
     assert told.bad("opencv") == "OpenCV 5.0.0 has no HOG detector"
 
 
-def test_a_host_whose_clock_is_off(tmp_path: Path) -> None:
+def test_a_host_whose_clock_is_off(tmp_path: Path, here: Callable[..., Told]) -> None:
     agent = near_agent("pc-left", tmp_path, "--clock-offset", "80")
     try:
-        told = doctor(tmp_path, "--connect", agent.endpoint)
+        told = here("--connect", agent.endpoint)
     finally:
         agent.end()
     assert "ms ahead of this one" in told.bad("host pc-left")

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from tests.commands import command
 
 from followspot.cli.main import main
 from followspot.control.dispatch import Dispatcher
@@ -35,13 +34,7 @@ def offered(line: str, folder: Path) -> set[str]:
     """What the shell gets for a line whose last word is not complete."""
     answer = folder / "completions"
     asks = {"_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line)), "_ARGCOMPLETE_IFS": "\n"}
-    subprocess.run(
-        [sys.executable, "-m", "followspot.cli.main"],
-        env={**os.environ, **asks, "_ARGCOMPLETE_STDOUT_FILENAME": str(answer)},
-        cwd=ROOT,
-        check=True,
-        timeout=60,
-    )
+    command(env={**os.environ, **asks, "_ARGCOMPLETE_STDOUT_FILENAME": str(answer)}, cwd=ROOT, check=True)
     return {word.strip() for word in answer.read_text().splitlines()}
 
 

@@ -25,7 +25,7 @@ def figure(towards):
     if np.cos(towards) > -0.3:
         aside = int(9 * np.sin(towards))
         cv2.circle(pixels, (48 + aside, 36), 6, (120, 150, 200), -1)
-        cv2.line(pixels, (48 + 2 * aside, 48), (48 + 2 * aside, 98), (255, 255, 255), 3)
+        cv2.line(pixels, (48 + 2 * aside, 48), (48 + 2 * aside, 98), (255, 255, 255), 7)
     return pixels
 
 
@@ -43,11 +43,11 @@ def folder(tmp_path):
 
 @pytest.fixture
 def quick(monkeypatch):
-    for name, value in (("WINDOWS", 16), ("UNITS", 16), ("MEMBERS", 2)):
+    for name, value in (("WINDOWS", 8), ("UNITS", 16), ("MEMBERS", 2)):
         monkeypatch.setattr(headings, name, value)
 
 
-def test_directions_of_strangers_are_predicted_and_scores_stay(folder, quick, capsys):
+def test_directions_of_strangers_are_predicted_and_scores_stay(folder, quick, capsys, monkeypatch):
     out = folder / "weights.npz"
     assert main(["train", "headings", str(folder), "-o", str(out), "--json"]) == 0
     report = json.loads(capsys.readouterr().out)[str(folder)]
@@ -59,6 +59,8 @@ def test_directions_of_strangers_are_predicted_and_scores_stay(folder, quick, ca
     window = RNG.integers(0, 256, (3, HEIGHT, WIDTH, 3), np.uint8)
     np.testing.assert_array_equal(classify(learnt, window).score, classify(before, window).score)
     assert not np.allclose(classify(learnt, window).torso, classify(before, window).torso)
+    for name, value in (("WINDOWS", 4), ("MEMBERS", 1)):
+        monkeypatch.setattr(headings, name, value)
     above = str(folder / "above.npz")
     assert main(["train", "headings", str(folder), "-o", above, "--above"]) == 0
     assert "direction of the head: median" in capsys.readouterr().out

@@ -41,7 +41,7 @@ def people(rng, legs, count):
 @pytest.fixture
 def quick(monkeypatch):
     monkeypatch.setattr(boosting, "TREES", 60)
-    monkeypatch.setattr(whole, "EACH", 300)
+    monkeypatch.setattr(whole, "EACH", 100)
 
 
 def said(model, persons):
