@@ -8,6 +8,7 @@ where points fixed to the body would wander into it. Head features turn about th
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -67,6 +68,16 @@ class ShapeModel:
 
 def read_shape(path: Path = SHIPPED) -> ShapeModel:
     """The model in a file. Raises InputError with the file, the mistake and the remedy."""
+    return _shipped() if path == SHIPPED else _read(path)
+
+
+@cache
+def _shipped() -> ShapeModel:
+    """The shipped model; to parse it takes tens of milliseconds, and many stages of a process ask for it."""
+    return _read(SHIPPED)
+
+
+def _read(path: Path) -> ShapeModel:
     try:
         return shape_of(plain(read(path)))
     except (ValueError, TypeError, KeyError, AttributeError) as error:
