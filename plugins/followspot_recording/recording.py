@@ -154,7 +154,7 @@ class Recording(Closing):
         contents = self._contents
         if span.offset < contents.good:
             try:
-                return _cached((self._key, span.offset), self, span)
+                return _last_chunks.chunk((self._key, span.offset), self, span)
             except Damaged as error:
                 size = self._key[2]
                 contents.good = span.offset
@@ -174,18 +174,28 @@ def _restored(data: memoryview) -> memoryview:
         return data
 
 
-_chunks: OrderedDict[tuple[_File, int], Chunk] = OrderedDict()
-"""The chunks that were read last, for all recordings of this process."""
 _known: dict[_File, Contents] = {}
 """The contents of the recording that was opened last; they take long to find without an index."""
 
 
-def _cached(key: tuple[_File, int], recording: Recording, span: ChunkSpan) -> Chunk:
-    chunk = _chunks.get(key)
-    if chunk is None:
-        chunk = _chunks[key] = recording.read(span)
-        while len(_chunks) > 1 and sum(kept.size for kept in _chunks.values()) > CACHED:
-            _chunks.popitem(last=False)
-    else:
-        _chunks.move_to_end(key)
-    return chunk
+class _LastChunks:
+    """The chunks that were read last, for all recordings of this process: as many as `CACHED` holds."""
+
+    def __init__(self) -> None:
+        self._chunks: OrderedDict[tuple[_File, int], Chunk] = OrderedDict()
+        self._size = 0
+
+    def chunk(self, key: tuple[_File, int], recording: Recording, span: ChunkSpan) -> Chunk:
+        """The chunk, from the file if it is none of the last. Raises Damaged."""
+        chunk = self._chunks.get(key)
+        if chunk is None:
+            chunk = self._chunks[key] = recording.read(span)
+            self._size += chunk.size
+            while len(self._chunks) > 1 and self._size > CACHED:
+                self._size -= self._chunks.popitem(last=False)[1].size
+        else:
+            self._chunks.move_to_end(key)
+        return chunk
+
+
+_last_chunks = _LastChunks()
