@@ -188,7 +188,7 @@ def test_readings_that_come_too_slowly_or_are_no_numbers_are_told() -> None:
 def test_a_clock_that_drifts_is_followed() -> None:
     stage = filter_of()
     motion = Motion(1, arm=ARM)
-    run = tracked(stage, motion, 30.0, errors=Errors(drift=1e-3), hidden=lambda t: t > 5 and t % 3 > 2.5)
+    run = tracked(stage, motion, 15.0, errors=Errors(drift=2e-3), hidden=lambda t: t > 5 and t % 3 > 2.5)
     later = run.time > 5.0
     assert run.error[later].max() < 0.08
     assert run.turn_error[later].max() < 6.0

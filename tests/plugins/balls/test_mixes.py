@@ -28,7 +28,7 @@ FRAMES = 60
 @pytest.mark.parametrize(
     ("color", "infrared", "targets", "told", "coverage"),
     [
-        (3, 0, 3, False, 0.9),
+        pytest.param(3, 0, 3, False, 0.9, marks=pytest.mark.thorough),
         (2, 0, 3, False, 0.6),
         (0, 3, 3, True, 0.9),
         (0, 2, 1, False, 0.6),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -59,11 +60,11 @@ def shot(picture: ActorPicture, frame: int) -> np.ndarray:
     return pixels
 
 
-def changed(params: ActorParams, camera: Camera, frame: int) -> np.ndarray:
-    """Pixels in which people are, though not their shadows."""
-    empty = shot(ActorPicture(params.model_copy(update={"people": 0}), camera), frame)
-    full = shot(ActorPicture(params, camera), frame)
-    return np.abs(full.astype(int) - empty).max(axis=2) > 24
+def changed(params: ActorParams, camera: Camera) -> Callable[[int], np.ndarray]:
+    """Of each frame the pixels in which people are, though not their shadows."""
+    empty = shot(ActorPicture(params.model_copy(update={"people": 0}), camera), 0)
+    full = ActorPicture(params, camera)
+    return lambda frame: np.abs(shot(full, frame).astype(int) - empty).max(axis=2) > 24
 
 
 def truth_of(params: ActorParams, *cameras: Camera) -> PoseTruthOfActors:
@@ -75,11 +76,11 @@ def truth_of(params: ActorParams, *cameras: Camera) -> PoseTruthOfActors:
 
 @CAMERAS
 def test_the_head_is_where_the_truth_says(camera):
-    truth = truth_of(QUIET, camera)
+    truth, people = truth_of(QUIET, camera), changed(QUIET, camera)
     for frame in (0, 40, 90):
         now = truth.truth(frame)
         top = project(camera, np.column_stack([now.xy, now.height]))[0]
-        rows, columns = np.nonzero(changed(QUIET, camera, frame))
+        rows, columns = np.nonzero(people(frame))
         head = columns[rows < rows.min() + 5]
         pixel = camera.matrix[1, 1] / np.hypot(*(now.xy[0] - camera.center[:2]))  # of a metre
         assert rows.min() == pytest.approx(top[1], abs=1.5)
@@ -89,7 +90,7 @@ def test_the_head_is_where_the_truth_says(camera):
 def test_the_place_of_a_person_is_in_the_middle_of_the_body():
     camera = panorama()
     now = truth_of(QUIET, camera).truth(60)
-    rows, columns = np.nonzero(changed(QUIET, camera, 60))
+    rows, columns = np.nonzero(changed(QUIET, camera)(60))
     centre = project(camera, np.column_stack([now.xy, now.height * 0.7]))[0]
     chest = columns[np.abs(rows - centre[1]) < 4]
     assert (chest.min() + chest.max()) / 2 == pytest.approx(centre[0], abs=6)
@@ -153,7 +154,8 @@ def test_someone_behind_the_cupboard_is_hidden_in_the_picture_and_in_the_truth()
     hidden = np.flatnonzero(share < 0.05)
     assert len(hidden) > 1
     shown = int(np.flatnonzero(share > 0.99)[0])
-    assert changed(params, camera, shown).sum() > 10 * changed(params, camera, int(hidden[0])).sum()
+    people = changed(params, camera)
+    assert people(shown).sum() > 10 * people(int(hidden[0])).sum()
 
 
 def test_nobody_is_hidden_by_the_edge_of_a_picture_that_shows_all():

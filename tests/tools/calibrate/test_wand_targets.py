@@ -118,7 +118,7 @@ def test_clips_that_are_not_synchronised_are_told(made: MadeRoom, solved: Solved
 
 @pytest.mark.parametrize("cameras", [3, 8])
 def test_the_noise_is_that_of_the_sightings_not_of_what_the_points_leave(cameras: int) -> None:
-    made = made_room(cameras, 400, noise=0.5)
+    made = made_room(cameras, 200, noise=0.5)
     adjusted = solve(made.sightings, list(made.cameras), "known").adjusted
     assert noise(adjusted) == pytest.approx(0.5, rel=0.1)
 

@@ -281,6 +281,8 @@ def test_the_command_writes_weights_and_tells_figures_of_strangers(folder, monke
     assert set(report["torso"]) == {"median_deg", "within_22_5", "within_45", "flipped"}
     assert set(report["opencv"]) == {str(folder)}
     assert load(out).hidden.shape[1] == network.UNITS
+    monkeypatch.setattr(boosting, "TREES", 2)
+    monkeypatch.setattr(recipe, "VIEWS", 2)
     assert main(["train", "hog", str(folder), "-o", str(folder / "again.npz")]) == 0
     assert f"found at 1 false positive in 1,000 windows: {folder}" in capsys.readouterr().out
 

@@ -18,7 +18,7 @@ from followspot_calibrate.points_file import read_points
 from followspot_calibrate.wand.diagnostics import warnings_of
 from followspot_calibrate.wand.rounds import NothingFits, adjust_robustly
 from followspot_calibrate.wand.solving import solve
-from followspot_calibrate.wand.timing import with_offsets
+from followspot_calibrate.wand.timing import Timed, with_offsets
 
 WITHIN = 0.05
 """Frames: 0.3 px at 6 px a frame, less than the noise of 0.4 px."""
@@ -67,10 +67,10 @@ def test_cameras_that_agree_on_nothing_are_refused():
         adjust_robustly(room.cameras, np.where(alone[..., None], room.sightings.pixel, np.nan), Free())
 
 
-@pytest.mark.parametrize(("camera", "late"), [pytest.param(1, 4.5, marks=pytest.mark.thorough), (2, -6.0)])
+@pytest.mark.parametrize(("camera", "late"), [(1, 4.5), (2, -6.0)])
 def test_motion_that_tells_too_little_is_no_reason_to_fail(camera, late):
     """With unknown lenses a fifth of reflections and a third of gaps leave some points undetermined."""
-    room = waved_room(5, 250, late={camera: late}, missing=0.3, outliers=0.2)
+    room = waved_room(5, 150, late={camera: late}, missing=0.3, outliers=0.2)
     found, refused = np.full(5, np.nan), ""
     try:
         found = solve(room.sightings, None).timed.late
@@ -113,8 +113,8 @@ def test_the_offset_is_noted_in_the_room_file(tmp_path, capsys):
 
 
 def test_an_offset_that_no_room_file_takes_is_refused():
-    room = waved_room(4, 300, late={2: -60})
-    timed = solve(room.sightings, room.cameras, "known").timed
+    room, late = waved_room(4, 300), np.array([0.0, 0, -60, 0])
+    timed = Timed(room.sightings, late, np.zeros(4))
     with pytest.raises(FollowspotError, match=r"cam2 is -2\.00 s late, at most 1 s"):
         with_offsets(room.cameras, timed, 30.0)
 
