@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import importlib
 import inspect
 import os
@@ -65,6 +66,13 @@ def test_built_in_stage_keeps_every_promise_over_two_thousand_messages(name: str
     if name in NEEDS:
         pytest.importorskip(NEEDS[name])
     check_stage(load_stage(name), **SLOW.get(name, {}))
+
+
+def test_what_the_caller_of_the_kit_has_frozen_stays_so() -> None:
+    gc.freeze()
+    frozen = gc.get_freeze_count()
+    check_stage(load_stage("balls.mean"), messages=30)
+    assert gc.get_freeze_count() > frozen // 2, "what ends is not counted any more"
 
 
 class Careless(Stage):

@@ -134,6 +134,7 @@ def keeps_its_memory(trial: Trial) -> Iterator[str]:
         return
     third = trial.messages // 3
     frames = [trial.inputs("plausible", n, noise(n)) for n in range(8)]
+    frozen = gc.get_freeze_count()  # by the caller, who wants that to stay so
     gc.freeze()  # a collection then looks only at what is new
     disabled = logging.root.manager.disable
     logging.disable()  # pytest keeps what is logged
@@ -149,7 +150,8 @@ def keeps_its_memory(trial: Trial) -> Iterator[str]:
         return  # others say so
     finally:
         logging.disable(disabled)
-        gc.unfreeze()
+        if not frozen:
+            gc.unfreeze()
     objects, size = (min(later - sooner for sooner, later in pairwise(of)) for of in zip(*sizes, strict=True))
     if objects > CACHED + third // 2:
         yield f"it keeps {objects / third:.1f} objects a message"
