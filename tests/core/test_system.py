@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -27,31 +28,60 @@ for name in ("fcntl", "pwd", "grp", "resource"):
 del socket.AF_UNIX, os.fork
 """
 )
-COMMAND = "\nfrom followspot.cli.main import main\nsys.exit(main(sys.argv[1:]))"
+EACH = """
+import contextlib, io, json
+from followspot.cli.main import main
+
+def said(words):
+    errors = io.StringIO()
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(errors):
+        try:
+            code = main(words)
+        except SystemExit as end:
+            code = end.code or 0
+    return code, errors.getvalue()
+
+print(json.dumps([said(words) for words in json.loads(sys.argv[1])]))
+"""
+"""Runs commands one after the other, and prints the exit code and the errors of each."""
+RUNS = {
+    "run": ["run", str(GRAPH), "--frames", "1", "--out", "out"],
+    "top": ["top"],
+    "agent": ["agent", "--name", "a"],
+}
+STARTS_NOTHING = {
+    "check": ["check", str(GRAPH)],
+    "graph": ["graph", str(GRAPH)],
+    "plugins": ["plugins", "balls.mean"],
+    "version": ["--version"],
+}
 
 
-def followspot(system: str, *words: object) -> subprocess.CompletedProcess[str]:
-    """A command where `system` has removed what it does not have."""
-    return subprocess.run(
-        [sys.executable, "-c", system + COMMAND, *map(str, words)], capture_output=True, text=True
-    )
-
-
-@pytest.mark.parametrize("system", [AS_MACOS, AS_WINDOWS], ids=["macos", "windows"])
-@pytest.mark.parametrize("words", [("run", GRAPH, "--frames", "1"), ("top",), ("agent", "--name", "a")])
-def test_a_run_is_refused_with_the_reason(system: str, words: tuple[object, ...], tmp_path: Path) -> None:
-    out = ("--out", tmp_path / "out") if words[0] == "run" else ()
-    done = followspot(system, *words, *out)
-    assert done.returncode == 1
-    assert "runs need Linux; this system has no\n    memfd_create" in done.stderr
-    assert "Traceback" not in done.stderr
-    assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize("system", [AS_MACOS, AS_WINDOWS], ids=["macos", "windows"])
-@pytest.mark.parametrize(
-    "words", [("check", GRAPH), ("graph", GRAPH), ("plugins", "balls.mean"), ("--version",)]
-)
-def test_what_starts_nothing_works(system: str, words: tuple[object, ...]) -> None:
-    done = followspot(system, *words)
+@pytest.fixture(scope="module", params=[AS_MACOS, AS_WINDOWS], ids=["macos", "windows"])
+def system(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[Path, dict[str, tuple[int, str]]]:
+    """A folder, and what the commands say there where `AS_...` has removed what the system does not have."""
+    folder, commands = tmp_path_factory.mktemp("system"), RUNS | STARTS_NOTHING
+    words = [sys.executable, "-c", request.param + EACH, json.dumps(list(commands.values()))]
+    done = subprocess.run(words, capture_output=True, text=True, cwd=folder)
     assert done.returncode == 0, done.stderr
+    return folder, dict(zip(commands, map(tuple, json.loads(done.stdout)), strict=True))
+
+
+@pytest.mark.parametrize("command", RUNS)
+def test_a_run_is_refused_with_the_reason(
+    system: tuple[Path, dict[str, tuple[int, str]]], command: str
+) -> None:
+    folder, said = system
+    code, errors = said[command]
+    assert code == 1
+    assert "runs need Linux; this system has no\n    memfd_create" in errors
+    assert "Traceback" not in errors
+    assert not (folder / "out").exists()
+
+
+@pytest.mark.parametrize("command", STARTS_NOTHING)
+def test_what_starts_nothing_works(system: tuple[Path, dict[str, tuple[int, str]]], command: str) -> None:
+    code, errors = system[1][command]
+    assert code == 0, errors

@@ -11,7 +11,7 @@ from tests.commands import COMMAND
 GRAPH = Path(__file__).parents[3] / "graphs/glowballs.yaml"
 
 
-@pytest.mark.parametrize("files", [25, 40, 64])
+@pytest.mark.parametrize("files", [pytest.param(25, marks=pytest.mark.thorough), 40, 64])
 def test_too_few_open_files_for_the_workers_are_told(tmp_path: Path, files: int) -> None:
     words = [*COMMAND, "run", str(GRAPH), "--placement", "stage", "--frames", "2", "--out", "out", "-q"]
     limited = ["prlimit", f"--nofile={files}", *words]
