@@ -14,7 +14,7 @@ from tests.integration.running import children, wait_until
 GRAPH = Path(__file__).parents[2] / "graphs/glowballs.yaml"
 
 
-@pytest.mark.parametrize("later", [0, 1, 7])
+@pytest.mark.parametrize("later", [0, pytest.param(1, marks=pytest.mark.thorough), 7])
 def test_ctrl_c_while_workers_start_is_an_interruption(tmp_path: Path, later: int) -> None:
     """later: processes that are there beside the first one of the workers."""
     command = [

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.plugins.balls.scene import SIZE, disc, forecast_at, learn_color, make_room, picture, whole_strip
+from tests.plugins.balls.scene import SIZE, forecast_at, make_room, picture, whole_strip
+from tests.plugins.balls.two_balls import ROOM, discs, painted
 
 from followspot.context import Context
 from followspot.geometry import project
-from followspot.messages import Array
 from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.tracking import Blobs, Forecast, Frame
@@ -19,9 +19,7 @@ from followspot_balls.detection.components import MOST, above_local_peak, compon
 from followspot_balls.detection.hough import SEPARATE, agreement, disc_centers, own_area
 from followspot_balls.detection.hue import BIT, bhattacharyya, hue_bits, normalised
 from followspot_balls.ir_blobs import IrBlobs
-from followspot_balls.templates.from_clip import learn_infrared
 
-ROOM = make_room()
 HERE, THERE = (0.1, 0.0, 1.0), (-0.4, 0.3, 0.8)
 BALLS = {"red": np.array(HERE), "green": np.array(THERE)}
 FORECAST = forecast_at([HERE, THERE])
@@ -31,15 +29,6 @@ def detector(kind: type[Stage], camera: str, **params: float) -> Stage:
     stage = kind(Context.serving(ROOM.cameras[camera], ROOM), **params)
     stage.setup()
     return stage
-
-
-def painted(camera: str, discs: list[tuple[float, float, float, tuple[int, int, int]]]) -> Frame:
-    """A picture of discs: x, y, radius, colour."""
-    pixels = np.zeros((SIZE[1], SIZE[0], 3), np.uint8)
-    for x, y, radius, color in discs:
-        disc(pixels, np.array([x, y]), radius, color)
-    color_camera = ROOM.cameras[camera].kind == "color"
-    return seal(Frame(camera=camera, pixels=pixels if color_camera else pixels[..., :1].copy()))
 
 
 def test_bhattacharyya_by_hand() -> None:
@@ -284,13 +273,6 @@ def test_without_a_vote_the_centre_is_the_centroid() -> None:
     assert (heard < 1e-6).all()
 
 
-def discs(*centers: tuple[float, float]) -> Array:
-    """Bright discs of radius 8 px with blurred edges, (60, 60) u8. centers: x and y, px."""
-    y, x = np.mgrid[:60, :60]
-    edge = [1 / (1 + np.exp((np.hypot(x - a, y - b) - 8) / 0.5)) for a, b in centers]
-    return np.asarray(200 * np.max(edge, axis=0)).astype(np.uint8)
-
-
 @pytest.mark.parametrize("expected", [(19.0, 28.5), (34.0, 32.0)])
 def test_of_two_discs_in_one_blob_the_one_at_the_forecast_is_found(expected: tuple[float, float]) -> None:
     both = (20.0, 30.0), (33.0, 31.0)
@@ -349,43 +331,6 @@ def test_the_forecast_of_a_ball_beside_another_tells_its_rim_from_the_two_edges_
     assert center == pytest.approx(np.array([[20.0, 30.0]]), abs=0.1)
     other, _ = disc_centers(*given, np.array([False]))
     assert np.linalg.norm(other - center) > 8
-
-
-def clip(camera: str, color: tuple[int, int, int], seen: Array) -> list[Array]:
-    """A disc that moves; with a hot pixel, and frames in which it is out of view."""
-    frames = []
-    for i, visible in enumerate(seen):
-        discs = [(20.0 + 5 * i, 50.0, 2.5 + 0.1 * i, color)] if visible else []
-        pixels = painted(camera, discs).pixels.copy()
-        pixels[5, 5] = 255
-        frames.append(pixels)
-    return frames
-
-
-def test_a_template_is_learnt_from_a_lone_ball() -> None:
-    seen = np.arange(20) % 5 != 0
-    histogram, area = learn_color(clip("cam0", (0, 0, 255), seen))
-    assert histogram == pytest.approx(np.eye(16)[0])
-    assert np.pi * 2.4**2 < area[0] < np.pi * 3.2**2
-    assert np.pi * 4.0**2 < area[1] < np.pi * 5.0**2
-    gray, area = learn_infrared(clip("cam1", (180, 180, 180), seen))
-    assert 60 < gray[0] < 120
-    assert gray[1] == 180
-    assert area[0] < 30 < 50 < area[1]
-
-
-@pytest.mark.parametrize("learn", [learn_color, learn_infrared])
-def test_a_clip_without_a_ball_says_why(learn: object) -> None:
-    with pytest.raises(ValueError, match="no frames"):
-        learn([])  # type: ignore[operator]
-    dark = clip("cam0", (0, 0, 0), np.zeros(20, bool))
-    with pytest.raises(ValueError, match=r"moves|moving"):
-        learn(dark)  # type: ignore[operator]
-
-
-def test_a_colourless_spot_is_no_colour_template() -> None:
-    with pytest.raises(ValueError, match="no colour"):
-        learn_color(clip("cam0", (255, 255, 255), np.ones(20, bool)))
 
 
 def test_detectors_of_a_room_without_targets_find_nothing() -> None:

@@ -66,12 +66,19 @@ def send(page: Shown, ms: int) -> None:
     page.send("track.tracks", at(ms, tracks(1)))
 
 
-@pytest.fixture
-def shown(tmp_path: Path) -> Iterator[tuple[Shown, Browser]]:
-    """A run that goes well, and a browser that shows a picture of one of its six cameras."""
+@pytest.fixture(scope="module")
+def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     if CHROMIUM is None:
         pytest.skip("needs chromium")
-    with served(tmp_path / "run") as page, browser(tmp_path / "chromium") as chromium:
+    with browser(tmp_path_factory.mktemp("chromium")) as found:
+        yield found
+
+
+@pytest.fixture
+def shown(tmp_path: Path, chromium: Browser) -> Iterator[tuple[Shown, Browser]]:
+    """A run that goes well, and a browser that shows a picture of one of its six cameras."""
+    chromium.errors.clear()
+    with served(tmp_path / "run") as page:
         page.status = well(page.plan)
         chromium.open(page.url, 1280, 800)
         chromium.wait("document.querySelector('#life').dataset.life === 'running'")
@@ -79,6 +86,7 @@ def shown(tmp_path: Path) -> Iterator[tuple[Shown, Browser]]:
         send(page, 40)
         chromium.wait("document.querySelectorAll('figure:not(.dark)').length === 1")
         yield page, chromium
+        chromium.open("about:blank", 1280, 800)
 
 
 def test_without_faults_all_cameras_are_in_sight_and_nothing_is_marked(shown: tuple[Shown, Browser]) -> None:
