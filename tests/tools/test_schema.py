@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +10,7 @@ import jsonschema
 import pytest
 import yaml
 
+from followspot.cli.main import main
 from followspot.graph.declaration import ENVELOPE
 from followspot.graph.override import SUBGRAPH
 from followspot.plugins.catalogue import catalogue
@@ -116,6 +115,5 @@ def test_the_schema_knows_every_key_and_every_stage(schemas: dict[str, dict[str,
 
 def test_the_command_writes_a_file(tmp_path: Path) -> None:
     out = tmp_path / "graph.schema.json"
-    words = ("-m", "followspot.cli.main", "schema", "graph", "-o", str(out))
-    subprocess.run([sys.executable, *words], check=True)
+    assert main(["schema", "graph", "-o", str(out)]) == 0
     assert json.loads(out.read_text())["title"] == "followspot graph"

@@ -20,7 +20,7 @@ def test_a_subscription_misses_nothing_and_the_run_is_changed_on_the_way(
     with fs.run(
         GRAPH,
         set={"fuse.uses": "balls.bundle", "color.similarity": 0.8},
-        frames=60,
+        frames=30,
         placement=placement,
         ports=["track.tracks"],
         out=tmp_path,
@@ -30,10 +30,10 @@ def test_a_subscription_misses_nothing_and_the_run_is_changed_on_the_way(
             if len(seen) == 1:
                 assert run.set("color.similarity", 0.85).stages[0].params == {"similarity": 0.85}
                 assert run.swap("fuse", "balls.mean").stages[0].uses == "balls.mean"
-    assert seen == list(range(60))
+    assert seen == list(range(30))
     report = run.report
     assert report.ok
-    assert report.frames == 60
+    assert report.frames == 30
     assert {row["target"] for row in report.accuracy} == {"green", "red", "blue"}
     assert all(row["in_flight"] == 0 for row in report.ledger)
     assert (tmp_path / "tracks.csv").exists()
