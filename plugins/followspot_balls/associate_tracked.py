@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from followspot import Array
-from followspot.tracking import Candidates, Forecast
+from followspot.tracking import MISSING, Candidates, Forecast
 from followspot_balls.association.existence import Existence, near
 from followspot_balls.association.likelihood import ball_vs_reflector_log_ratio
 from followspot_balls.association.view_association import ViewAssociation, WeighedHypotheses
@@ -29,10 +29,11 @@ class AssociateTracked(ViewAssociation):
     """Keep the candidates of a tracked target's likeliest position if fewer than three are at its forecast.
 
     All views count, also those that detect nothing there, as in `balls.associate`. No frame alone
-    ends a track: its log-odds against a reflector do, for colour tells whose ball it is. If evident pairs
-    show a target without a track at several positions, it keeps the candidates of the likeliest if that
-    clearly leads. Other targets keep all their candidates, for the fusion to weigh. If the room has depth
-    cameras, all candidates stay, for the weighing of views does not know their measurements.
+    ends a track: its log-odds against a reflector do, for colour tells whose ball it is. Near its last
+    position it returns only if these rise again. If evident pairs show a target without a track at several
+    positions, it keeps the candidates of the likeliest if that clearly leads. Other targets keep all their
+    candidates, for the fusion to weigh. If the room has depth cameras, all candidates stay, for the weighing
+    of views does not know their measurements.
     """
 
     advice = "give the room more cameras that see each place, or lower silence_odds"
@@ -42,7 +43,15 @@ class AssociateTracked(ViewAssociation):
         if forecast is not None and np.count_nonzero(tracked) == len(tracked):
             return self.settled(candidates, forecast)
         alone = ~self.with_rivals(candidates)
-        return alone if forecast is None else np.where(tracked, self.settled(candidates, forecast), alone)
+        if forecast is None:
+            return alone
+        alone &= ~self.given_up(forecast)
+        return np.where(tracked, self.settled(candidates, forecast), alone)
+
+    def given_up(self, forecast: Forecast) -> Array:
+        """Which targets are missing because the views spoke against their tracks: (T,) bool."""
+        deleted = np.array([len(one.rivals.odds) > 0 for one in self.existence], bool)
+        return np.asarray(deleted & (forecast.state == MISSING))
 
     def with_rivals(self, candidates: Candidates) -> Array:
         """Which targets evident candidates show at positions farther apart than the reach: (T,) bool."""
@@ -85,13 +94,20 @@ class AssociateTracked(ViewAssociation):
     def without_track(
         self, number: int, found: WeighedHypotheses, forecast: Forecast | None, tracked: Array
     ) -> tuple[Existence, int]:
-        """Log-odds of an interrupted track decay; those of a deleted one are forgotten.
+        """Log-odds of an interrupted track decay, and so do those of a deleted one while nothing shows it.
 
-        The likeliest of its rival positions holds, for the fusion to judge.
+        What spoke against a track goes on to do so near its last position: the same candidates say nothing
+        new, so it returns in a frame in which the views rather show a ball. Elsewhere nothing speaks against
+        the target. The likeliest of its rival positions holds, for the fusion to judge.
         """
         own = (found.target == number).nonzero()[0]
         best = int(own[found.rank[own].argmax()]) if len(own) else -1
-        odds = self.existence[number].odds
-        if odds < self.rules.deletion:
+        before, fading = self.existence[number], self.rules.memory ** self.steps(forecast)
+        if not len(before.rivals.odds):
+            return Existence.unknown()._replace(odds=fading * before.odds), best
+        if forecast is None or forecast.state[number] != MISSING:
+            return before._replace(odds=0.0), best
+        odds = before.rivals.odds[0] * (fading if best < 0 else 1.0)
+        if odds >= self.rules.deletion or (best >= 0 and found.evidence[best] > 0):
             return Existence.unknown(), best
-        return Existence.unknown()._replace(odds=self.rules.memory ** self.steps(forecast) * odds), best
+        return Existence(odds, False, before.rivals._replace(odds=np.array([odds]))), best

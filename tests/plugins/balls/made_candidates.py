@@ -9,6 +9,7 @@ from tests.plugins.balls.scene import blobs_of, make_room
 
 from followspot.context import Context
 from followspot.messages import Array
+from followspot.room import Room
 from followspot.sealing import seal
 from followspot.tracking import Blobs, Candidates, Forecast
 from followspot_balls.associate import Associate
@@ -25,11 +26,11 @@ EVERYWHERE = (*COLOR, *INFRARED)
 
 
 def views(
-    shown: Mapping[Place, tuple[str, ...]], targets: list[list[bool]] | None = None
+    shown: Mapping[Place, tuple[str, ...]], targets: list[list[bool]] | None = None, room: Room = ROOM
 ) -> tuple[Blobs, ...]:
     """Blobs of places in those cameras that show them. Infrared blobs may be anyone's."""
     made = []
-    for name, camera in ROOM.cameras.items():
+    for name, camera in room.cameras.items():
         rows = [row for row, cameras in enumerate(shown.values()) if name in cameras]
         owners = [[True, False]] * len(shown) if targets is None else targets
         mine = [[True, True] if camera.kind == "infrared" else owners[row] for row in rows]

@@ -22,7 +22,7 @@ from tests.plugins.balls.scene import forecast_at
 
 from followspot.context import Context
 from followspot.sealing import seal
-from followspot.tracking import MISSING, TRACKED
+from followspot.tracking import LOST, MISSING, TRACKED, Forecast
 from followspot_balls.associate import Associate
 from followspot_balls.associate_tracked import AssociateTracked
 from followspot_balls.association.view_association import WeighedHypotheses
@@ -93,19 +93,45 @@ def test_of_sought_targets_without_rival_places_all_candidates_stay() -> None:
 
 
 def test_what_was_known_of_a_track_fades_while_it_is_not_followed() -> None:
-    """Unless it was given up: what is found later in its place is another track."""
-    tracked = forecast_at([BALL, (-1, 0, 0.5)])
-    missing = seal(replace(tracked, state=np.array([MISSING, TRACKED], np.uint8)))
-    for frames, fades in ((3, True), (30, False)):
-        associate = stage()
-        for _ in range(frames):
-            associated(associate, views({BALL: INFRARED}), tracked)
-        before = associate.existence[0].odds
-        assert before < 0
-        assert (before >= associate.rules.deletion) == fades
-        associate.process(candidates_of(views({PATCH: COLOR})), missing)
-        kept = associate.rules.memory * before if fades else 0.0
-        assert associate.existence[0].odds == pytest.approx(kept)
+    associate, missing = after_infrared_views(3)
+    before = associate.existence[0].odds
+    assert associate.rules.deletion < before < 0
+    associate.process(candidates_of(views({PATCH: COLOR})), missing)
+    assert associate.existence[0].odds == pytest.approx(associate.rules.memory * before)
+
+
+def test_a_track_that_is_given_up_returns_near_its_last_position_only_in_its_colour() -> None:
+    """The same reflector shows there as before. Elsewhere another track begins."""
+    associate, missing = after_infrared_views(30)
+    assert associate.existence[0].odds < associate.rules.deletion
+    reflector, ball = (candidates_of(views({BALL: cameras}), missing) for cameras in (INFRARED, EVERYWHERE))
+    for _ in range(20):
+        assert not len(red(associate.process(reflector, missing).candidates))
+    again = stage()
+    again.restore(associate.state())
+    returned = [len(red(again.process(ball, missing).candidates)) for _ in range(2)]
+    assert returned[-1] == len(red(ball))
+    lost = seal(replace(missing, state=np.array([LOST, TRACKED], np.uint8)))
+    assert associate.process(reflector, lost).candidates is reflector
+    associated(associate, views({BALL: EVERYWHERE}), forecast_at([BALL, (-1, 0, 0.5)]))
+    assert associate.existence[0].odds > 0
+
+
+def test_what_spoke_against_a_track_is_forgotten_while_nothing_shows_there() -> None:
+    associate, missing = after_infrared_views(30)
+    nothing = candidates_of(views({}), missing)
+    for _ in range(15):
+        associate.process(nothing, missing)
+    reflector = candidates_of(views({BALL: INFRARED}), missing)
+    assert len(red(associate.process(reflector, missing).candidates)) == 1
+
+
+def after_infrared_views(frames: int) -> tuple[AssociateTracked, Forecast]:
+    """A stage after frames in which infrared cameras alone showed a track, and its forecast as missing."""
+    associate, tracked = stage(), forecast_at([BALL, (-1, 0, 0.5)])
+    for _ in range(frames):
+        associated(associate, views({BALL: INFRARED}), tracked)
+    return associate, seal(replace(tracked, state=np.array([MISSING, TRACKED], np.uint8)))
 
 
 def test_a_poor_track_on_a_reflector_goes_silent_and_one_in_its_colour_stays() -> None:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from tests.plugins.balls.made_candidates import BALL, EVERYWHERE, INFRARED, ROOM, Place, views
-from tests.plugins.balls.scene import RADIUS
+from tests.plugins.balls.scene import RADIUS, look_at
 
 from followspot.context import Context
 from followspot.messages import Header, stamped
+from followspot.room import Room
 from followspot.sealing import seal
-from followspot.tracking import PREDICTED, Blobs, Forecast
+from followspot.tracking import PREDICTED, TRACKED, Blobs, Forecast
 from followspot_balls.associate import Associate
 from followspot_balls.associate_tracked import AssociateTracked
 from followspot_balls.bridge import Bridge
@@ -23,14 +25,18 @@ from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs
 
 FPS = 30
+CORNERS = (-2.5, 2.5, 2.5), (2.5, -2.5, 2.5)
+"""Places of further cameras, m."""
 RESTING: Place = (0.1, 0.2, RADIUS)
 Association = type[Associate] | type[AssociateTracked]
 Fusion = type[MeanShift] | type[Bundle]
 
 
-def reported(frames: Iterable[Sequence[Blobs]], association: Association, fusion: Fusion) -> list[int | None]:
+def reported(
+    frames: Iterable[Sequence[Blobs]], association: Association, fusion: Fusion, room: Room = ROOM
+) -> list[int | None]:
     """The state of the first target in each frame, None if it is not reported."""
-    context = Context(room=ROOM)
+    context = Context(room=room)
     verify, triangulate, associate = VerifyPairs(context), Triangulate(context), association(context)
     fuse, bridge, track = fusion(context), Bridge(context), Kalman(context)
     for stage in (verify, triangulate, associate, fuse, bridge, track):
@@ -62,6 +68,22 @@ def test_what_infrared_cameras_alone_show_is_silent_once_it_is_given_up(
     assert given_up < 20 + FPS
     assert states[given_up:] == [None] * (80 - given_up)
     assert PREDICTED not in states[:28]  # from then on it is doubted, and sought elsewhere in some frames
+
+
+@pytest.mark.parametrize("fusion", [MeanShift, Bundle])
+def test_what_several_infrared_cameras_show_is_silent_once_it_is_given_up_and_returns_in_its_colour(
+    fusion: Fusion,
+) -> None:
+    """Three of them make three candidates, which find a missing target where it was."""
+    more = {f"cam{k}": look_at(f"cam{k}", "infrared", xyz) for k, xyz in enumerate(CORNERS, start=4)}
+    room = replace(ROOM, cameras={**ROOM.cameras, **more})
+    ball = views({BALL: (*EVERYWHERE, *more)}, room=room)
+    reflector = views({BALL: (*INFRARED, *more)}, room=room)
+    states = reported([ball] * 20 + [reflector] * 30 + [ball] * 10, AssociateTracked, fusion, room)
+    given_up = states.index(None, 20)
+    assert given_up < 40
+    assert states[given_up:50] == [None] * (50 - given_up)
+    assert states[53:] == [TRACKED] * 7
 
 
 def test_one_infrared_view_goes_on_for_a_second_in_which_no_colour_camera_shows_the_ball() -> None:
