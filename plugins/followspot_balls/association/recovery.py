@@ -4,7 +4,8 @@ Candidates that agree are no independent evidence: one blob of a colour camera t
 ray to a reflector makes a candidate with each infrared camera. So the views are weighed, not their pairs,
 also those that see the position and detect nothing there (Bar-Shalom, Daum & Huang 2009); a blob counts for
 more where its view lately showed nothing of the kind. An evident position that one frame hardly confirms is
-accepted when several in a row do (a sequential probability ratio test).
+accepted when several in a row do (a sequential probability ratio test), whose evidence fades as that of
+tracks does, for a patch and a reflector that stay are no new evidence.
 """
 
 from __future__ import annotations
@@ -67,7 +68,7 @@ class Recovery:
         self.params = params
         p = ViewParams()
         cameras = list(room.cameras.values())
-        self.reach = p.reach
+        self.reach, self.memory = p.reach, p.memory
         self.color = np.array([c.kind == "color" for c in cameras], bool)
         self.depth = any(c.kind == "depth" for c in cameras)
         self.detection = np.full((len(room.targets), len(cameras)), p.detection)
@@ -120,7 +121,7 @@ class Recovery:
         target, xyz = positions.target[row], positions.xyz[row]
         off = xyz - self.xyz[target]
         total = ratio.copy()
-        total[row] += np.where(np.vecdot(off, off) < self.reach**2, self.odds[target], 0.0)
+        total[row] += np.where(np.vecdot(off, off) < self.reach**2, self.memory * self.odds[target], 0.0)
         self.forget(forecast)
         self.odds[target], self.xyz[target] = total[row], xyz
         return total

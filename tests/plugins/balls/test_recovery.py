@@ -112,6 +112,14 @@ def test_frames_in_a_row_that_show_an_evident_place_add_up() -> None:
     assert [fuse.process(candidates, None).support.tolist() for _ in range(3)] == [[1], [6], [6]]
 
 
+def test_what_a_frame_said_fades_so_that_two_that_are_hardly_enough_together_are_not() -> None:
+    room = room_of("cicici")
+    found, recovery = fused(MeanShift, room, "01"), Recovery(room, RecoveryParams())
+    totals = [recovery.accumulated(found, np.array([1.04]), None)[0] for _ in range(3)]
+    assert totals[0] == pytest.approx(1.04)
+    assert totals[1] < RecoveryParams().sure_recovery_evidence < totals[2]
+
+
 def test_a_frame_that_does_not_show_the_place_ends_the_row_unless_it_looked_elsewhere() -> None:
     nothing = candidates_of(room_of("cicicici"), "", None, OFF)
     there = forecast_at([BALL, ELSEWHERE])
