@@ -189,8 +189,9 @@ class _LastChunks:
         """The chunk, from the file if it is none of the last. Raises Damaged."""
         chunk = self._chunks.get(key)
         if chunk is None:
-            chunk = self._chunks[key] = recording.read(span)
-            self._size += chunk.size
+            chunk = recording.read(span)
+            self._size += chunk.size if key not in self._chunks else 0  # another thread was faster
+            self._chunks[key] = chunk
             while len(self._chunks) > 1 and self._size > CACHED:
                 self._size -= self._chunks.popitem(last=False)[1].size
         else:
