@@ -84,14 +84,14 @@ class Background:
         return gain if foreground(now, then, gain).mean() < UNLIKE else None
 
 
-def foreground(pixels: Array, background: Array, light: float) -> Array:
+def foreground(pixels: Array, background: Array, light: float, shade: float = SHADE) -> Array:
     """Which pixels show something else than the background: (..., 3) u1 each -> (...) bool.
 
-    light: how bright the picture is over the background.
+    light: how bright the picture is over the background; shade: least brightness over it in a shadow.
     """
     now = pixels.astype(np.float32) + np.float32(BLACK * light)
     then = (background.astype(np.float32) + np.float32(BLACK)) * np.float32(light)
     sum_now, sum_then = now.sum(axis=-1), then.sum(axis=-1)
     ratio = sum_now / sum_then
     chroma = np.abs(now / sum_now[..., None] - then / sum_then[..., None]).sum(axis=-1)
-    return np.asarray((ratio < SHADE) | (ratio > GLARE) | (chroma > CHROMA + NOISE / sum_now))
+    return np.asarray((ratio < shade) | (ratio > GLARE) | (chroma > CHROMA + NOISE / sum_now))

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from followspot import Array, Camera
-from followspot.geometry import project
+from followspot import Array
+from followspot_persons.background.body_axis import Axis, distance_on_floor
 from followspot_persons.background.ghost import is_ghost
 from followspot_persons.background.goes_on import goes_on_below
 from followspot_persons.background.scene import Scene
-from followspot_persons.body.standing import WAIST, knows_floor, rise
+from followspot_persons.body.standing import knows_floor, rise
 from followspot_persons.body.stature import PROPORTION_SIGMA
 from followspot_persons.body.view import HEIGHT
 
@@ -25,8 +25,6 @@ SHARE = 0.06
 """Share of a row of the strip that is foreground where a leg is."""
 GAP = 0.1
 """Longest gap between two rows of legs, in heights of the upper body: a belt, a bare ankle."""
-BEFORE_AXIS = 0.18
-"""Distance of the nearer foot's edge from the axis of the body, towards the camera, m."""
 STRIDE_SIGMA = 0.15
 """Sigma of a distance by the feet, m: the nearer foot of who walks is up to half a step before the axis."""
 WALK = 1.0
@@ -92,37 +90,6 @@ class Presence:
     contact: Contact | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class _Axis:
-    """Pixels of the head's top, of the waist and of the point on the floor below, (2,) each."""
-
-    head: Array
-    waist: Array
-    foot: Array
-
-    @classmethod
-    def of(cls, camera: Camera, pose: Array) -> _Axis | None:
-        """The axis of a pose (6,); None if the camera does not see it upright."""
-        rows = np.array([pose[HEIGHT], WAIST * pose[HEIGHT], 0.0])
-        axis = cls(*project(camera, np.column_stack([np.tile(pose[:2], (3, 1)), rows])))
-        seen = np.isfinite([axis.head, axis.waist, axis.foot]).all()
-        return axis if seen and axis.head[1] < axis.waist[1] < axis.foot[1] else None
-
-    @property
-    def tall(self) -> float:
-        """Height of the upper body, px."""
-        return float(self.waist[1] - self.head[1])
-
-    def column(self, row: Array) -> Array:
-        """Columns at these rows, px."""
-        (x0, y0), (x1, y1) = self.head, self.foot
-        return np.asarray(x0 + (row - y0) * (x1 - x0) / (y1 - y0))
-
-    def beside(self, rows: Array, half: int) -> Array:
-        """Columns up to so many beside the axis at these rows (R,), (R, 2 half + 1) px."""
-        return np.rint(self.column(rows)).astype(int)[:, None] + np.arange(-half, half + 1)
-
-
 def presence(scene: Scene | None, pose: Array, others: Array) -> Presence | None:
     """Compare a person with the background; None if it is unknown, or if the person has no image.
 
@@ -157,16 +124,6 @@ def moved(pose: Array, eye: Array, distance: float, height: float) -> Array:
     return out
 
 
-def distance_on_floor(camera: Camera, axis: _Axis, low: int) -> float | None:
-    """Horizontal distance of a person whose lowest row in the picture is `low`, m; None if the picture ends
-    there, or if it shows no floor there.
-    """
-    if low >= camera.size[1] - 2:
-        return None
-    down = float(rise(camera, axis.column(np.array([low])), np.array([low + 0.5]))[0])
-    return float(-camera.center[2] / down) + BEFORE_AXIS if down < 0 else None
-
-
 @dataclass(frozen=True, eq=False)
 class _Strip:
     """Foreground along the axis of a body from head to below the feet.
@@ -176,7 +133,7 @@ class _Strip:
     upper body, and in all columns of its rows.
     """
 
-    axis: _Axis
+    axis: Axis
     rows: Array
     columns: Array
     changed: Array
@@ -188,7 +145,7 @@ class _Strip:
     @classmethod
     def of(cls, scene: Scene, pose: Array, others: Array) -> _Strip | None:
         """The strip about a pose (6,); None if it is not upright, or its upper body not in the picture."""
-        axis = _Axis.of(scene.camera, pose)
+        axis = Axis.of(scene.camera, pose)
         if axis is None:
             return None
         last = min(scene.camera.size[1], int(axis.foot[1] + 0.5 * (axis.foot[1] - axis.head[1])))

@@ -14,8 +14,8 @@ from followspot import Array
 from followspot.people import Boxes
 from followspot_persons.association import on_body
 from followspot_persons.background.background import foreground
+from followspot_persons.background.body_axis import BEFORE_AXIS
 from followspot_persons.background.existence import RIGID
-from followspot_persons.background.floor_contact import BEFORE_AXIS
 from followspot_persons.background.ghost import is_ghost
 from followspot_persons.background.scene import Scene
 from followspot_persons.body.standing import knows_floor, rise

@@ -8,9 +8,10 @@ import numpy as np
 
 from followspot import Array, Camera
 from followspot.geometry import project, ray
+from followspot_persons.background.floor_beside import contact_beside
 from followspot_persons.background.floor_contact import LARGEST_CHANGE, Contact, presence
 from followspot_persons.background.scene import Scene
-from followspot_persons.body.standing import WAIST, standing
+from followspot_persons.body.standing import WAIST, knows_floor, standing
 from followspot_persons.body.upper_body_box import RATIO
 from followspot_persons.likelihood.fitness import Detection
 
@@ -31,19 +32,32 @@ class Stood:
     contact: Contact | None = None
 
 
-def stood(scene: Scene | None, detection: Detection, pose: Array, stature: float, others: Array) -> Stood:
-    """A detection of a person about a pose (6,), of a height, m; others: of :func:`presence`."""
-    if scene is None:
+def stood(
+    camera: Camera,
+    pixels: Array,
+    scene: Scene | None,
+    detection: Detection,
+    pose: Array,
+    stature: float,
+    others: Array,
+) -> Stood:
+    """A detection of a person about a pose (6,), of a height, m. others: of :func:`presence`.
+
+    Feet that the background does not tell, because it is not known yet or shows a ghost, the floor about them
+    may. pixels: (H, W, 3) u1 BGR.
+    """
+    if not knows_floor(camera):
         return Stood(detection)
-    there = turned(scene.camera, pose, detection.box)
+    there = turned(camera, pose, detection.box)
     shown = presence(scene, there, others)
-    if shown is None or shown.contact is None:
+    contact = None if shown is None else shown.contact
+    contact = contact or contact_beside(camera, pixels, there, others)
+    if contact is None:
         return Stood(detection)
-    by_size = float(standing(scene.camera, detection.box[None])[0][0])
-    if by_size <= shown.contact.distance / (1 - LARGEST_CHANGE):
-        return Stood(detection, contact=shown.contact)
-    box = whole(scene.camera, there, shown.contact, stature)
-    return Stood(replace(detection, box=box), part=True, contact=shown.contact)
+    by_size = float(standing(camera, detection.box[None])[0][0])
+    if by_size <= contact.distance / (1 - LARGEST_CHANGE):
+        return Stood(detection, contact=contact)
+    return Stood(replace(detection, box=whole(camera, there, contact, stature)), part=True, contact=contact)
 
 
 def by_size(camera: Camera, detection: Detection) -> Contact | None:

@@ -75,7 +75,7 @@ class PersonUpdate:
         others: (K, 4) px, upper bodies of known people.
         """
         particles = spawned(self.camera, detection, self.params.particles, self.random())
-        known = stood(seen.scene, detection, particles.mean(axis=0), USUAL, others)
+        known = self._stood(seen, detection, particles.mean(axis=0), USUAL, others)
         if known.part:
             particles = spawned(self.camera, known.detection, self.params.particles, self.random())
         if self.walkable is not None and self.walkable.excludes(particles[:, :2]):
@@ -104,7 +104,7 @@ class PersonUpdate:
         picture: with the occlusions by nearer people; others: (K, 4) px, their upper bodies. A box on a
         person whom they hide is theirs.
         """
-        known = stood(seen.scene, detection, person.track.pose, person.stature.estimate[0], others)
+        known = self._stood(seen, detection, person.track.pose, person.stature.estimate[0], others)
         moved = self._updated(person, known, picture, seen, joined=True)
         track = moved.track
         if track.shown < MINIMUM_SHOWN:
@@ -157,7 +157,7 @@ class PersonUpdate:
         if box is None or self.assignment.fits_average_better(person, body_seen, box, picture):
             return None
         detection = Detection(box, np.zeros(0), np.zeros(0), certainty=0.0)
-        known = stood(seen.scene, detection, there.pose, person.stature.estimate[0], others)
+        known = self._stood(seen, detection, there.pose, person.stature.estimate[0], others)
         moved = self._updated(person, known, picture, seen, joined=known.part)
         shown = presence(seen.scene, moved.track.pose, others)
         stature = person.stature.stood(None if shown is None else shown.height)
@@ -184,6 +184,12 @@ class PersonUpdate:
         there, box = self._unboxed(person, free, seen)
         expected = self.bodies.boxes([replace(person, track=there)])
         return person.comparable and box is None and bool(shares(self.camera, mask, expected)[0] < STILL)
+
+    def _stood(
+        self, seen: Observation, detection: Detection, pose: Array, stature: float, others: Array
+    ) -> Stood:
+        """A detection beside the floor, by background and picture; arguments of :func:`stood`."""
+        return stood(self.camera, seen.pixels, seen.scene, detection, pose, stature, others)
 
     def _updated(
         self, person: KnownPerson, known: Stood, picture: Picture, seen: Observation, *, joined: bool

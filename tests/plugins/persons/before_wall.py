@@ -10,9 +10,7 @@ from tests.plugins.persons.drawn import (
 )
 
 from followspot.geometry import project
-from followspot_persons.background.floor_contact import (
-    BEFORE_AXIS,
-)
+from followspot_persons.background.body_axis import BEFORE_AXIS
 from followspot_persons.background.scene import Scene
 
 

@@ -13,8 +13,10 @@ from tests.plugins.persons.drawn import (
     SHIRT,
     WALL,
     boxes_of,
+    drawn,
     frame_of,
     gradients_of,
+    perspective,
     standing,
 )
 from tests.plugins.persons.shown import SlowInstance
@@ -194,12 +196,14 @@ def test_a_box_of_a_head_becomes_that_of_the_upper_body_and_another_one_stays():
     whole = view(scene.camera, read_shape(), true[None]).box[0]
     head = whole.copy()
     head[3] = whole[1] + 0.35 * (whole[3] - whole[1])
-    of_head = stood(scene, Detection(head, NONE, NONE), standing(6.5), 1.7, NOBODY)
+    of_head = stood(
+        scene.camera, scene.pixels, scene, Detection(head, NONE, NONE), standing(6.5), 1.7, NOBODY
+    )
     assert of_head.part
     np.testing.assert_allclose(
         of_head.detection.box[[1, 3]], whole[[1, 3]], atol=0.06 * (whole[3] - whole[1])
     )
-    of_body = stood(scene, Detection(whole, NONE, NONE), true, 1.7, NOBODY)
+    of_body = stood(scene.camera, scene.pixels, scene, Detection(whole, NONE, NONE), true, 1.7, NOBODY)
     assert not of_body.part
     assert of_body.contact.distance == pytest.approx(3.0, abs=0.05)
     np.testing.assert_array_equal(of_body.detection.box, whole)
@@ -225,7 +229,8 @@ def test_boxes_of_head_and_chest_initiate_a_whole_body_and_say_nothing_of_its_he
 
 def test_without_a_background_a_detection_says_what_it_says():
     detection = Detection(np.array([10.0, 10, 30, 40]), NONE, NONE)
-    told = stood(None, detection, standing(3.0), 1.7, NOBODY)
+    camera = perspective()
+    told = stood(camera, drawn(camera), None, detection, standing(3.0), 1.7, NOBODY)
     assert (told.detection, told.part, told.contact) == (detection, False, None)
 
 
@@ -327,8 +332,7 @@ def test_the_slow_instance_tells_where_feet_are_and_that_none_were_seen_before()
     assert told.contact[0, 0] == pytest.approx(3.0, abs=0.05)
     assert told.contact[0, 1] == pytest.approx(STRIDE_SIGMA**-2)
     new = SlowInstance()
-    swaying = [np.roll(background_and_body(true).pixels, shift, axis=1) for shift in (0, 2, 0)]
-    told = [new.see_pixels(pixels, boxed=[true], score=3.0) for pixels in swaying][-1]
+    told = [new.see(true) for _ in range(3)][-1]
     assert told.contact.tolist() == [[0.0, 0.0]]
 
 
