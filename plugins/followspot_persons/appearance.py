@@ -77,8 +77,9 @@ class Appearance(Stage):
     def process(self, frame: Frame, gradients: Gradients, boxes: Boxes) -> Appearances:
         seen = self.observed(frame, gradients, boxes)
         present = [p for p in self.people if not p.absent]
+        expected = [p.expected(seen.seconds) for p in present]
         pairs = self.assignment.pairs(
-            present, seen.detections, seen.still, seen.upright, seen.picture, seen.now
+            expected, seen.detections, seen.still, seen.upright, seen.picture, seen.now
         )
         known, shades = self.with_boxes(present, pairs, seen)
         kept = [p for _, p in sorted(known.items()) if p is not None]

@@ -14,6 +14,8 @@ from followspot_persons.particles.track import Track, coasted
 
 MISSED_COST = 1.5
 """Loss of a person's trust per picture without a box."""
+AHEAD = 0.5
+"""Share of the forecast way after which a person is expected: people stop and turn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +76,10 @@ class KnownPerson:
             contact=contact,
             first=first,
         )
+
+    def expected(self, seconds: float) -> KnownPerson:
+        """The person where its next box is expected, some seconds after the last picture."""
+        return replace(self, track=coasted(self.track, AHEAD * seconds))
 
     def contact_after(self, measured: Contact | None, size: Contact | None, seconds: float) -> Contact | None:
         """The floor contact some seconds later: as measured, or as the size of the body corrects it while

@@ -194,6 +194,17 @@ def test_who_is_near_does_not_get_the_box_of_who_is_far_and_who_seemed_far_can_b
     assert given(standing(5.5, height=1.5), standing(2.0)) == [(0, 0)]
 
 
+def test_who_walks_gets_the_box_ahead_and_not_that_of_whom_it_has_passed():
+    """At 0.8 m/s; somebody in the same clothes then appears where the person was half a second before."""
+    show = SlowInstance()
+    for number in range(5):
+        show.see(standing(2.5, 0.4 * number - 1.2))
+    (walker,) = show.stage.people
+    there = [standing(2.5, walker.track.pose[1] + away) for away in (0.0, 0.4)]
+    told = show.see(*there)
+    assert told.pose[numbers(told).index(walker.number), 1] == pytest.approx(there[1][1], abs=0.2)
+
+
 def test_a_second_box_on_a_body_initiates_nobody():
     show = SlowInstance()
     for _ in range(3):
