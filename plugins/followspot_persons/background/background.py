@@ -89,9 +89,15 @@ def foreground(pixels: Array, background: Array, light: float, shade: float = SH
 
     light: how bright the picture is over the background; shade: least brightness over it in a shadow.
     """
-    now = pixels.astype(np.float32) + np.float32(BLACK * light)
-    then = (background.astype(np.float32) + np.float32(BLACK)) * np.float32(light)
-    sum_now, sum_then = now.sum(axis=-1), then.sum(axis=-1)
+    now = [channel + np.float32(BLACK * light) for channel in _channels(pixels)]
+    then = [(channel + np.float32(BLACK)) * np.float32(light) for channel in _channels(background)]
+    sum_now, sum_then = now[0] + now[1] + now[2], then[0] + then[1] + then[2]
     ratio = sum_now / sum_then
-    chroma = np.abs(now / sum_now[..., None] - then / sum_then[..., None]).sum(axis=-1)
+    blue, green, red = (np.abs(a / sum_now - b / sum_then) for a, b in zip(now, then, strict=True))
+    chroma = blue + green + red
     return np.asarray((ratio < shade) | (ratio > GLARE) | (chroma > CHROMA + NOISE / sum_now))
+
+
+def _channels(pixels: Array) -> Array:
+    """The channels of pixels (..., 3) u1, one after the other: numpy adds up three columns slowly."""
+    return np.moveaxis(pixels.astype(np.float32), -1, 0)
