@@ -28,4 +28,5 @@ def _edges(pixels: Array) -> Array:
     """Strength of edges, (H, W, 3) u1 -> (H, W) f4."""
     smooth = cv2.GaussianBlur(pixels, (3, 3), 0)
     across, down = (cv2.Scharr(smooth, cv2.CV_32F, *axis) for axis in ((1, 0), (0, 1)))
-    return np.asarray(np.hypot(across, down).max(axis=2))
+    blue, green, red = np.moveaxis(np.hypot(across, down), 2, 0)
+    return np.asarray(np.maximum(np.maximum(blue, green), red))  # as max(axis=2) of three columns, but faster
