@@ -29,8 +29,8 @@ STRIDE_SIGMA = 0.15
 """Sigma of a distance by the feet, m: the nearer foot of who walks is up to half a step before the axis."""
 WALK = 1.0
 """Growth of the sigma of a distance with its age, m/s."""
-GATE = 3.0
-"""Difference of two distances of one person at most, in sigmas."""
+GATE = 2.0
+"""Difference of two distances of one person at most, in sigmas: 95 % of a Gaussian."""
 LARGEST_CHANGE = 0.25
 """Difference of the distance from that by size, relative, up to which both are of one body. Feet farther away
 are none: furniture hides the legs. Feet much nearer are those of a person whose head or chest alone was taken

@@ -85,13 +85,15 @@ class KnownPerson:
         """The floor contact some seconds later: as measured, or as the size of the body corrects it while
         the feet are hidden.
 
-        Feet that the person could not have reached in this time are those of another person. size: where the
-        box says that the person stands, None if it says nothing.
+        Feet are those of another person if the last distance and the sizes of all boxes together forecast
+        none that they agree with. The first feet correct sizes, which may all be wrong by one error. size:
+        where the box says that the person stands, None if it says nothing.
         """
         if self.contact is None:
             return measured
-        before = self.contact.later(seconds)
-        if measured is not None and measured.agrees(before):
+        before, sizes = self.contact.later(seconds), self.sized_after(size, seconds)
+        forecast = before if sizes is None else before.with_size(sizes)
+        if measured is not None and measured.agrees(forecast):
             return measured
         return before if size is None else before.with_size(size)
 

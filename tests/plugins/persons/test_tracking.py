@@ -154,6 +154,19 @@ def test_feet_where_nobody_walks_to_in_this_time_are_somebody_elses():
     assert person.contact_after(None, None, 0.2) == person.contact.later(0.2)
 
 
+def test_feet_where_neither_the_last_distance_nor_sizes_are_are_somebody_elses():
+    """Feet at 4.8 m were last seen 0.6 s ago; one can walk to 3.9 m, but all boxes say 4.8 m."""
+    person = KnownPerson.tentative(
+        standing(4.8)[None], 45, 1.0, 0, comparable=True, contact=Contact(4.8, STRIDE_SIGMA)
+    )
+    feet, size = Contact(3.9, STRIDE_SIGMA), Contact(4.8, 0.4)
+    assert person.contact_after(feet, None, 0.6) == feet
+    person = replace(person, sized=Contact(4.8, 0.3))
+    assert person.contact_after(feet, size, 0.6) == person.contact.later(0.6).with_size(size)
+    assert person.contact_after(Contact(4.4, STRIDE_SIGMA), size, 0.6).distance == 4.4
+    assert replace(person, contact=None).contact_after(feet, size, 0.6) == feet
+
+
 def test_feet_that_the_size_of_the_body_contradicts_refuse_no_others_for_long():
     """Legs parted in a step passed for feet at 5.5 m; the boxes and the feet of the next pictures, five a
     second, say 3.9 m.
