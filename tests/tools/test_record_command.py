@@ -91,7 +91,7 @@ def test_a_replay_from_the_middle_has_the_same_outputs(show: Path, tmp_path: Pat
 
 
 def test_another_graph_is_replayed_on_the_recorded_cameras(show: Path, tmp_path: Path) -> None:
-    """Its room names videos that are not there, and nobody needs them."""
+    """Its room names videos that are not there; a replay opens none of them."""
     room = (GRAPHS / "rooms/simulated.yaml").read_text()
     gone = room.replace("source: *sim", "source: {uses: cameras.video, with: {path: gone.mkv}}")
     assert gone.count("gone.mkv") == 5

@@ -8,6 +8,7 @@ from typing import Any
 import msgpack
 import numpy as np
 
+from followspot.graph.plan import EdgeCodec
 from followspot.messages import Array, InvalidMessage, Message, stamped
 from followspot.sealing import seal
 from followspot.transport.wire import ALIGN, MAX_HEAD, PREFIX, VERSION, pack_head, unpack_head
@@ -17,7 +18,7 @@ from fuzzing.wire import sample
 
 _POWERS = (7, 8, 15, 16, 31, 32, 52, 53, 61, 62, 63, 64)
 _TEXTS = ("", "\0", "a" * 1000, "a" * 1001, "a" * 60_000, "../../etc", "\u202e", "\n\x1b[2J", "𝔘" * 300)
-_CODECS = ("raw", "raw", "lossless", "jpeg")
+_CODECS: tuple[EdgeCodec, ...] = ("raw", "raw", "lossless", "jpeg")
 
 
 def extreme_integer(rng: random.Random, least: int = -(1 << 63), most: int = (1 << 64) - 1) -> int:
@@ -74,7 +75,7 @@ def extreme_token(kind: type[Message], rng: random.Random) -> bytes:
     if rng.random() < 0.1:
         return pack_head((None, extreme_integer(rng)))
     message = extreme_message(kind, rng)
-    packed = pack_as(message, rng.choice(_CODECS))  # type: ignore[arg-type]
+    packed = pack_as(message, rng.choice(_CODECS))
     fields, start = unpack_head(packed)
     for place in (2, 3, 4):
         if rng.random() < 0.4:

@@ -27,7 +27,7 @@ BEFORE = 0.5
 WIDTH = 0.22
 """Half the width of the legs' strip, in heights of the upper body."""
 BESIDE, ASIDE = 0.42, 1.0
-"""From where to where the floor is beside the legs, in the same unit."""
+"""Nearest and farthest column of the floor beside the legs, from the axis, in the same unit."""
 OTHERS = 0.5
 """Half the width of a nearer person's columns, in heights of its upper body."""
 FREE, SEEN = 0.9, 0.3
@@ -56,9 +56,11 @@ def contact_beside(camera: Camera, pixels: Array, pose: Array, others: Array) ->
     people.
     """
     axis = Axis.of(camera, pose)
-    legs = None if axis is None else _Legs(camera, pixels, axis, others)
-    low = None if legs is None else legs.lowest(*(_row(camera, pose, k) for k in (FIRST, FLOOR, LAST)))
-    floor = None if axis is None or low is None else distance_on_floor(camera, axis, low)
+    if axis is None:
+        return None
+    first, floor_row, last = (_row(camera, pose, share) for share in (FIRST, FLOOR, LAST))
+    low = _Legs(camera, pixels, axis, others).lowest(first, floor_row, last)
+    floor = None if low is None else distance_on_floor(camera, axis, low)
     if floor is None:
         return None
     distance, by_size = floor - LAG, float(np.hypot(*(pose[:2] - camera.center[:2])))
@@ -102,9 +104,9 @@ class _Legs:
         low = lowest(filled, gap)
         foot = int(rows[low])
         whole = filled[: low + 1].mean() >= FILLED and low + gap < len(rows)
-        return (
-            foot if whole and self._on(colors, foot) and not self._astride(colors, foot, half, gap) else None
-        )
+        if not whole or not self._on(colors, foot) or self._astride(colors, foot, half, gap):
+            return None
+        return foot
 
     def _astride(self, colors: Array, low: int, half: int, gap: int) -> bool:
         """Whether legs leave their strip at its side and go on below its lowest row: it is one of a knee."""

@@ -74,7 +74,7 @@ def test_what_infrared_cameras_alone_show_is_silent_once_it_is_given_up(
 def test_what_several_infrared_cameras_show_is_silent_once_it_is_given_up_and_returns_in_its_colour(
     fusion: Fusion,
 ) -> None:
-    """Three of them make three candidates, which find a missing target where it was."""
+    """Three blobs of it make three candidates, which find a missing target at its last position."""
     more = {f"cam{k}": look_at(f"cam{k}", "infrared", xyz) for k, xyz in enumerate(CORNERS, start=4)}
     room = replace(ROOM, cameras={**ROOM.cameras, **more})
     ball = views({BALL: (*EVERYWHERE, *more)}, room=room)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from tests.plugins.balls.scene import learn_color
@@ -35,12 +37,12 @@ def test_a_template_is_learnt_from_a_lone_ball() -> None:
 
 
 @pytest.mark.parametrize("learn", [learn_color, learn_infrared])
-def test_a_clip_without_a_ball_says_why(learn: object) -> None:
+def test_a_clip_without_a_ball_says_why(learn: Callable[..., object]) -> None:
     with pytest.raises(ValueError, match="no frames"):
-        learn([])  # type: ignore[operator]
+        learn([])
     dark = clip("cam0", (0, 0, 0), np.zeros(20, bool))
     with pytest.raises(ValueError, match=r"moves|moving"):
-        learn(dark)  # type: ignore[operator]
+        learn(dark)
 
 
 def test_a_colourless_spot_is_no_colour_template() -> None:

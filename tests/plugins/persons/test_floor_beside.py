@@ -53,7 +53,7 @@ def test_the_floor_about_the_feet_tells_the_distance_that_the_pose_misses(distan
 
 
 def test_no_feet_are_told_where_the_picture_shows_none():
-    """Below the picture, behind a nearer person, on nobody, and in trousers of the floor's colour."""
+    """Feet below the picture, no person, trousers of the floor's colour, legs behind a nearer person."""
     near, far = standing(1.4), standing(3.5)
     for poses, trousers in (([near], BLUE), ([], BLUE), ([far], TILES[0])):
         camera, pixels = of_person(*poses, trousers=trousers)

@@ -134,7 +134,7 @@ def keeps_its_memory(trial: Trial) -> Iterator[str]:
         return
     third = trial.messages // 3
     frames = [trial.inputs("plausible", n, noise(n)) for n in range(8)]
-    frozen = gc.get_freeze_count()  # by the caller, who wants that to stay so
+    frozen = gc.get_freeze_count()  # by the caller, whose objects stay frozen
     gc.freeze()  # a collection then looks only at what is new
     disabled = logging.root.manager.disable
     logging.disable()  # pytest keeps what is logged
