@@ -30,7 +30,8 @@ def with_initiated(
 ) -> Tracks[S]:
     """The tracks, and new ones of unassigned detections that two cameras or more agree on.
 
-    detection: probability that a body in full view is detected.
+    unassigned: of each camera of the set, also of those without any, which therefore missed a new body; a
+    camera that sent nothing tells nothing. detection: probability that a body in full view is detected.
     """
     parts = [one for one in unassigned if len(one.measured)]
     if len(parts) < 2:
@@ -43,7 +44,8 @@ def with_initiated(
         body, rows = _body_of_cluster(model, views, camera, measured, rows)
         if body is None or _is_tracked(tracks, model, body):
             continue
-        odds = _initial_odds(tracks, model, views, body, camera[rows], detection)
+        others = {one.camera for one in unassigned} - set(camera[rows].tolist())
+        odds = _initial_odds(tracks, model, views, body, len(rows), sorted(others), detection)
         initial = initial_colors(len(views.each), camera[rows], colors[rows])
         life = LifeCycles(np.zeros(1, int), np.array([odds]), np.array([tracks.time]), initial)
         tracks = replace(tracks, bodies=tracks.bodies.joined(body), life=tracks.life.joined(life))
@@ -76,12 +78,18 @@ def _is_tracked(tracks: Tracks[S], model: BodyModel[S], body: S) -> bool:
 
 
 def _initial_odds(
-    tracks: Tracks[S], model: BodyModel[S], views: Views, body: S, cameras: Array, detection: float
+    tracks: Tracks[S],
+    model: BodyModel[S],
+    views: Views,
+    body: S,
+    detections: int,
+    missed_by: Sequence[int],
+    detection: float,
 ) -> float:
-    """Log-odds of a new body that these cameras, (V,), detected, and the others did not."""
-    odds = model.odds_limits.initial + model.odds_limits.detection * len(cameras)
-    for number, view in enumerate(views.each):
-        if number not in cameras:
-            box, depth = model.bounding_boxes(tracks.bodies.joined(body), view)
-            odds += missed_detection(visible_shares(box, depth, view), detection)[-1]
+    """Log-odds of a new body with this many detections, which these cameras of the set did not detect."""
+    odds = model.odds_limits.initial + model.odds_limits.detection * detections
+    for number in missed_by:
+        view = views.each[number]
+        box, depth = model.bounding_boxes(tracks.bodies.joined(body), view)
+        odds += missed_detection(visible_shares(box, depth, view), detection)[-1]
     return odds

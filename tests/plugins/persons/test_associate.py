@@ -101,6 +101,17 @@ def test_nobody_appears_where_one_camera_alone_sees_somebody() -> None:
     assert all(len(each.poses.person) == 0 for each in out)
 
 
+@pytest.mark.parametrize("kind", ["points", "boxes"])
+def test_cameras_that_send_nothing_keep_nobody_from_being_found(kind: str) -> None:
+    room, sets, _ = crowded(people=4, frames=40, fps=10, seed=3)
+    two = [each[:2] for each in sets]
+    names = tuple(room.cameras)
+    alone = replace(room, cameras={name: room.cameras[name] for name in names[:2]})
+    with_others, without = followed(room, two, kind), followed(alone, two, kind)
+    assert max(len(out.poses.person) for out in without) >= 3
+    assert [len(out.poses.person) for out in with_others] == [len(out.poses.person) for out in without]
+
+
 def test_people_outside_the_area_are_not_sought() -> None:
     room, sets, _ = crowded(people=2, frames=10, fps=10, seed=7)
     out = followed(room, sets, "points", area=(10.0, 10.0, 11.0, 11.0))
