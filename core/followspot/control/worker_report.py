@@ -6,20 +6,26 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from followspot.control.path_latency import PathLatency
-from followspot.ranges import Count, Figure
+from followspot.ranges import Count, Figure, Nanoseconds
 
 RUN_AGAIN = "the results are not whole, so run the replay again"
 
 
 @dataclass(frozen=True)
 class StageReport:
-    """The figures of one stage in a run. busy_ms: time on the clock, ms: what other programs took counts."""
+    """The figures of one stage in a run.
+
+    busy_ms: time on the clock, ms: what other programs took counts; time: capture time of the last message of
+    a source, ns, -1 of other stages; exhausted: whether the stream of a source ended by itself.
+    """
 
     stage: str
     fired: Count
     skipped: Count
     restarts: Count
     busy_ms: Figure
+    time: Nanoseconds = -1
+    exhausted: bool = False
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,6 @@ from followspot.two_views import check_two_views
 from followspot_persons.associate.box_model import BoxModel
 from followspot_persons.associate.box_tracks import BoxTracks
 from followspot_persons.associate.detections import Detections, Measured, boxes_of, joints_of
-from followspot_persons.associate.early_ends import early_end_warning
 from followspot_persons.associate.joint_model import JointModel
 from followspot_persons.associate.joint_tracks import JointTracks
 from followspot_persons.associate.limbs import Lengths, constrained, learnt
@@ -70,8 +69,6 @@ class Associate(Stage):
     """How far the joints of each camera have reached."""
     unassigned: Mapping[str, Sequence[int]] = MappingProxyType({})
     """Detections of each camera while there were people, and those that were assigned to none of these."""
-    last: Mapping[str, int] = MappingProxyType({})
-    """Time stamp of the last message of each camera, ns."""
 
     @classmethod
     def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
@@ -103,8 +100,6 @@ class Associate(Stage):
         self, points: Joined[Points2D] = (), boxes: Joined[Boxes] = (), frames: Joined[Frame] = ()
     ) -> Outputs | None:
         pictures = {frame.camera: frame.pixels for frame in frames}
-        detections: Sequence[Points2D | Boxes] = (*points, *boxes)
-        self.last = {**self.last, **{one.camera: one.header.time for one in detections}}
         if points:
             return self.with_joints(points, pictures)
         return self.with_boxes(boxes, pictures) if boxes else None
@@ -168,12 +163,8 @@ class Associate(Stage):
         return Outputs(poses, Skeletons.empty())
 
     def close(self) -> None:
-        """Warn of cameras whose joints may be of smaller pictures, with other people, or that end early."""
-        warnings = (
-            picture_size_warning(self.reach, self.room.cameras),
-            unassigned_warning(self.unassigned),
-            early_end_warning(self.last),
-        )
+        """Warn of cameras whose joints may be of smaller pictures, or that see other people."""
+        warnings = (picture_size_warning(self.reach, self.room.cameras), unassigned_warning(self.unassigned))
         for warning in filter(None, warnings):
             self.context.warn(warning)
 

@@ -211,20 +211,3 @@ def test_a_camera_that_is_said_to_stand_elsewhere_is_warned_of_at_the_end(kind: 
     stage.close()
     assert len(warnings) == (off > 0)
     assert all(f"what {name} (" in text and "calibrate check" in text for text in warnings)
-
-
-@pytest.mark.parametrize("kind", ["points", "boxes"])
-@pytest.mark.parametrize("lacks", [pytest.param(0, marks=pytest.mark.thorough), 5, 11])
-def test_a_camera_whose_detections_end_a_second_early_is_told_with_the_time(kind: str, lacks: int) -> None:
-    """lacks: sets that the camera lacks at the end, of ten a second."""
-    room, sets, _ = crowded(people=2, frames=30, fps=10, seed=7)
-    warnings: list[str] = []
-    stage = Associate(Context("associate", room, warn=warnings.append))
-    stage.setup()
-    for number, each in enumerate(sets):
-        seen = each[int(number >= len(sets) - lacks) :]
-        stage.process(**{kind: tuple(one[kind == "boxes"] for one in seen)})
-    stage.close()
-    name = next(iter(room.cameras))
-    told = [text for text in warnings if f"detections of {name} (1.80 s)" in text and "(2.90 s)" in text]
-    assert len(told) == len(warnings) == (lacks == 11)

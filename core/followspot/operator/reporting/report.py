@@ -12,6 +12,7 @@ from followspot.control.clock_status import ClockStatus
 from followspot.control.worker_report import RUN_AGAIN, WorkerReport
 from followspot.graph.frame_count import counted_sources
 from followspot.graph.plan import Plan, PlannedEdge
+from followspot.operator.reporting.early_ends import early_ends
 from followspot.operator.reporting.silence import Silence, silences
 from followspot.operator.reporting.unused import unused
 from followspot.worker.ledger import COLUMNS, EdgeCount, Ledger
@@ -47,9 +48,14 @@ class RunReport:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """The news of the run, the warnings of all workers, and what joins did not use."""
+        """The news of the run, the warnings of all workers, sources that ended early, and what joins did not
+        use while their sources went on.
+        """
         warnings = (text for worker in self.workers for text in worker.warnings)
-        return (*self.news, *warnings, *unused(self.plan, self.edges))
+        early = early_ends(self.plan, self.workers)
+        without = {edge.to_stage for edge, _ in self.edges if edge.from_stage in early}
+        joined = [(edge, count) for edge, count in self.edges if edge.to_stage not in without]
+        return (*self.news, *warnings, *early.values(), *unused(self.plan, joined))
 
     @cached_property
     def silences(self) -> tuple[Silence, ...]:

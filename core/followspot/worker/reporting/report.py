@@ -6,6 +6,8 @@ from collections.abc import Callable
 
 from followspot.control.worker_report import RUN_AGAIN, StageReport, WorkerReport
 from followspot.errors import printable_lines
+from followspot.worker.runners.source import SourceRunner
+from followspot.worker.runners.stage_runner import StageRunner
 from followspot.worker.scheduler import Scheduler
 
 MAX_WARNINGS = 200
@@ -51,14 +53,20 @@ def worker_report(name: str, scheduler: Scheduler, warnings: Warnings, error: st
     return WorkerReport(
         name,
         max((s.yielded for s in scheduler.sources.all if not s.accompanying), default=0),
-        tuple(
-            StageReport(c.name, c.count.fired, c.count.skipped, c.count.restarts, c.count.busy_ns / 1e6)
-            for c in scheduler.runners
-        ),
+        tuple(map(stage_report, scheduler.runners)),
         tuple(path.summary(origin, c.name) for c in scheduler.runners for origin, path in c.paths.items()),
         warnings.lines(),
         error,
     )
+
+
+def stage_report(runner: StageRunner) -> StageReport:
+    """The figures of one stage."""
+    count = runner.count
+    figures = (runner.name, count.fired, count.skipped, count.restarts, count.busy_ns / 1e6)
+    if isinstance(runner, SourceRunner):
+        return StageReport(*figures, time=runner.watermark, exhausted=runner.exhausted)
+    return StageReport(*figures)
 
 
 def missing(scheduler: Scheduler) -> str:

@@ -41,6 +41,8 @@ class SourceRunner(StageRunner):
     """Time between the dues of the last two messages, ns; 0 for a source that keeps no pace."""
     made_in = 0
     """How long the newest message took to make, ns."""
+    exhausted = False
+    """Whether the stream ended by itself."""
     stopped = False
     until = END
     """Capture time, ns, after which it sends nothing for now."""
@@ -129,6 +131,7 @@ class SourceRunner(StageRunner):
                 self._items = several(self.stage.process())
             item = next(self._items)
         except StopIteration:
+            self.exhausted = True
             self.finish()
             return NOTHING
         except RAISED as error:
