@@ -42,11 +42,6 @@ class ExistenceEvidence:
     loss: Array
     views: Array
 
-    @classmethod
-    def none(cls, bodies: int) -> ExistenceEvidence:
-        """Before the first camera."""
-        return cls(np.zeros(bodies), np.zeros(bodies), np.zeros(bodies, int))
-
     def change(self, independent: float = 1.0) -> Array:
         """Change of the log-odds, (M,). One camera alone is no evidence: any false detection has a body that
         fits it. independent: share of the misses that are independent of those before.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -11,24 +12,24 @@ from followspot import Array
 from followspot.assignment import assigned
 from followspot.frame_times import NANOSECOND
 from followspot_persons.associate.body_model import BodyModel, S
+from followspot_persons.associate.camera_association import Association, Choice, associated, clear
 from followspot_persons.associate.detections import Detections
 from followspot_persons.associate.existence import (
     MAXIMUM_ODDS,
     MINIMUM_ODDS,
     ExistenceEvidence,
     independence,
-    missed_detection,
-    visible_shares,
 )
-from followspot_persons.associate.track_colors import color_log_ratios, updated_colors
 from followspot_persons.associate.track_initiation import with_initiated
 from followspot_persons.associate.tracks import Tracks, predicted, shifted
-from followspot_persons.associate.views import View, Views
+from followspot_persons.associate.views import Views
 
 TENTATIVE_DELETION = -3.0
 """Log-odds below which a track that was never confirmed is deleted."""
 CONFIRMED_DELETION = -2.0
 """Log-odds below which a confirmed track is deleted."""
+ROUNDS: tuple[Choice, ...] = (partial(clear, lead=4.0), partial(clear, lead=2.0), assigned)
+"""How the detections of a set are assigned: those that lead over rivals by 4 nats, by 2, then the rest."""
 
 
 @dataclass(frozen=True)
@@ -51,52 +52,52 @@ def updated(
     That may lie before an exposure of the previous set, if cameras are out of step by more than a set.
     """
     before, tracks = tracks.time, replace(tracks, bodies=model.before_set(tracks.bodies))
-    remaining, evidence = [], ExistenceEvidence.none(len(tracks.bodies))
-    unassigned, any_confirmed = tracks.unassigned.copy(), bool((tracks.life.number > 0).any())
-    for one in sorted(detections, key=lambda each: each.time):
-        tracks = predicted(tracks, model, one.time)
-        late = tracks.time - one.time
-        tracks = shifted(tracks, model, -late)
-        tracks, evidence, free = _associated(tracks, evidence, model, views.each[one.camera], one, rules)
-        tracks = shifted(tracks, model, late)
-        remaining.append(replace(one, measured=one.measured[free], colors=one.colors[free]))
-        unassigned[one.camera] += any_confirmed * np.array([len(free), np.count_nonzero(free)])
+    tracks, cameras = _with_detections(tracks, model, views, detections)
     weight = independence((tracks.time - before) * NANOSECOND)
-    odds = np.clip(tracks.life.odds + evidence.change(weight), MINIMUM_ODDS, MAXIMUM_ODDS)
-    tracks = replace(tracks, life=replace(tracks.life, odds=odds), unassigned=unassigned)
-    tracks = with_initiated(tracks, model, views, remaining, rules.detection)
+    change = _evidence(cameras, len(tracks.bodies), rules).change(weight)
+    odds = np.clip(tracks.life.odds + change, MINIMUM_ODDS, MAXIMUM_ODDS)
+    tracks = replace(tracks, life=replace(tracks.life, odds=odds), unassigned=_counted(tracks, cameras))
+    tracks = with_initiated(tracks, model, views, [one.unassigned for one in cameras], rules.detection)
     return _without_deleted(_confirmed(tracks, rules), model, rules)
 
 
-def _associated(
-    tracks: Tracks[S],
-    evidence: ExistenceEvidence,
-    model: BodyModel[S],
-    view: View,
-    one: Detections,
-    rules: Rules,
-) -> tuple[Tracks[S], ExistenceEvidence, Array]:
-    """The tracks and the evidence after one camera, and whether each detection, (N,), is unassigned."""
-    free = np.ones(len(one.measured), bool)
-    if not len(tracks.bodies):
-        return tracks, evidence, free
-    box, depth = model.bounding_boxes(tracks.bodies, view)
-    visible = visible_shares(box, depth, view)
-    loss = missed_detection(visible, rules.detection)
-    if not len(one.measured):
-        return tracks, replace(evidence, loss=evidence.loss + loss), free
-    ratio = model.log_ratios(tracks.bodies, view, one.measured)
-    color_ratio = color_log_ratios(tracks.life.colors, one.camera, one.colors)
-    rows, columns = assigned(np.where(ratio > 0, ratio + color_ratio, ratio))
-    bodies = model.updated(tracks.bodies, rows, view, one.measured[columns])
-    seen, gain, views = tracks.life.seen.copy(), np.zeros(len(loss)), np.zeros(len(loss), int)
-    gain[rows] = np.minimum(ratio[rows, columns], model.odds_limits.detection)
-    loss[rows], views[rows], seen[rows] = 0.0, 1, one.time
-    free = np.asarray((ratio[tracks.life.number > 0] <= 0).all(axis=0))
-    free[columns] = False
-    evidence = ExistenceEvidence(evidence.gain + gain, evidence.loss + loss, evidence.views + views)
-    colors = updated_colors(tracks.life.colors, rows, one.camera, one.colors[columns], visible[rows])
-    return replace(tracks, bodies=bodies, life=replace(tracks.life, seen=seen, colors=colors)), evidence, free
+def _with_detections(
+    tracks: Tracks[S], model: BodyModel[S], views: Views, detections: Sequence[Detections]
+) -> tuple[Tracks[S], Sequence[Association]]:
+    """The tracks after the detections of all cameras, and which belong to which.
+
+    The most certain detections of all cameras count first: a wrong one would lead its track away, and the
+    right ones of other cameras would not fit any more.
+    """
+    ordered = sorted(detections, key=lambda each: each.time)
+    cameras = [Association.none(one, len(tracks.bodies)) for one in ordered]
+    for number, choose in enumerate(ROUNDS):
+        for row, one in enumerate(cameras):
+            if number and one.used.all():
+                continue
+            tracks = predicted(tracks, model, one.detections.time)
+            late = tracks.time - one.detections.time
+            tracks = shifted(tracks, model, -late)
+            tracks, cameras[row] = associated(tracks, model, views.each[one.detections.camera], one, choose)
+            tracks = shifted(tracks, model, late)
+    return tracks, cameras
+
+
+def _evidence(cameras: Sequence[Association], bodies: int, rules: Rules) -> ExistenceEvidence:
+    """The evidence of all cameras of a set."""
+    gain, loss, views = np.zeros(bodies), np.zeros(bodies), np.zeros(bodies, int)
+    for one in cameras:
+        gain, loss, views = gain + one.gain, loss + one.loss(rules.detection), views + one.found
+    return ExistenceEvidence(gain, loss, views)
+
+
+def _counted(tracks: Tracks[S], cameras: Sequence[Association]) -> Array:
+    """The detections of each camera, and those of nobody, with those of a set, if any person is confirmed."""
+    counts = tracks.unassigned.copy()
+    if (tracks.life.number > 0).any():
+        for one in cameras:
+            counts[one.detections.camera] += len(one.used), len(one.unassigned.measured)
+    return counts
 
 
 def _confirmed(tracks: Tracks[S], rules: Rules) -> Tracks[S]:

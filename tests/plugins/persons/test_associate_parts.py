@@ -7,6 +7,7 @@ import pytest
 from tests.plugins.persons.crowded import corner_room
 
 from followspot_persons.associate.affinity import pair_ratios
+from followspot_persons.associate.camera_association import clear
 from followspot_persons.associate.contraction import clusters
 from followspot_persons.associate.ellipsoid import boxes_of
 from followspot_persons.associate.existence import ExistenceEvidence, missed_detection, visible_shares
@@ -42,6 +43,14 @@ def test_points_that_meet_in_no_body_of_a_persons_size_are_no_pair(size: float, 
     assert np.isneginf(ratio[0, 1]) != body
     assert ratio[0, 1] == ratio[1, 0]
     assert np.isneginf(pair_ratios(VIEWS, np.array([1, 1]), xy, Noise(2.0, 0.02, 0.0))).all()  # of one camera
+
+
+def test_clear_pairs_lead_over_all_others_of_their_rows_and_columns() -> None:
+    ratio = np.array([[9.0, 2.0, -1.0], [6.5, 8.0, 0.0], [-np.inf, 7.0, 3.0], [1.0, 1.0, -2.0]])
+    assert np.transpose(clear(ratio, 2.0)).tolist() == [[0, 0]]
+    assert np.transpose(clear(ratio[:2], 1.0)).tolist() == [[0, 0], [1, 1]]
+    assert np.transpose(clear(ratio[2:, 2:], 3.0)).tolist() == [[0, 0]]
+    assert clear(ratio[:0], 1.0)[0].size == clear(ratio[:, :0], 1.0)[0].size == 0
 
 
 def test_one_camera_alone_is_no_evidence_of_existence() -> None:
