@@ -8,7 +8,7 @@ import numpy as np
 
 from followspot import Array
 from followspot_balls.filtering.motion import Motion, followed, initiated, predict, slowed
-from followspot_target_filter.manoeuvre import ManoeuvreParams
+from followspot_target_filter.manoeuvre import Bounces, ManoeuvreParams
 from followspot_target_filter.motion_model import Estimate
 from followspot_target_filter.stage import TargetFilter
 
@@ -24,20 +24,18 @@ class Kalman(TargetFilter):
     def motion_model(self, count: int) -> ConstantVelocity:
         """Constant velocity, disturbed by accelerations and bounces."""
         p = self.params
-        return ConstantVelocity(count, p.acceleration_sigma, p.bounce_gate, p.initial_velocity_sigma)
+        return ConstantVelocity(count, p.acceleration_sigma, p.bounces)
 
 
 class ConstantVelocity:
     """First-order motion of all targets at once, which random accelerations and bounces disturb.
 
-    acceleration: one sigma, m/s^2; bounce_gate: sigmas from the forecast beyond which a target bounced;
-    initial_speed: one sigma of a new target's velocity, m/s.
+    acceleration: one sigma, m/s^2. The velocity of a new target is as unknown as that after a bounce.
     """
 
-    def __init__(self, count: int, acceleration: float, bounce_gate: float, initial_speed: float) -> None:
+    def __init__(self, count: int, acceleration: float, bounces: Bounces) -> None:
         self.acceleration = acceleration
-        self.bounce_gate = bounce_gate
-        self.initial_speed = initial_speed
+        self.bounces = bounces
         self.motion = Motion.zero(count)
 
     @property
@@ -51,10 +49,10 @@ class ConstantVelocity:
         return _estimate(predict(self.motion, seconds, self.acceleration))
 
     def initiate(self, target: Array, xyz: Array, noise: Array) -> None:
-        self.motion = initiated(self.motion, target, xyz, noise, self.initial_speed)
+        self.motion = initiated(self.motion, target, xyz, noise, self.bounces.speed)
 
     def update(self, target: Array, xyz: Array, noise: Array, sure: Array, seconds: float) -> None:
-        self.motion = followed(self.motion, target, xyz, noise, sure, seconds, self.bounce_gate)
+        self.motion = followed(self.motion, target, xyz, noise, sure, seconds, self.bounces)
 
     def slow(self, target: Array, factor: float) -> None:
         self.motion = slowed(self.motion, target, factor)

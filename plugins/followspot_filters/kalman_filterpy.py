@@ -58,8 +58,8 @@ class KalmanFilterpy(TargetFilter):
         steady, tossed = ConstantVelocity(p.acceleration_sigma), ConstantAcceleration(p.jerk_sigma)
         initial = p.initial_acceleration_sigma
         if p.model == "constant_velocity":
-            return SingleModel(steady, p.bounce_gate, initial)
+            return SingleModel(steady, p.bounces, initial)
         if p.model == "constant_acceleration":
-            return SingleModel(tossed, p.bounce_gate, initial)
+            return SingleModel(tossed, p.bounces, initial)
         bounced = Forgetful(steady, initial, p.bounce_speed_sigma)
         return InteractingModels([Forgetful(steady, initial), tossed, bounced], initial)

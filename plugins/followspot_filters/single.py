@@ -11,7 +11,7 @@ from followspot import Array
 from followspot_filters.bank import FIRST_ORDER
 from followspot_filters.models import TransitionModel, transition
 from followspot_target_filter.association_probability import association_probability, mixed
-from followspot_target_filter.manoeuvre import bounce_covariance, slowing_covariance
+from followspot_target_filter.manoeuvre import Bounces, slowing_covariance, sudden_covariance
 
 
 def filter_of(model: TransitionModel) -> KalmanFilter:
@@ -35,14 +35,14 @@ def widened(x: Array, P: Array, size: int, acceleration: float) -> tuple[Array, 
 
 
 class SingleModel:
-    """Follows one target; a measurement beyond the gate is a bounce, or of something else if it is unsure.
+    """Follows one target; beyond the gate it bounced, its track returns, or a measurement is not of it.
 
-    gate: sigmas; initial_acceleration: one sigma of a new target's, m/s^2, if the model has accelerations.
+    initial_acceleration: one sigma of a new target's, m/s^2, if the model has accelerations.
     """
 
-    def __init__(self, model: TransitionModel, gate: float, initial_acceleration: float) -> None:
+    def __init__(self, model: TransitionModel, bounces: Bounces, initial_acceleration: float) -> None:
         self.model = model
-        self.gate = gate
+        self.bounces = bounces
         self.initial_acceleration = initial_acceleration
         self.filter = filter_of(model)
 
@@ -68,14 +68,15 @@ class SingleModel:
         offset = xyz - self.x[:3]
         squared = np.array([offset @ np.linalg.solve(self.P[:3, :3] + noise, offset)])
         x, P = self.x, self.P
-        if squared[0] > self.gate**2:
+        if squared[0] > self.bounces.gate**2:
+            grown = sudden_covariance(offset[None], squared, P[None, :3, :3], seconds, self.bounces)
             wider = P.copy()
-            wider[:FIRST_ORDER, :FIRST_ORDER] += bounce_covariance(offset[None], squared, seconds)[0]
+            wider[:FIRST_ORDER, :FIRST_ORDER] += grown[0]
             self.filter.P = wider
         self.filter.update(xyz, R=noise)
         self.filter.P = (self.P + self.P.T) / 2
         if not sure:
-            probability = association_probability(squared, self.gate)
+            probability = association_probability(squared, self.bounces.gate)
             mixture = mixed(self.x[None], self.P[None], x[None], P[None], probability)
             self.filter.x, self.filter.P = (part[0] for part in mixture)
 

@@ -1,11 +1,22 @@
-"""Manoeuvres of targets: accelerations, and bounces that change the velocity at once."""
+"""Manoeuvres of targets: accelerations, bounces that change the velocity at once, and tracks that return."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from followspot.messages import Array
 from followspot.stage_params import Field, StageParams
+
+
+class Bounces(NamedTuple):
+    """Bounces and hits of targets."""
+
+    gate: float
+    """Sigmas from the forecast beyond which a target bounced, or its track returns."""
+    speed: float
+    """One sigma of what they change the velocity by, and of a velocity of which nothing is known, m/s."""
 
 
 class ManoeuvreParams(StageParams):
@@ -27,8 +38,14 @@ class ManoeuvreParams(StageParams):
         3.0,
         gt=0,
         unit="m/s",
-        description="sigma of a new target's velocity; raising it catches faster targets",
+        description="sigma of a new target's velocity, and of what a bounce changes it by; raising it "
+        "catches faster targets",
     )
+
+    @property
+    def bounces(self) -> Bounces:
+        """The bounces of targets."""
+        return Bounces(self.bounce_gate, self.initial_velocity_sigma)
 
 
 def jump(seconds: float) -> Array:
@@ -39,15 +56,24 @@ def jump(seconds: float) -> Array:
     return np.array([[1.0, 1.5 / seconds], [1.5 / seconds, 3.0 / seconds**2]])
 
 
-def bounce_covariance(innovation: Array, squared: Array, seconds: float) -> Array:
-    """What a bounce adds to the covariance of position and velocity, (M, 6, 6), m and m/s.
+def sudden_covariance(
+    innovation: Array, squared: Array, place: Array, seconds: float, bounces: Bounces
+) -> Array:
+    """What the covariance of position and velocity gains by a sudden innovation n: (M, 6, 6), m and m/s.
 
-    The velocity changed along the innovation n by an unknown amount at an unknown time of the last step: the
-    covariance grows until n is one sigma. innovation: (M, 3) m; squared: (M,), n^T S^-1 n, above 1; seconds:
-    of the step.
+    It grows until n is one sigma. At a bounce the velocity changed along n by an unknown amount at an unknown
+    time of the last step. Where the gate of the forecast is farther off than a bounce moves a target (root
+    mean square), the track had left its target and returns: its velocity is as unknown as that of a new one.
+    innovation: (M, 3) m; squared: (M,), n^T S^-1 n, above 1; place: (M, 3, 3) m^2, covariance of the
+    forecast; seconds: of the step.
     """
-    place = innovation[:, :, None] * innovation[:, None] * (1 - 1 / squared)[:, None, None]
-    return np.kron(jump(seconds), place)
+    outer = innovation[:, :, None] * innovation[:, None]
+    added = np.kron(jump(seconds), outer * (1 - 1 / squared)[:, None, None])
+    along = (outer * place).sum(axis=(1, 2)) / np.vecdot(innovation, innovation)
+    returned = bounces.gate**2 * along > bounces.speed**2 * seconds**2 / 3
+    added[returned, 3:], added[returned, :, 3:] = 0.0, 0.0
+    added[returned, 3:, 3:] = np.eye(3) * bounces.speed**2
+    return added
 
 
 def slowing_covariance(state: Array, factor: float) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 
 from followspot.messages import Array
 from followspot_target_filter.association_probability import association_probability, mixed
-from followspot_target_filter.manoeuvre import bounce_covariance, slowing_covariance
+from followspot_target_filter.manoeuvre import Bounces, slowing_covariance, sudden_covariance
 
 
 class Motion(NamedTuple):
@@ -75,22 +75,24 @@ def transition(seconds: float, acceleration: float) -> tuple[Array, Array]:
 
 
 def manoeuvred(
-    motion: Motion, target: Array, xyz: Array, noise: Array, seconds: float, gate: float
+    motion: Motion, target: Array, xyz: Array, noise: Array, seconds: float, bounces: Bounces
 ) -> Motion:
-    """Predictions with larger covariances for targets that bounced or were hit.
+    """Predictions with larger covariances for targets that bounced or were hit, or whose tracks return.
 
-    If the innovation n exceeds `gate` sigmas, n^T S^-1 n > gate^2, the velocity changed along n by an unknown
-    amount at an unknown time of the last step: the covariance grows until n is one sigma.
+    That is so if the innovation n exceeds the gate: n^T S^-1 n > gate^2.
     target: (M,) distinct; xyz: (M, 3) m; noise: (M, 3, 3) m^2; seconds: of the step.
     """
     innovation = xyz - motion.state[target, :3]
-    S = motion.covariance[target, :3, :3] + noise
+    place = motion.covariance[target, :3, :3]
+    S = place + noise
     squared = (innovation[:, None] @ np.linalg.inv(S) @ innovation[..., None])[:, 0, 0]
-    sudden = squared > gate * gate
+    sudden = squared > bounces.gate * bounces.gate
     if not sudden.any():
         return motion
     covariance = motion.covariance.copy()
-    covariance[target[sudden]] += bounce_covariance(innovation[sudden], squared[sudden], seconds)
+    covariance[target[sudden]] += sudden_covariance(
+        innovation[sudden], squared[sudden], place[sudden], seconds, bounces
+    )
     return Motion(motion.state, covariance)
 
 
@@ -115,7 +117,7 @@ def update(motion: Motion, target: Array, xyz: Array, noise: Array) -> tuple[Mot
 
 
 def followed(
-    motion: Motion, target: Array, xyz: Array, noise: Array, sure: Array, seconds: float, gate: float
+    motion: Motion, target: Array, xyz: Array, noise: Array, sure: Array, seconds: float, bounces: Bounces
 ) -> Motion:
     """The motion corrected by measurements; improbable ones first enlarge the covariance.
 
@@ -124,14 +126,14 @@ def followed(
     sure: (M,) bool; others as for :func:`manoeuvred`.
     """
     corrected, squared = update(motion, target, xyz, noise)
-    sudden = squared > gate * gate
+    sudden = squared > bounces.gate * bounces.gate
     if np.count_nonzero(sudden):
-        wider = manoeuvred(motion, target[sudden], xyz[sudden], noise[sudden], seconds, gate)
+        wider = manoeuvred(motion, target[sudden], xyz[sudden], noise[sudden], seconds, bounces)
         corrected = update(wider, target, xyz, noise)[0]
     if np.count_nonzero(sure) == len(sure):
         return corrected
     unsure = (~sure).nonzero()[0]
-    row, probability = target[unsure], association_probability(squared[unsure], gate)
+    row, probability = target[unsure], association_probability(squared[unsure], bounces.gate)
     state, covariance = corrected
     state[row], covariance[row] = mixed(
         state[row], covariance[row], motion.state[row], motion.covariance[row], probability

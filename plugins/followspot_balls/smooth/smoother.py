@@ -12,6 +12,7 @@ from followspot.frame_times import NANOSECOND
 from followspot.tracking import Tracks
 from followspot_balls.filtering.motion import Motion, initiated, manoeuvred, predict, transition, update
 from followspot_balls.smooth.step import Observation, Step, of_room
+from followspot_target_filter.manoeuvre import Bounces
 
 LEAST_SIGMA = 1e-4
 """Lower limit of a tracker's sigma, m."""
@@ -22,10 +23,9 @@ class MotionParameters(NamedTuple):
 
     acceleration: float
     """One sigma, m/s^2."""
-    speed: float
-    """One sigma of the velocity of a target that appears, m/s."""
-    gate: float
-    """Sigmas from the forecast beyond which a target bounced, and a late observation is none of it."""
+    bounces: Bounces
+    """Their gate is also that beyond which a late observation is none of a target, and their speed that of a
+    target that appears."""
 
 
 class Filtered(NamedTuple):
@@ -64,17 +64,17 @@ def filtered(past: Filtered, step: Step, model: MotionParameters) -> Filtered:
     motion = prior = predict(past.motion, seconds, model.acceleration)
     for number, seen in enumerate(step.observed):
         new = fresh[seen.target]
-        motion = initiated(motion, seen.target[new], seen.xyz[new], seen.noise[new], model.speed)
+        motion = initiated(motion, seen.target[new], seen.xyz[new], seen.noise[new], model.bounces.speed)
         fresh[seen.target[new]] = False
         old = past.alive[seen.target] & (reported[seen.target] | seen.late)
         if seen.late:
-            old &= _squared(motion, seen) <= model.gate**2
+            old &= _squared(motion, seen) <= model.bounces.gate**2
         elif number == 0:
             sudden = old & (seen.sure | ~past.reported[seen.target])
-            prior = motion = manoeuvred(motion, *_rows(seen, sudden), seconds, model.gate)
+            prior = motion = manoeuvred(motion, *_rows(seen, sudden), seconds, model.bounces)
         motion, _ = update(motion, *_rows(seen, old))
         alive[seen.target[old]] = True
-    motion = _begun(motion, step.tracks, fresh, model.speed)
+    motion = _begun(motion, step.tracks, fresh, model.bounces.speed)
     covariance = np.where(alive[:, None, None], motion.covariance, np.eye(6))
     return Filtered(step.time, prior, Motion(motion.state, covariance), alive, reported, alive & past.alive)
 

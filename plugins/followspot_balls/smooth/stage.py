@@ -51,7 +51,7 @@ class Smooth(Stage):
     def setup(self) -> None:
         """Begin without a past."""
         p = self.params
-        self.motion = MotionParameters(p.acceleration_sigma, p.initial_velocity_sigma, p.bounce_gate)
+        self.motion = MotionParameters(p.acceleration_sigma, p.bounces)
         self.before = nothing(len(self.room.targets))
         self.steps: list[Step] = []
         self.passed: list[Filtered] = []

@@ -15,6 +15,7 @@ from tests.plugins.balls.noises import noises
 
 from followspot.messages import Array
 from followspot_balls.filtering.motion import Motion, followed, initiated, predict, update
+from followspot_target_filter.manoeuvre import Bounces
 
 TARGETS, STEPS, SECONDS = 60, 60, 1 / 30
 ACCELERATION, SPEED, GATE = 12.0, 3.0, 3.0
@@ -107,7 +108,7 @@ def test_after_a_hit_the_error_is_within_what_the_filter_says() -> None:
     for _ in range(20):
         now = next(frames)
         motion = predict(motion, SECONDS, ACCELERATION)
-        motion = followed(motion, EVERYBODY, now.measured, now.noise, sure, SECONDS, GATE)
+        motion = followed(motion, EVERYBODY, now.measured, now.noise, sure, SECONDS, Bounces(GATE, SPEED))
     jump = np.zeros((TARGETS, 3))
     jump[:, 0] = -12.0
     inside = np.zeros(TARGETS, int)
@@ -117,6 +118,6 @@ def test_after_a_hit_the_error_is_within_what_the_filter_says() -> None:
         shift = np.hstack([jump * (since + number * SECONDS), jump])
         motion = predict(motion, SECONDS, ACCELERATION)
         measured = now.measured + shift[:, :3]
-        motion = followed(motion, EVERYBODY, measured, now.noise, sure, SECONDS, GATE)
+        motion = followed(motion, EVERYBODY, measured, now.noise, sure, SECONDS, Bounces(GATE, SPEED))
         inside += squared((motion.state - now.truth - shift)[:, :3], motion.covariance[:, :3, :3]) < 7.81
     assert inside.mean() / 4 > 0.9

@@ -17,6 +17,7 @@ from followspot.messages import Array, stamped
 from followspot.tracking import LOST
 from followspot_balls.filtering.motion import Motion, followed, initiated, predict, update
 from followspot_balls.kalman import Kalman
+from followspot_target_filter.manoeuvre import Bounces
 
 RATES = (0.2, 1.0, 5.0, 12.5, 30.0, 60.0, 120.0, 240.0)
 """Frames per second."""
@@ -43,7 +44,7 @@ def test_the_covariance_of_a_long_run_is_one(rate: float, seed: int) -> None:
         seen = np.flatnonzero(rng.random(4) > 0.3)
         away = rng.normal(size=(len(seen), 3)) * rng.choice([0.001, 0.02, 1.0])
         noise, sure = noises(rng, len(seen), 1e-6, 3.0), rng.random(len(seen)) > 0.5
-        motion = followed(motion, seen, motion.xyz[seen] + away, noise, sure, 1 / rate, GATE)
+        motion = followed(motion, seen, motion.xyz[seen] + away, noise, sure, 1 / rate, Bounces(GATE, SPEED))
         assert is_covariance(motion.covariance[seen])
         assert np.isfinite(motion.sigma).all()
 

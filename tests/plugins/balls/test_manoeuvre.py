@@ -12,9 +12,10 @@ from followspot.context import Context
 from followspot.messages import Array
 from followspot_balls.filtering.motion import Motion, initiated, manoeuvred, predict, update
 from followspot_balls.kalman import Kalman
-from followspot_target_filter.manoeuvre import jump
+from followspot_target_filter.manoeuvre import Bounces, jump
 
 T = 0.04
+SPEED = 3.0
 NOISE = np.eye(3) * 0.008**2
 
 
@@ -26,7 +27,7 @@ def flying() -> Motion:
 
 
 def given_way(motion: Motion, place: Array, gate: float = 3.0) -> Motion:
-    return manoeuvred(motion, np.array([1]), place[None], NOISE[None], T, gate)
+    return manoeuvred(motion, np.array([1]), place[None], NOISE[None], T, Bounces(gate, SPEED))
 
 
 def squared_distance(motion: Motion, place: Array) -> float:
@@ -65,6 +66,36 @@ def test_a_velocity_that_jumped_at_any_moment_of_the_step_moves_the_place_that_l
     since = (np.arange(100_000) + 0.5) / 100_000 * T
     expected = np.array([[np.square(since).mean(), since.mean()], [since.mean(), 1.0]])
     assert jump(T) == pytest.approx(expected / expected[0, 0], rel=1e-6)
+
+
+def returned(sigma: float, way: float) -> Motion:
+    """A target at rest that vague measurements show elsewhere, and then an exact one shows in its place.
+
+    sigma: of the vague measurements, m; way: m, from the exact one to where they were.
+    """
+    one, vague = np.array([0]), np.eye(3)[None] * sigma**2
+    motion = initiated(Motion.zero(1), one, np.array([[way, 0.0, 0.0]]), NOISE[None], SPEED)
+    for _ in range(10):
+        motion, _ = update(predict(motion, T, 12.0), one, np.array([[way, 0.0, 0.0]]), vague)
+    exact = one, np.zeros((1, 3)), NOISE[None]
+    motion = manoeuvred(predict(motion, T, 12.0), *exact, T, Bounces(3.0, SPEED))
+    return update(motion, *exact)[0]
+
+
+@pytest.mark.parametrize("way", [0.2, 0.25, 0.3])
+def test_a_track_that_vague_measurements_led_away_returns_and_stays(way: float) -> None:
+    motion = returned(0.04, way)
+    assert np.linalg.norm(motion.xyz[0]) < 0.02
+    # As far again and farther after a bounce.
+    assert np.linalg.norm(predict(motion, T, 12.0).xyz[0]) < way / 2
+    # Ready for any velocity.
+    assert motion.covariance[0, 3:, 3:].diagonal().min() > (SPEED / 2) ** 2
+
+
+def test_a_target_that_was_measured_well_is_hit_and_goes_on() -> None:
+    motion = returned(0.008, 0.15)
+    assert np.linalg.norm(motion.xyz[0]) < 0.01
+    assert predict(motion, T, 12.0).xyz[0, 0] < -0.1
 
 
 def filtered(time: Array, places: Array, gate: float) -> Array:

@@ -11,6 +11,7 @@ from followspot.messages import Array
 from followspot_balls.filtering.motion import Motion, followed, initiated, predict
 from followspot_balls.kalman import Kalman
 from followspot_target_filter.association_probability import association_probability, mixed
+from followspot_target_filter.manoeuvre import Bounces
 
 SECONDS, ACCELERATION, SPEED, GATE = 1 / 30, 12.0, 3.0, 3.0
 SIGMA = 0.008
@@ -26,7 +27,7 @@ def place(step: int) -> Array:
 
 def after(motion: Motion, xyz: Array, sure: bool) -> Motion:
     motion = predict(motion, SECONDS, ACCELERATION)
-    return followed(motion, ONE, xyz[None], NOISE, np.array([sure]), SECONDS, GATE)
+    return followed(motion, ONE, xyz[None], NOISE, np.array([sure]), SECONDS, Bounces(GATE, SPEED))
 
 
 def tracked(steps: int) -> Motion:
@@ -102,7 +103,15 @@ def test_errors_are_as_large_as_stated_though_some_measurements_are_false() -> N
         sure = rng.random(count) < 0.5
         false = ~sure & (rng.random(count) < 1 / 7)
         measured = xyz + rng.normal(0, SIGMA, xyz.shape) + false[:, None] * rng.normal(0, 0.05, xyz.shape)
-        motion = followed(predict(motion, SECONDS, ACCELERATION), every, measured, noise, sure, SECONDS, GATE)
+        motion = followed(
+            predict(motion, SECONDS, ACCELERATION),
+            every,
+            measured,
+            noise,
+            sure,
+            SECONDS,
+            Bounces(GATE, SPEED),
+        )
         error = motion.xyz - xyz
         spread = np.linalg.solve(motion.covariance[:, :3, :3], error[..., None])[..., 0]
         inside.append(np.vecdot(error, spread) < 7.81)
