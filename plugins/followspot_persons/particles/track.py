@@ -8,7 +8,7 @@ import numpy as np
 
 from followspot import Array
 from followspot.geometry import wrap
-from followspot_persons.background.floor_contact import Contact
+from followspot_persons.background.floor_contact import STRIDE_SIGMA, Contact
 from followspot_persons.body.shape import ShapeModel, with_girth
 from followspot_persons.body.stature import PROPORTION_SIGMA, SPREAD, USUAL
 from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT, X, Y
@@ -104,8 +104,8 @@ def updated(
     """
     eye = fitness.picture.camera.center
     own = replace(fitness, shape=with_girth(fitness.shape, track.girth.mean), prior=track.prior)
-    if own.contact is None and track.likelihood:
-        own = replace(own, contact=_assumed_contact(track, seconds, eye, own.shown(track.pose)))
+    if track.likelihood:
+        own = replace(own, contact=_distance_before(track, seconds, own))
     particles, estimate = condense(track.particles, track.velocity, seconds, own, eye, search, rng)
     value = float(replace(own, detection=None).likelihood(estimate.pose[None])[0])
     shown = own.shown(estimate.pose)
@@ -122,16 +122,19 @@ def updated(
     return Track(particles, pose, sigma, velocity, track.stature, girth, value, typical, shown)
 
 
-def _assumed_contact(track: Track, seconds: float, eye: Array, shown: float) -> Contact:
-    """About the distance of a person whose feet are not seen: as in the last picture, for people walk a metre
-    a second and one picture's size says little; if the person is partly hidden, as it went on.
+def _distance_before(track: Track, seconds: float, fitness: Fitness) -> Contact:
+    """Where a person stands by what is known beside the picture's edges and colours.
 
-    shown: share of the outline.
+    Feet tell it. Without them it is as in the last picture, for people walk a metre a second and one
+    picture's size says little. If the person is partly hidden, it goes on as it did, unless the feet are of
+    this picture: the last distance follows from older ones.
     """
-    there = track.pose[[X, Y]] - eye[:2]
-    if shown < FULLY_SHOWN:
-        there = there + track.velocity * seconds
-    return Contact(float(np.hypot(*there)), (FREE if shown >= FULLY_SHOWN else HOLD) * max(seconds, PERIOD))
+    eye, feet = fitness.picture.camera.center, fitness.contact
+    hidden = fitness.shown(track.pose) < FULLY_SHOWN
+    if feet is not None and (not hidden or feet.sigma <= STRIDE_SIGMA):
+        return feet
+    there = track.pose[[X, Y]] - eye[:2] + (track.velocity * seconds if hidden else 0.0)
+    return Contact(float(np.hypot(*there)), (HOLD if hidden else FREE) * max(seconds, PERIOD))
 
 
 def _with_stature(pose: Array, stature: float, sigma: float, eye: Array, contact: Contact | None) -> Array:
