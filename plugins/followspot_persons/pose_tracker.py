@@ -35,7 +35,7 @@ from followspot_persons.likelihood.walkable import Walkable
 from followspot_persons.particles.condensation import Search
 from followspot_persons.particles.girth import girths_of
 from followspot_persons.particles.identity_change import changed
-from followspot_persons.particles.track import MINIMUM_SHOWN, Track, updated
+from followspot_persons.particles.track import FULLY_SHOWN, MINIMUM_SHOWN, Track, updated
 
 SPAWN_SHARE = 0.1
 """Share of the particles that a pose of the slow instance replaces."""
@@ -117,13 +117,15 @@ class PoseTracker(Stage):
         """The fitness of poses of one of the people in a picture of a time, ns."""
         colors = (people.mean[row].astype(np.float32), people.variance[row].astype(np.float32))
         usable = self.has_features_of(people) and self.params.use_colors
+        contact = propagated_contact(people.contact[row], (time - int(people.seen[row])) * NANOSECOND)
         return Fitness(
             picture,
             self.shape,
             self.weights,
             colors=colors if usable else None,
             detection=detection,
-            contact=propagated_contact(people.contact[row], (time - int(people.seen[row])) * NANOSECOND),
+            contact=contact,
+            contact_vague=contact is not None and not contact.sure,
             pairs=self.pairs,
             walkable=self.walkable,
         )
@@ -182,7 +184,8 @@ class PoseTracker(Stage):
         present = pose if then is None else propagated_pose(pose, then, track.pose)
         count = max(1, int(SPAWN_SHARE * len(track.particles)))
         track = track.with_spawned(particles_about(present, count, self.rng))
-        if people.contact[row, 1] == 0:
+        told = propagated_contact(people.contact[row], 0.0)
+        if told is None or (known.track.shown < FULLY_SHOWN and not told.sure):
             track = replace(track, pose=halfway_distance(track.pose, present, self.camera.center))
         return replace(known, track=track, boxed=max(known.boxed, int(people.seen[row])))
 

@@ -57,6 +57,11 @@ class Contact:
     distance: float
     sigma: float = STRIDE_SIGMA
 
+    @property
+    def sure(self) -> bool:
+        """Whether it is as sure as by feet of the same picture."""
+        return self.sigma <= STRIDE_SIGMA
+
     def later(self, seconds: float) -> Contact:
         """The same some seconds later, when the person may have walked."""
         return Contact(self.distance, float(np.hypot(self.sigma, WALK * seconds)))

@@ -45,8 +45,8 @@ class SlowPose:
 def halfway_distance(pose: Array, slow_pose: Array, eye: Array) -> Array:
     """The fast instance's pose, (6,), moved half way to the distance of the slow one's, (6,).
 
-    Each knows a distance by sizes alone, with an error of its own. The fast one holds its last distance, so
-    that particles at the slow one's would not survive. eye: (3,) m, the camera's centre.
+    Where feet do not tell the distance, each knows it with an error of its own. The fast one holds its last
+    distance, so that particles at the slow one's would not survive. eye: (3,) m, the camera's centre.
     """
     own, other = (float(np.hypot(*(p[:2] - eye[:2]))) for p in (pose, slow_pose))
     out = pose.copy()

@@ -123,6 +123,8 @@ class Fitness:
     detection: Detection | None = None
     contact: Contact | None = None
     """Where the person stands, by the feet."""
+    contact_vague: bool = False
+    """Whether the last distance of who is partly hidden tells more than the contact."""
     pairs: Array | None = None
     """(2, N) of the surface features, for the colour difference."""
     walkable: Walkable | None = None

@@ -8,7 +8,7 @@ import numpy as np
 
 from followspot import Array
 from followspot.geometry import wrap
-from followspot_persons.background.floor_contact import STRIDE_SIGMA, Contact
+from followspot_persons.background.floor_contact import Contact
 from followspot_persons.body.shape import ShapeModel, with_girth
 from followspot_persons.body.stature import PROPORTION_SIGMA, SPREAD, USUAL
 from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT, X, Y
@@ -126,12 +126,12 @@ def _distance_before(track: Track, seconds: float, fitness: Fitness) -> Contact:
     """Where a person stands by what is known beside the picture's edges and colours.
 
     Feet tell it. Without them it is as in the last picture, for people walk a metre a second and one
-    picture's size says little. If the person is partly hidden, it goes on as it did, unless the feet are of
-    this picture: the last distance follows from older ones.
+    picture's size says little. If the person is partly hidden, it goes on as it did: the last distance
+    follows from what a vague contact says.
     """
     eye, feet = fitness.picture.camera.center, fitness.contact
     hidden = fitness.shown(track.pose) < FULLY_SHOWN
-    if feet is not None and (not hidden or feet.sigma <= STRIDE_SIGMA):
+    if feet is not None and not (hidden and fitness.contact_vague):
         return feet
     there = track.pose[[X, Y]] - eye[:2] + (track.velocity * seconds if hidden else 0.0)
     return Contact(float(np.hypot(*there)), (HOLD if hidden else FREE) * max(seconds, PERIOD))

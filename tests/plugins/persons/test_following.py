@@ -20,6 +20,7 @@ from tests.travelled import travelled
 
 from followspot.messages import Header, identical, stamped
 from followspot.tracking import PREDICTED, TRACKED
+from followspot_persons.background.floor_contact import STRIDE_SIGMA
 from followspot_persons.fast_instance.slow_pose import is_other_body, particles_about
 
 
@@ -180,14 +181,29 @@ def test_a_late_pose_of_the_slow_instance_joins_the_particles_where_the_person_i
     assert np.median(joined[:, 1]) == pytest.approx(0.1 + now[1] - then[1], abs=0.05)
 
 
-@pytest.mark.parametrize(("stands", "moved"), [((0.0, 0.0), True), ((2.5, 44.0), False)])
-def test_a_track_goes_half_way_to_the_distance_that_the_slow_instance_tells_unless_feet_are_seen(
-    stands, moved
+FEET, VAGUE = (2.5, STRIDE_SIGMA**-2), (2.5, 4.0)
+
+
+@pytest.mark.parametrize(
+    ("stands", "shown", "moved"),
+    [
+        ((0.0, 0.0), 1.0, True),
+        (FEET, 1.0, False),
+        (VAGUE, 1.0, False),
+        (FEET, 0.7, False),
+        (VAGUE, 0.7, True),
+    ],
+)
+def test_a_track_goes_half_way_to_the_distance_that_the_slow_instance_tells_unless_feet_do(
+    stands, shown, moved
 ):
+    """Vague feet tell nothing of who is partly hidden."""
     room = FastInstance(particles=200)
     room.tell(standing(2.5))
     followed_for(room, 3, standing(2.5))
-    own = room.stage.people[1].track.pose
+    known = room.stage.people[1]
+    room.stage.people[1] = replace(known, track=replace(known.track, shown=shown))
+    own = known.track.pose
     room.number -= 1
     room.tell(standing(3.1), stands=stands)
     room.stage.correct_by_slow_poses(room.told, round(0.2 * SECOND))

@@ -9,7 +9,7 @@ import pytest
 from tests.plugins.persons.drawn import drawn, perspective, picture_of, standing
 
 from followspot.geometry import project, wrap
-from followspot_persons.background.floor_contact import STRIDE_SIGMA, Contact
+from followspot_persons.background.floor_contact import Contact
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.stature import PROPORTION_SIGMA, SPREAD
 from followspot_persons.body.stature import USUAL as USUAL_HEIGHT
@@ -322,25 +322,23 @@ def test_feet_weigh_distances_from_the_camera():
     np.testing.assert_allclose(told(poses) - fitness(poses), [0.0, -2.0, 0.0], atol=1e-6)
 
 
-SEEN_BEFORE, SEEN_NOW = Contact(2.9, 0.5), Contact(3.6, STRIDE_SIGMA)
-
-
 @pytest.mark.parametrize(
-    ("aside", "feet", "moves"),
+    ("aside", "feet", "vague", "moves"),
     [
-        (0.24, None, False),
-        (0.24, SEEN_BEFORE, False),
-        (0.24, SEEN_NOW, True),
-        (2.0, None, True),
-        (2.0, SEEN_BEFORE, True),
+        (0.24, None, False, False),
+        (0.24, Contact(2.9, 0.5), True, False),
+        (0.24, Contact(3.6, 0.5), False, True),
+        (2.0, None, False, True),
+        (2.0, Contact(2.9, 0.5), True, True),
     ],
 )
-def test_who_is_partly_hidden_keeps_the_distance_unless_feet_are_seen(aside, feet, moves):
+def test_who_is_partly_hidden_keeps_the_distance_if_a_contact_is_vague(aside, feet, vague, moves):
     """The picture shows a body a quarter farther away, at the height of the camera."""
     camera, shape = perspective(), read_shape()
     shown, there = standing(3.6, height=1.22), standing(2.9, height=1.22)
     picture = covered(picture_of(camera, drawn(camera, shown)), shape, standing(1.5, aside))
-    fitness, bodies = Fitness(picture, shape, Weights(), contact=feet), girths_of(shape)
+    fitness = Fitness(picture, shape, Weights(), contact=feet, contact_vague=vague)
+    bodies = girths_of(shape)
     track = Track(crowd(there, 80), there, np.zeros(6), np.zeros(2), stature=(1.22, 0.02))
     rng = np.random.default_rng(2)
     for _ in range(5):

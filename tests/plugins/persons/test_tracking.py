@@ -143,6 +143,13 @@ def test_a_distance_by_the_feet_becomes_vague_with_its_age():
     assert propagated_contact(np.array([3.0, 0.0]), 0.0) is None
 
 
+def test_a_distance_by_feet_is_sure_until_the_next_picture():
+    told = propagated_contact(np.array([3.0, STRIDE_SIGMA**-2]), 0.0)
+    assert told.sure
+    assert not told.later(0.05).sure
+    assert not told.later(0.2).with_size(Contact(3.0, 0.3)).sure
+
+
 def test_feet_where_nobody_walks_to_in_this_time_are_somebody_elses():
     person = KnownPerson.tentative(
         standing(3.0)[None], 45, 1.0, 0, comparable=True, contact=Contact(4.4, STRIDE_SIGMA)
