@@ -66,16 +66,22 @@ class Contact:
         """The same some seconds later, when the person may have walked."""
         return Contact(self.distance, float(np.hypot(self.sigma, WALK * seconds)))
 
+    def combined(self, other: Contact) -> Contact:
+        """What two distances of independent errors say together."""
+        gain = self.sigma**2 / (self.sigma**2 + other.sigma**2)
+        return Contact(
+            self.distance + gain * (other.distance - self.distance), self.sigma * (1 - gain) ** 0.5
+        )
+
     def with_size(self, size: Contact) -> Contact:
         """The same after a picture in which the size of the body says that it stands there.
 
         The error of its proportions is one in all pictures: sizes tell no distance better than to
         `PROPORTION_SIGMA`, as in the filter of Schmidt (1966).
         """
-        gain = self.sigma**2 / (self.sigma**2 + size.sigma**2)
-        distance = self.distance + gain * (size.distance - self.distance)
-        surest = min(self.sigma, PROPORTION_SIGMA * distance)
-        return Contact(distance, max(self.sigma * (1 - gain) ** 0.5, surest))
+        both = self.combined(size)
+        surest = min(self.sigma, PROPORTION_SIGMA * both.distance)
+        return Contact(both.distance, max(both.sigma, surest))
 
     def agrees(self, other: Contact) -> bool:
         """Whether both can be of one person."""

@@ -124,7 +124,7 @@ class Fitness:
     contact: Contact | None = None
     """Where the person stands, by the feet."""
     contact_vague: bool = False
-    """Whether the last distance of who is partly hidden tells more than the contact."""
+    """Whether the last distance tells more than the contact."""
     pairs: Array | None = None
     """(2, N) of the surface features, for the colour difference."""
     walkable: Walkable | None = None

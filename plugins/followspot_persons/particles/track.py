@@ -126,15 +126,16 @@ def _distance_before(track: Track, seconds: float, fitness: Fitness) -> Contact:
     """Where a person stands by what is known beside the picture's edges and colours.
 
     Feet tell it. Without them it is as in the last picture, for people walk a metre a second and one
-    picture's size says little. If the person is partly hidden, it goes on as it did: the last distance
-    follows from what a vague contact says.
+    picture's size says little; what feet told earlier counts beside it. If the person is partly hidden, it
+    goes on as it did.
     """
-    eye, feet = fitness.picture.camera.center, fitness.contact
+    eye, told = fitness.picture.camera.center, fitness.contact
+    if told is not None and not fitness.contact_vague:
+        return told
     hidden = fitness.shown(track.pose) < FULLY_SHOWN
-    if feet is not None and not (hidden and fitness.contact_vague):
-        return feet
     there = track.pose[[X, Y]] - eye[:2] + (track.velocity * seconds if hidden else 0.0)
-    return Contact(float(np.hypot(*there)), (HOLD if hidden else FREE) * max(seconds, PERIOD))
+    last = Contact(float(np.hypot(*there)), (HOLD if hidden else FREE) * max(seconds, PERIOD))
+    return last if hidden or told is None else last.combined(told)
 
 
 def _with_stature(pose: Array, stature: float, sigma: float, eye: Array, contact: Contact | None) -> Array:

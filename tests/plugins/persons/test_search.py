@@ -347,12 +347,16 @@ def test_who_is_partly_hidden_keeps_the_distance_if_a_contact_is_vague(aside, fe
     assert (track.pose[0] > 3.2) == moves
 
 
-def test_a_body_that_shrinks_in_one_picture_walks_away_no_faster_than_people_do():
-    """At once it looks as if it were 1.4 m farther; the last pictures are 0.4 s of it."""
+@pytest.mark.parametrize("feet", [None, Contact(2.6, 0.5)])
+def test_a_body_that_shrinks_in_one_picture_walks_away_no_faster_than_people_do(feet):
+    """At once it looks as if it were 1.4 m farther; the last six pictures show it. Feet are not seen now."""
     camera, shape = perspective(), read_shape()
     there, away = standing(2.6, height=1.22), standing(4.0, height=1.22)
     first, then = (
-        Fitness(picture_of(camera, drawn(camera, pose)), shape, Weights()) for pose in (there, away)
+        Fitness(
+            picture_of(camera, drawn(camera, pose)), shape, Weights(), contact=feet, contact_vague=bool(feet)
+        )
+        for pose in (there, away)
     )
     track = Track(crowd(there, 150), there, np.zeros(6), np.zeros(2), stature=(1.22, 0.02))
     rng, bodies = np.random.default_rng(3), girths_of(shape)
