@@ -43,6 +43,11 @@ class ChangeUnderWay:
             finally:
                 self.wait_for("")
 
+    @property
+    def under_way(self) -> bool:
+        """Whether a change is under way."""
+        return self._lock.locked()
+
     def wait_for(self, what: str) -> None:
         """Keep what the change waits for: an `OnWait`."""
         self.waits_for = what

@@ -34,6 +34,8 @@ _STOP_TIMEOUT = 20.0
 """Seconds that hosts have to end their workers after a stop."""
 _LIMITS = "raise the limits of this user, see ulimit -a, or take fewer workers: --placement"
 """Remedy if the system refuses a run its workers for a reason of its own."""
+_CHANGE_TIMEOUT = 5.0
+"""Seconds that a change under way has, after the end of the run, to find that out."""
 _DELIVERY_TIMEOUT = 5.0
 """Seconds after a stop in which the operator waits for a silent host, to deliver the stop to it."""
 
@@ -132,6 +134,7 @@ class Coordinator:
         """Block until a run that has begun ends, or until `leave`; return its report."""
         started = time.monotonic() - self._age_s
         self._watch_to_end(on_progress)
+        self._await_change()
         self._silent.renew(self.hosts)
         self.log.gather()
         report = self._view().report(time.monotonic() - started, self._silent.reasons, stopped=self.stopped)
@@ -199,6 +202,12 @@ class Coordinator:
                 return
             if self.order.restart:
                 self._announce_ended_workers()
+
+    def _await_change(self) -> None:
+        """Wait until a change under way ends: if it was made, the ledger of the hosts has its edges."""
+        deadline = time.monotonic() + _CHANGE_TIMEOUT
+        while self.change.under_way and not self._leaving and time.monotonic() < deadline:
+            self._poll_hosts(None)
 
     def _end_sensors(self, order_of: Callable[[Plan, Iterable[WorkerStatus]], EndSensors | None]) -> None:
         """Send the order that ends the sensors of a run of N frames, as soon as it is known."""

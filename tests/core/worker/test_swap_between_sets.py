@@ -90,6 +90,8 @@ def test_a_live_set_that_is_being_taken_stays_whole(tmp_path: Path) -> None:
         later.join()
         seen += run["last"]
     assert [(note.number, note.members) for note in seen] == [(0, 2), (1, 2), (2, 2), (3, 2)]
+    assert not run.report.warnings
+    assert {row["delivered"] for row in run.report.ledger} == {0, 4}, "to the stage that came, and the rest"
 
 
 FEEDBACK = """
