@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 from functools import lru_cache
+from mmap import mmap
+from types import NoneType
 from typing import Any
 
 import numpy as np
@@ -53,26 +56,29 @@ def seal(message: M) -> M:
             raise InvalidMessage(f"{name} is a {type(array).__name__}, not a numpy array")
         if not array.flags.c_contiguous:
             values[name] = array = np.ascontiguousarray(array)
-        elif type(owner := array.base) is np.ndarray and owner.flags.writeable:
-            values[name] = array = _kept(array, owner)
+        elif array.base is not None:
+            values[name] = array = _kept(array, array.base)
         array.setflags(False)  # write=False; the keyword would double the cost
         layout += array.shape, array.dtype
     _check_layout(type(message), tuple(layout))  # type: ignore[arg-type]  # classes can be hashed
     return message
 
 
-def _kept(array: Array, owner: Array) -> Array:
-    """A view that does not change if the stage writes to the array, not read-only, that owns its memory.
+def _kept(array: Array, owner: Any) -> Array:
+    """A view that does not change if the stage writes to the memory of `owner`, an array or a buffer.
 
     A part of a larger array is copied, since the stage may fill the rest; else the owner becomes read-only.
-    Memory that no array owns, as a loan, is left as it is.
+    The memory of a buffer (bytearray, ctypes) cannot become read-only, so a view of it is copied.
     """
-    if not owner.flags.owndata:
-        return array
-    if owner.nbytes > array.nbytes:
-        return array.copy()
-    owner.setflags(write=False)
-    return array
+    if type(owner) is np.ndarray:
+        if isinstance(owner.base, (mmap, NoneType)):  # a loan is an array in shared memory
+            if owner.flags.writeable and owner.nbytes > array.nbytes:
+                return array.copy()
+            owner.setflags(write=False)
+            return array
+        owner = owner.base
+    buffer = isinstance(owner, (memoryview, ctypes.Array))
+    return array.copy() if buffer and not memoryview(owner).readonly else array
 
 
 @lru_cache(maxsize=4096)  # most messages repeat a few layouts

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import dataclasses
 
 import numpy as np
@@ -21,6 +22,7 @@ from followspot.messages import (
 )
 from followspot.sealing import seal
 from followspot.transport.codec import pack, unpack
+from followspot.transport.ring.memory import Memory
 
 
 class Points(Message):
@@ -165,3 +167,25 @@ def test_what_a_stage_writes_to_its_own_arrays_later_changes_no_sent_message() -
     assert whole.weight.base is buffer
     with pytest.raises(ValueError, match="read-only"):
         buffer[0] = 1.0
+
+
+@pytest.mark.parametrize("buffer", [bytearray(48), (ctypes.c_double * 6)()], ids=["bytearray", "ctypes"])
+def test_what_a_driver_writes_to_its_buffer_later_changes_no_sent_message(buffer: bytearray) -> None:
+    memory = np.frombuffer(buffer)
+    sent = seal(Points("cam0", memory.reshape(3, 2), np.frombuffer(buffer)[:3], np.zeros(2, "i4")))
+    memory[:] = 1.0
+    assert not sent.xy.any()
+    assert not sent.weight.any()
+    fixed = np.frombuffer(bytes(48)).reshape(3, 2)
+    assert seal(Points("cam0", fixed, np.zeros(3), np.zeros(2, "i4"))).xy is fixed, "bytes never change"
+
+
+def test_a_stage_may_fill_the_rest_of_a_loan_after_sending_a_part() -> None:
+    loan = np.ndarray((4, 2), "f8", Memory.create("loan", 64).bytes)
+    part = seal(Points("cam0", loan[:3], np.zeros(3), np.zeros(2, "i4")))
+    loan[:] = 1.0
+    assert not part.xy.any()
+    whole = seal(Points("cam0", loan[:], np.zeros(4), np.zeros(2, "i4")))
+    assert whole.xy.base is loan
+    with pytest.raises(ValueError, match="read-only"):
+        loan[0] = 2.0

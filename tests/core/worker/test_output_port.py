@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import copy
 import socket
 from collections.abc import Iterator
 
+import numpy as np
 import pytest
 
 from followspot.graph.depths import MAX_IN_TRANSIT
-from followspot.messages import Header, Message
+from followspot.messages import Array, Header, Message, column
 from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
@@ -19,6 +21,10 @@ from followspot.worker.output_port import OutputPort
 
 class Note(Message):
     text: str
+
+
+class Places(Message):
+    xyz: Array = column("N", 3, unit="m")
 
 
 def output_with_ring(ledger: Ledger) -> tuple[OutputPort, InputQueue, InputQueue, list[str]]:
@@ -196,3 +202,17 @@ def test_what_a_message_announces_by_itself_is_not_sent_again() -> None:
     output.send(Note("a"), Header("a", 0, 10), 11)
     far.poll()
     assert (near.watermark, far.watermark, far.received) == (11, 11, 1)
+
+
+def test_a_deep_copy_of_a_message_that_was_sent_cannot_change_once_it_is_sent() -> None:
+    ledger = Ledger(1)
+    output = OutputPort(Places, ledger.words, lateness=0)
+    near = InputQueue("near", ledger.words, ledger.row(0), depth=8, lateness=0)
+    output.connect([near])
+    output.send(Places(np.zeros((2, 3))), Header("a", 0, 0))
+    copied = copy.deepcopy(near.messages[0])
+    assert isinstance(copied, Places)
+    copied.xyz[:] = 1.0
+    output.send(copied, Header("a", 1, 10))
+    with pytest.raises(ValueError, match="read-only"):
+        copied.xyz[:] = 2.0
