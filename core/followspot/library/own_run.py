@@ -26,6 +26,7 @@ from followspot.operator.reporting.truth import run_scores
 from followspot.operator.run_dispatcher import run_dispatcher
 from followspot.operator.run_requests import Surroundings
 from followspot.plugins.registry import offer_stage
+from followspot.scoring import Score
 from followspot.stage import Stage
 
 _POLL_INTERVAL = 1.0
@@ -114,15 +115,22 @@ class OwnRun(ScriptHandle):
 
     @property
     def report(self) -> Report:
-        """The report of the run. Raises FollowspotError before its end, RunFailed if it never began."""
+        """The report of the run, with a warning if its files cannot be scored.
+
+        Raises FollowspotError before its end, RunFailed if it never began.
+        """
         if self._whole is not None:
             return self._whole
         if not self._ended.is_set():
             raise FollowspotError("the run goes on; leave its block, or wait() for its end")
         if self._report is None:
             raise RunFailed(str(self._error)) from self._error
-        plan, frames = self._sinks.plan, self._report.frames
-        self._whole = Report(self._report, self.out, run_scores(plan, self.out, frames))
+        scores: dict[str, Score] = {}
+        try:
+            scores = run_scores(self._sinks.plan, self.out, self._report.frames)
+        except FollowspotError as error:
+            warnings.warn(f"cannot score the run: {error}", stacklevel=2)
+        self._whole = Report(self._report, self.out, scores)
         return self._whole
 
     def _await_recorder(self) -> None:

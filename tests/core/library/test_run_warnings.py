@@ -89,3 +89,23 @@ def test_a_loop_behind_the_block_is_told_that_nothing_comes(tmp_path: Path) -> N
         pass
     with pytest.raises(FollowspotError, match="loop over it within the block of the run"):
         list(run["track.tracks"])
+
+
+class Nowhere(fs.Stage):
+    """Tracks without a place."""
+
+    def process(self, tracks: Tracks) -> Tracks:
+        return replace(tracks, xyz=np.full_like(tracks.xyz, np.nan))
+
+
+def test_a_run_whose_files_cannot_be_scored_has_a_report(
+    tmp_path: Path, recwarn: pytest.WarningsRecorder
+) -> None:
+    graph = composed()
+    nowhere = graph.add("nowhere", Nowhere, tracks=graph.port("track.tracks"))
+    graph.add("save", "sinks.csv", tracks=nowhere, path="tracks.csv")
+    with fs.run(graph, frames=20, out=tmp_path) as run:
+        assert run.wait().ok
+    assert not list(run.report.accuracy)
+    (told,) = after_the_start(recwarn)
+    assert told.startswith(f"cannot score the run: {tmp_path / 'tracks.csv'}:")
