@@ -169,9 +169,16 @@ class Positions(Message):
 
         target: (M,) numbers of the targets; used: (M, N) bool, the candidates of each; xyz: (M, 3) m;
         covariance: (M, 3, 3) m^2, None if the fusion estimates none; iterations: (M,), or one number for all.
+        Raises ValueError if a number is that of no target, or there twice.
         """
+        numbers, known = np.asarray(target, np.int32), range(candidates.targets.shape[1])
+        if known and len({*numbers.tolist()} & {*known}) < len(numbers):
+            raise ValueError(
+                f"positions of the targets {numbers.tolist()}: each of 0 to {known[-1]}, as the room file "
+                "lists them, may have one"
+            )
         return cls(
-            target=np.asarray(target, np.int32),
+            target=numbers,
             xyz=xyz,
             covariance=np.full((len(target), 3, 3), np.nan) if covariance is None else covariance,
             support=used.sum(axis=1, dtype=np.int32),
