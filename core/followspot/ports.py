@@ -24,6 +24,7 @@ from followspot.port_marks import (
 )
 from followspot.port_specs import ONE_OUTPUT, SEVERAL, Giving, InputKind, InputSpec, OutputSpec, Ports
 from followspot.stage import Stage
+from followspot.stage_params import StageParams
 
 _MARKS: dict[type, InputKind] = {
     LatestMark: "latest",
@@ -91,7 +92,9 @@ def _check_callable(stage: type[Stage], process: Callable[..., Any]) -> None:
 
 
 def check_init(stage: type[Stage]) -> None:
-    """Raises SignatureError unless the runtime can make the stage, which it gives its context."""
+    """Raises SignatureError unless the runtime can make the stage, which it gives context and parameters."""
+    if not issubclass(stage.Params, StageParams):
+        raise SignatureError(f"{stage.__name__}.Params is no StageParams: write class Params(StageParams)")
     try:
         inspect.signature(stage.__init__).bind(None, None)
     except TypeError:
@@ -120,7 +123,9 @@ def _input(stage: type[Stage], parameter: inspect.Parameter, hints: dict[str, An
     """The input that a parameter of `process` declares. Raises SignatureError."""
     name = parameter.name
     if parameter.kind not in (parameter.POSITIONAL_ONLY, parameter.POSITIONAL_OR_KEYWORD):
-        raise SignatureError(f"{stage.__name__}.process: *{name} cannot be a port; name each input")
+        raise SignatureError(
+            f"{stage.__name__}.process: {name} cannot be a port; name each input, without * and **"
+        )
     if name not in hints:
         raise SignatureError(f"{stage.__name__}.process: input {name} has no type; write {name}: MessageType")
     hint = hints[name]

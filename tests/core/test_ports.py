@@ -193,6 +193,13 @@ class Unprepared(Stage):
     def process(self, flour: Wheat) -> Bread: ...
 
 
+class Plain(Stage):
+    class Params:
+        loaves: int = 0
+
+    def process(self, flour: Wheat) -> Bread: ...
+
+
 class Baker:
     def process(self, flour: Wheat) -> Bread: ...
 
@@ -200,6 +207,8 @@ class Baker:
 def test_a_class_that_the_runtime_cannot_make_is_refused_with_what_to_write() -> None:
     with pytest.raises(SignatureError, match="takes no context: prepare in setup"):
         check_init(Unprepared)
+    with pytest.raises(SignatureError, match=r"write class Params\(StageParams\)"):
+        check_init(Plain)
     with pytest.raises(SignatureError, match=r"write class Baker\(Stage\)"):
         ports(Baker)  # type: ignore[arg-type]
 
