@@ -62,8 +62,11 @@ def as_json(message: Message, room: Room) -> dict[str, Any]:
     return found
 
 
-def plain(values: Array | list[Any]) -> list[Any]:
-    """Values in JSON types; NaN and infinity become None, and a complex number its two parts."""
+def plain(values: Array | list[Any]) -> Any:
+    """Values in JSON types, in lists as deep as an array has dimensions.
+
+    NaN and infinity become None, and a complex number its two parts.
+    """
     if not isinstance(values, np.ndarray):
         return values
     if values.dtype.kind == "c":
@@ -72,7 +75,7 @@ def plain(values: Array | list[Any]) -> list[Any]:
         unknown = ~np.isfinite(values)
         values = values.astype(object)
         values[unknown] = None
-    return list(values.tolist())
+    return values.tolist()
 
 
 def named_columns(kind: type[Message]) -> dict[str, tuple[Column, int]]:
@@ -99,7 +102,7 @@ class _Layout(NamedTuple):
 def _layout(kind: type[Message]) -> _Layout:
     referred = {column.refers for column in kind.columns}
     single = tuple(name for name, _ in kind.scalars if name not in referred)
-    by_target = kind.columns[:1] != () and kind.columns[0].shape[0] == "T" and "targets" not in referred
+    by_target = kind.columns[:1] != () and kind.columns[0].shape[:1] == ("T",) and "targets" not in referred
     heads = {column: _heads(kind, column) for column in kind.columns}
     count = Counter(head for each in (single, *heads.values()) for head in each)
     taken = RESERVED | {head for head, times in count.items() if times > 1}
@@ -142,7 +145,8 @@ def _heads(kind: type[Message], column: Column) -> tuple[str, ...]:
 def _declared(message: Message, room: Room) -> Table:
     """The table that the declaration of the type says."""
     layout = _layout(type(message))  # type: ignore[arg-type]  # classes can be hashed
-    count = len(getattr(message, message.columns[0].name)) if message.columns else 1
+    has_rows = message.columns and message.columns[0].shape
+    count = len(getattr(message, message.columns[0].name)) if has_rows else 1
     table = [TableColumn(_free(name), [_finite(getattr(message, name))] * count) for name in layout.single]
     if layout.by_target:
         table.append(TableColumn("object", _named(np.arange(count), tuple(room.targets))))
@@ -169,7 +173,7 @@ def _rows(message: Message, column: Column, count: int, room: Room) -> list[Any]
     if column.shape[:1] != message.columns[0].shape[:1]:
         return [plain(array)] * count
     if column.shape[1:] != ("T",) or array.dtype.kind != "b":
-        return plain(array)
+        return list(plain(array))
     members = np.array(_named(np.arange(array.shape[1]), tuple(room.targets)), object)
     return [" ".join(members[row]) for row in array]
 

@@ -160,3 +160,25 @@ def test_a_reference_to_nothing_is_refused() -> None:
             (Message,),
             {"__annotations__": {"label": Array}, "label": column("N", dtype="i4", refers="lables")},
         )
+
+
+class Level(Message):
+    """Numbers without rows."""
+
+    level: Array = column(unit="m")
+    below: Array = column("N")
+
+
+class Spread(Message):
+    """Rows, and a number for all of them."""
+
+    place: Array = column("N")
+    sigma: Array = column()
+
+
+def test_a_column_of_a_single_number_is_a_value_of_each_row() -> None:
+    level = stamped(Level(np.array(1.5), np.array([0.5, 1.0])), HEADER)
+    assert names(Level) == "level below"
+    assert list(rows_of(table_of(level, ROOM))) == [(1.5, [0.5, 1.0])]
+    spread = stamped(Spread(np.array([1.0, 2.0]), np.array(np.nan)), HEADER)
+    assert as_json(spread, ROOM)["rows"] == [{"place": 1.0, "sigma": None}, {"place": 2.0, "sigma": None}]
