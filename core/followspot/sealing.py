@@ -25,6 +25,9 @@ from followspot.messages import (
 _SURELY_SHORT = MAX_TEXTS // 5
 """Characters, and texts of a tuple, that `MAX_TEXTS` allows whatever they are."""
 
+_FEW_BYTES = 4096
+"""Number of bytes up to which a call of numpy costs more than a search byte by byte."""
+
 
 def seal(message: M) -> M:
     """Check a message against its contract, make its arrays contiguous and read-only, and return it.
@@ -58,6 +61,8 @@ def seal(message: M) -> M:
             values[name] = array = np.ascontiguousarray(array)
         elif array.base is not None:
             values[name] = array = _kept(array, array.base)
+        if array.dtype.kind == "b" and beyond_truth(array):
+            values[name] = array = np.asarray(array != 0)  # it was a view of other numbers
         array.setflags(False)  # write=False; the keyword would double the cost
         layout += array.shape, array.dtype
     _check_layout(type(message), tuple(layout))  # type: ignore[arg-type]  # classes can be hashed
@@ -79,6 +84,13 @@ def _kept(array: Array, owner: Any) -> Array:
         owner = owner.base
     buffer = isinstance(owner, (memoryview, ctypes.Array))
     return array.copy() if buffer and not memoryview(owner).readonly else array
+
+
+def beyond_truth(array: Array) -> bool:
+    """Whether an array of truth values, contiguous, holds bytes other than 0 and 1."""
+    if array.nbytes < _FEW_BYTES:
+        return array.tobytes().translate(None, b"\0\1") != b""
+    return bool(np.count_nonzero(array.view(np.uint8) > 1))
 
 
 @lru_cache(maxsize=4096)  # most messages repeat a few layouts

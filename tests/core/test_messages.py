@@ -189,3 +189,15 @@ def test_a_stage_may_fill_the_rest_of_a_loan_after_sending_a_part() -> None:
     assert whole.xy.base is loan
     with pytest.raises(ValueError, match="read-only"):
         loan[0] = 2.0
+
+
+class Mask(Message):
+    inside: Array = column("H", "W", dtype="?")
+
+
+def test_truth_values_that_view_other_numbers_travel_as_truth_values() -> None:
+    mask = np.array([[0, 255], [4, 1]], "u1")
+    sent = stamped(seal(Mask(mask.view(bool))), Header("a", 0, 0))
+    assert sent.inside.tobytes() == bytes([0, 1, 1, 1])
+    assert identical(unpack(pack(sent), Mask), sent)  # type: ignore[arg-type]
+    assert mask.tolist() == [[0, 255], [4, 1]]

@@ -21,7 +21,7 @@ from followspot.messages import (
     Message,
     in_range,
 )
-from followspot.sealing import check_shape
+from followspot.sealing import beyond_truth, check_shape
 from followspot.transport.token import Watermark, is_watermark
 from followspot.transport.wire import ALIGN, MAX_HEAD, RAW, aligned, pack_head, padded, unpack_head
 
@@ -85,7 +85,7 @@ class Codec:
         """
         values = dict(scalars)
         for (name, _, _, dtype), array in zip(self._columns, arrays, strict=True):
-            if dtype.kind == "b" and array.tobytes().translate(None, b"\0\1"):
+            if dtype.kind == "b" and beyond_truth(array):
                 raise InvalidMessage(f"{name} holds truth values other than 0 and 1")
             values[name] = array
         message = self.kind(**values)
