@@ -1,7 +1,8 @@
-"""Checks that a message from another process fits the room: its cameras, targets and indices.
+"""Checks that a message fits the room: its cameras, targets and indices.
 
-A message that keeps its contract may still name cameras or targets that do not exist. The receiving worker
-checks that once, so that stages can look them up without checks.
+A message that keeps its contract may still name cameras or targets that do not exist. The sending worker
+checks that once, so that the same messages are refused in every placement, and a worker that gets a message
+from another one checks it again, so that stages can look them up without checks.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ from itertools import accumulate
 from pathlib import Path
 
 import pytest
-from tests.integration.running import Finished, balanced, run, write_graph
+from tests.integration.running import STAGES, Finished, balanced, run, write_graph
 
 GRAPH = """
 left:   {uses: ticks.count, with: {count: 60, size: 9000}}
@@ -91,3 +91,19 @@ save: {uses: ticks.write, in: {number: loop}}
 """,
     )
     assert run(graph).values() == [0, 1, 2, 4, 6, 9]
+
+
+def test_a_message_that_names_what_is_not_there_is_refused_in_every_placement(tmp_path: Path) -> None:
+    graph = write_graph(
+        tmp_path,
+        """
+see:  {uses: unfit.see}
+save: {uses: sinks.csv, in: {seen: see}, with: {path: seen.csv}}
+""",
+    )
+    plugin = ("--plugin", str(STAGES.with_name("unfit.py")))
+    for kind in ("reference", "ring"):
+        finished = run(graph, "--edges", kind, *plugin, out=kind)
+        assert [line.split(",")[2] for line in finished.lines("seen.csv")] == ["name", "ball", "lamp", "lamp"]
+        assert finished.edge("see", "save")["invalid"] == 1
+        assert "see: name holds -1 to -1, where 0 to 1 can be" in finished.errors

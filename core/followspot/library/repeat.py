@@ -20,6 +20,8 @@ from followspot.messages import Header, InvalidMessage, Message
 from followspot.plugins.registry import load_stage
 from followspot.port_specs import InputSpec
 from followspot.ports import ports
+from followspot.room import Room
+from followspot.room_fit import fit_check
 from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.transport.codec import unpack
@@ -113,7 +115,8 @@ class Repetition:
             self._inputs = ports(kind).inputs
             if len(self._inputs) != len(checkpoint.inputs):
                 raise Unrepeatable(f"its checkpoint is of a stage with {len(checkpoint.inputs)} inputs")
-            self._runner = self._built(stage, kind, partial(kind, context, **checkpoint.params), sent)
+            build = partial(kind, context, **checkpoint.params)
+            self._runner = self._built(stage, kind, build, plan.room, sent)
             self._restore()
         except Exception as error:  # of a plugin
             raise Unrepeatable(f"it cannot be restored: {error}") from error
@@ -140,6 +143,7 @@ class Repetition:
         stage: PlannedStage,
         kind: type[Stage],
         build: Callable[[], Stage],
+        room: Room,
         sent: Callable[[str, Message], None],
     ) -> StageRunner:
         """The runner of the stage, with outputs whose messages go to `sent`."""
@@ -147,6 +151,7 @@ class Repetition:
         outputs = {}
         for port in found.outputs:
             output = outputs[port.name] = OutputPort(port.type, memoryview(b""), lateness=0)
+            output.unfit = fit_check(port.type, room, stage.camera)
             output.watermark = self._checkpoint.after.get(port.name, output.watermark)
             output.tap(partial(sent, port.name))
         runner = RUNNERS[found.gives](stage.name, 0, build, self._join, outputs, on_error=stage.on_error)

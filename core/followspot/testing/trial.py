@@ -19,10 +19,11 @@ import numpy as np
 import pydantic
 
 from followspot.context import Context
-from followspot.messages import Array, Header, Message, stamped
+from followspot.messages import Array, Header, InvalidMessage, Message, stamped
 from followspot.port_specs import Ports
 from followspot.ports import ports
 from followspot.room import Member, Room
+from followspot.room_fit import fit_check
 from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.testing.samples import BLACK, Content, sample
@@ -110,6 +111,13 @@ class Trial:
         if self.ports.gives == "later" and result is not None:
             return result.result(ANSWER) if isinstance(result, Future) else result()
         return result
+
+    def seal(self, message: Message) -> None:
+        """Seal an output as a port does. Raises InvalidMessage if it breaks its contract or fits no room."""
+        seal(message)
+        unfit = fit_check(type(message), self.room)
+        if unfit is not None and (why := unfit(message)):
+            raise InvalidMessage(why)
 
     def inputs(
         self, content: Content = "empty", frame: int = 0, pixels: Array = BLACK, camera: str | None = None

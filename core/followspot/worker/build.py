@@ -17,6 +17,7 @@ from followspot.graph.frame_count import accompanying_sources
 from followspot.graph.plan import PlannedStage
 from followspot.messages import Array
 from followspot.port_specs import Giving
+from followspot.room_fit import fit_check
 from followspot.stage import Stage
 from followspot.transport.edge import PortWriter
 from followspot.worker.build_inputs import InputBuilder
@@ -180,6 +181,7 @@ class Builder:
         firings = found.output(FIRINGS) if FIRINGS in ways.values() else None
         for port in (*found.outputs, *([firings] if firings is not None else [])):
             output = OutputPort(port.type, self.words, lateness=self.wiring.lateness[stage.name])
+            output.unfit = fit_check(port.type, self.plan.room, stage.camera)
             numbers = [number for number, name in ways.items() if name == port.name]
             for _, group in groupby(sorted(numbers, key=self.way), key=self.way):
                 self._attach(output, list(group), stage.name)

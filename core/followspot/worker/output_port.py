@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from followspot.context import SourceLoss
 from followspot.messages import Header, InvalidMessage, Message, stamped
+from followspot.room_fit import FitCheck
 from followspot.sealing import seal
 from followspot.transport.token import ABSENT, END, UNKNOWN, Watermark
 from followspot.worker.ledger import AWAY, OVERRUN, PRODUCED, REFUSED, SOURCE_LOSSES
@@ -16,7 +17,7 @@ class OutputPort(PortEdges):
     type: of its messages; lateness: see `InputQueue`.
     """
 
-    __slots__ = ("counts", "lateness", "type", "watermark")
+    __slots__ = ("counts", "lateness", "type", "unfit", "watermark")
 
     def __init__(self, kind: type[Message], words: memoryview, *, lateness: int) -> None:
         super().__init__(words)
@@ -25,6 +26,8 @@ class OutputPort(PortEdges):
         self.counts = True
         """Whether `send` counts messages as produced; a live source counts them in its thread."""
         self.watermark = -END
+        self.unfit: FitCheck | None = None
+        """Says why a message does not fit the room; a reader in another worker asks again, for itself."""
 
     def send(self, message: Message, header: Header, following: int = UNKNOWN) -> None:
         """Stamp, check and send a message; it counts as invalid on every edge if it breaks its contract.
@@ -39,6 +42,8 @@ class OutputPort(PortEdges):
             if header.time < self.watermark:
                 raise InvalidMessage(f"time {header.time} ns lies before the watermark {self.watermark} ns")
             seal(message)  # also one that was sent before: copy.deepcopy makes arrays that can be written
+            if self.unfit is not None and (why := self.unfit(message)):
+                raise InvalidMessage(why)
         except InvalidMessage as error:
             self.invalid()
             self.refused(str(error))

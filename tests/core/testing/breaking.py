@@ -196,6 +196,13 @@ class WrongShape(Stage):
         return Frame(frame.camera, np.zeros((2, 2), np.uint8))
 
 
+class Stranger(Stage):
+    """Speaks of no camera of the room."""
+
+    def process(self, frame: Frame) -> Blobs:
+        return Blobs.empty()
+
+
 class NotANumber(Stage):
     """Trusts its input."""
 

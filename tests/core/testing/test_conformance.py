@@ -103,11 +103,11 @@ class Estranged(Stage):
     per_camera = True
 
     def process(self, frame: Frame) -> ImageTracks:
-        return ImageTracks.empty()
+        return replace(ImageTracks.empty(), camera=frame.camera)
 
     @classmethod
     def process_together(cls, stages: Sequence[Stage], inputs: Sequence[object]) -> list[ImageTracks]:
-        return [replace(ImageTracks.empty(), camera=stage.camera.name) for stage in stages]
+        return [replace(ImageTracks.empty(), camera=[*stage.room.cameras][-1]) for stage in stages]
 
 
 def test_the_kit_names_each_broken_promise() -> None:
@@ -143,6 +143,7 @@ def test_the_kit_names_each_broken_promise() -> None:
         (breaking.NoMessage, "sends what it declares"),
         (breaking.Timed, "sends what it declares"),
         (breaking.WrongShape, "sends what it declares"),
+        (breaking.Stranger, "sends what it declares"),
         (breaking.EarlyOutputs, "sends what it declares"),
         (breaking.Hasty, "sends what it declares"),
         (breaking.Unending, "sends what it declares"),

@@ -9,7 +9,6 @@ from typing import Any
 
 from followspot.messages import InvalidMessage, Message
 from followspot.outputs import WrongOutput, check_yielded
-from followspot.sealing import seal
 from followspot.testing.promises.work import contents
 from followspot.testing.trial import Trial, outputs, reason
 
@@ -24,7 +23,7 @@ def yields_what_it_declares(trial: Trial) -> Iterator[str]:
         for item in _items(trial):
             check_yielded(trial.ports.outputs, item, live=False)
             for message in outputs(item):
-                seal(message)
+                trial.seal(message)
     except WrongOutput as error:
         yield f"it {error}"
     except InvalidMessage as error:

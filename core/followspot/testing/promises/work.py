@@ -106,7 +106,7 @@ def sends_what_it_declares(trial: Trial) -> Iterator[str]:
             elif result is not None:
                 check_returned(trial.ports.outputs, result)
             for message in outputs(result):
-                seal(message)
+                trial.seal(message)
         except WrongOutput as error:
             yield f"process {error}"
         except InvalidMessage as error:
