@@ -53,7 +53,7 @@ def head_of(kind: type[Message], room: Room) -> Table:
 def as_json(message: Message, room: Room) -> dict[str, Any]:
     """The message in JSON types: type, source, seq, time (ns), single values, and an object for each row."""
     source, seq, time, _ = message.header
-    fields = {_free(name): _finite(getattr(message, name)) for name, _ in message.scalars}
+    fields = {heading(name): _finite(getattr(message, name)) for name, _ in message.scalars}
     found = {"type": type(message).__name__, "source": source, "seq": seq, "time": time} | fields
     if message.columns:
         table = [cells for cells in table_of(message, room) if cells.name not in fields]
@@ -62,11 +62,8 @@ def as_json(message: Message, room: Room) -> dict[str, Any]:
     return found
 
 
-def plain(values: Array | list[Any]) -> Any:
-    """Values in JSON types, in lists as deep as an array has dimensions.
-
-    NaN and infinity become None, and a complex number its two parts.
-    """
+def plain(values: Array | list[Any]) -> list[Any]:
+    """Values in JSON types; NaN and infinity become None, and a complex number its two parts."""
     if not isinstance(values, np.ndarray):
         return values
     if values.dtype.kind == "c":
@@ -75,7 +72,7 @@ def plain(values: Array | list[Any]) -> Any:
         unknown = ~np.isfinite(values)
         values = values.astype(object)
         values[unknown] = None
-    return values.tolist()
+    return list(values.tolist())
 
 
 def named_columns(kind: type[Message]) -> dict[str, tuple[Column, int]]:
@@ -118,10 +115,11 @@ def _apart(column: Column, heads: tuple[str, ...], taken: Collection[str]) -> tu
     """
     if column.names or not any(head in taken for head in heads):
         return heads
-    return tuple(_free(head) if head == column.name else f"{column.name}_{head}" for head in heads)
+    return tuple(heading(head) if head == column.name else f"{column.name}_{head}" for head in heads)
 
 
-def _free(name: str) -> str:
+def heading(name: str) -> str:
+    """The name of a field in tables and JSON: another one if files write a column of their own with its."""
     return f"message_{name}" if name in RESERVED else name
 
 
@@ -131,7 +129,8 @@ def _heads(kind: type[Message], column: Column) -> tuple[str, ...]:
     None if its rows have no fixed number of numbers.
     """
     sizes = [size for size in column.shape[1:] if isinstance(size, int)]
-    if column.shape[:1] != kind.columns[0].shape[:1] or len(sizes) < len(column.shape) - 1:
+    rows = column.shape[:1] in ((), kind.columns[0].shape[:1])  # a single number is that of each row
+    if not rows or len(sizes) < len(column.shape) - 1:
         return ()
     if column.names:
         return column.names
@@ -147,7 +146,7 @@ def _declared(message: Message, room: Room) -> Table:
     layout = _layout(type(message))  # type: ignore[arg-type]  # classes can be hashed
     has_rows = message.columns and message.columns[0].shape
     count = len(getattr(message, message.columns[0].name)) if has_rows else 1
-    table = [TableColumn(_free(name), [_finite(getattr(message, name))] * count) for name in layout.single]
+    table = [TableColumn(heading(name), [_finite(getattr(message, name))] * count) for name in layout.single]
     if layout.by_target:
         table.append(TableColumn("object", _named(np.arange(count), tuple(room.targets))))
     for column, heads in layout.columns:
@@ -155,12 +154,16 @@ def _declared(message: Message, room: Room) -> Table:
         if not heads:
             table.append(
                 TableColumn(
-                    _free(column.name), _rows(message, column, count, room), column.unit, extra=column.extra
+                    heading(column.name),
+                    _rows(message, column, count, room),
+                    column.unit,
+                    extra=column.extra,
                 )
             )
             continue
         names = _known(message, column.refers, room)
-        for head, values in zip(heads, array.reshape(count, len(heads)).T, strict=True):
+        rows = array.reshape(count, len(heads)) if column.shape else np.full((count, 1), array)
+        for head, values in zip(heads, rows.T, strict=True):
             shown = plain(values) if values.dtype.kind == "c" else values
             named = shown if names is None else _named(values, names)
             table.append(TableColumn(head, named, column.unit, column.decimals, column.extra))
@@ -173,7 +176,7 @@ def _rows(message: Message, column: Column, count: int, room: Room) -> list[Any]
     if column.shape[:1] != message.columns[0].shape[:1]:
         return [plain(array)] * count
     if column.shape[1:] != ("T",) or array.dtype.kind != "b":
-        return list(plain(array))
+        return plain(array)
     members = np.array(_named(np.arange(array.shape[1]), tuple(room.targets)), object)
     return [" ".join(members[row]) for row in array]
 

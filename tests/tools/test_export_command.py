@@ -11,6 +11,8 @@ from tests.tools.recorded_show import FRAMES, chunks_of, recorded
 
 import followspot as fs
 from followspot.cli.main import main
+from followspot.room import Room
+from followspot_record.recorded_rows import headings
 
 TRACKS = "frame,time,object,state,x,y,z,vx,vy,vz,sx,sy,sz"
 
@@ -98,3 +100,16 @@ def test_a_recording_that_is_cut_short_is_told_to_scripts_and_by_export(
         fs.open_recording(start).close()
     assert main(["export", str(start), str(tmp_path / "out"), "--to", "csv"]) == 2
     assert "start.mcap: " in capsys.readouterr().err.replace(f"{start} has no such ports", "")
+
+
+class Timed(fs.Message):
+    """A field with the name of a column that every table has, and a number for all rows."""
+
+    time: float
+    seen: fs.Array = fs.column("N", dtype="i4")
+    level: fs.Array = fs.column()
+
+
+def test_a_table_has_the_types_of_fields_under_other_names_and_of_single_numbers() -> None:
+    codes = headings(Timed, Room())
+    assert (codes["message_time"], codes["seen"], codes["level"]) == ("f8", "<i4", "<f8")

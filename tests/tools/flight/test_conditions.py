@@ -102,6 +102,19 @@ def test_single_values_and_texts_of_a_strangers_message() -> None:
     assert not holds("all(gusts > 10)", weather)
 
 
+class Alarm(Message):
+    """A single number, and a field with the name of a column that every table has."""
+
+    level: Array = column()
+    time: float
+
+
+def test_a_condition_speaks_of_single_numbers_and_of_fields_by_the_names_of_tables() -> None:
+    alarm = seal(Alarm(np.array(3.0), 20.0))
+    assert holds("level > 2 and message_time > 10 and rows == 1", alarm)
+    assert not holds("level > 4", alarm)
+
+
 class Small(Message):
     """Numbers of few bits."""
 

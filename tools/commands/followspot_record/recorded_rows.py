@@ -10,7 +10,7 @@ import numpy as np
 
 from followspot import Room
 from followspot.frame_times import to_seconds
-from followspot.message_table import head_of, rows_of, table_of
+from followspot.message_table import head_of, heading, rows_of, table_of
 from followspot.messages import Message
 
 TEXT = ""
@@ -25,7 +25,7 @@ def headings(kind: type[Message], room: Room) -> dict[str, str]:
     that the type's table has; then the source, and the capture time, exact, ns. Raises
     FollowspotError if two names are equal.
     """
-    scalars = {name: _SCALARS.get(scalar, TEXT) for name, scalar in kind.scalars}
+    scalars = {heading(name): _SCALARS.get(scalar, TEXT) for name, scalar in kind.scalars}
     columns = {}
     for name, values, *_ in head_of(kind, room):
         code = values.dtype.str if isinstance(values, np.ndarray) and values.dtype != object else TEXT

@@ -11,7 +11,7 @@ import numpy as np
 from followspot.columns import Column
 from followspot.graph.plan import PlannedEdge
 from followspot.library.handle import LOSSES, SOURCE_LOSSES, EdgeCount
-from followspot.message_table import named_columns
+from followspot.message_table import heading, named_columns
 from followspot.messages import Array, Message
 from followspot.room import Room
 from followspot.tracking import STATES
@@ -39,11 +39,11 @@ def figures_of(kind: type[Message], room: Room) -> dict[str, Figure]:
     found = {ROWS: Figure("number", _rows)}
     for name, given in kind.scalars:
         if given in (int, float):
-            found[name] = Figure("number", _single(name))
+            found[heading(name)] = Figure("number", _single(name))
         elif given is bool:
-            found[name] = Figure("truth", _single(name))
+            found[heading(name)] = Figure("truth", _single(name))
         elif given is str:
-            found[name] = Figure("word", _single(name), text=True)
+            found[heading(name)] = Figure("word", _single(name), text=True)
     for name, (column, index) in named_columns(kind).items():
         found[name] = _figure(column, index, room)
         if column.name not in found and len(column.shape) == 1:
@@ -65,7 +65,7 @@ def _figure(column: Column, index: int, room: Room) -> Figure:
 
 def _part(name: str, index: int, *, number: bool) -> Callable[[Message], Array]:
     def values(message: Message) -> Array:
-        array: Array = getattr(message, name)
+        array = np.atleast_1d(getattr(message, name))
         part = array.reshape(len(array), -1)[:, index] if len(array) else array.reshape(-1)[:0]
         return part.astype("f8") if number else part  # no sum or sign wraps around
 
@@ -79,4 +79,4 @@ def _single(name: str) -> Callable[[Message], Any]:
 def _rows(message: Message) -> int:
     if not message.columns:
         return 1
-    return int(np.shape(getattr(message, message.columns[0].name))[0])
+    return len(np.atleast_1d(getattr(message, message.columns[0].name)))
