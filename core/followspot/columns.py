@@ -32,6 +32,8 @@ def check_column(owner: str, found: Column) -> None:
     name, shape, dtype, *_ = found
     if dtype.kind not in "biufc" or dtype.char in "gG":
         raise TypeError(f"{owner}.{name}: a column holds numbers or truth values, not dtype {dtype.str}")
+    if found.refers and dtype.kind not in "iu":
+        raise TypeError(f"{owner}.{name} holds indices, which are integers: give it a dtype such as i4")
     if len(shape) > MAX_DIMENSIONS:
         raise TypeError(f"{owner}.{name} has {len(shape)} dimensions, at most {MAX_DIMENSIONS}")
     if not all(isinstance(size, str) or (isinstance(size, int) and size >= 0) for size in shape):

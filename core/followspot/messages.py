@@ -136,15 +136,15 @@ class Message:
                 raise TypeError(f"{cls.__name__}.{c.name} has other numbers in a row than names")
 
     @classmethod
-    def empty(cls) -> Self:
-        """A message without rows: named sizes are 0, scalars are empty.
+    def empty(cls, **fields: Any) -> Self:
+        """A message without rows: named sizes are 0, scalars are empty. fields: those that are not.
 
-        A delayed edge gives it until the first message of n frames ago exists.
+        A delayed edge gives it, without fields, until the first message of n frames ago exists.
         """
         values: dict[str, Any] = {name: (kind() if kind in SCALARS else ()) for name, kind in cls.scalars}
         for name, shape, dtype, *_ in cls.columns:
             values[name] = np.zeros([0 if isinstance(size, str) else size for size in shape], dtype)
-        return cls(**values)
+        return cls(**(values | fields))
 
     @property
     def is_empty(self) -> bool:

@@ -10,6 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from functools import partial
 
+import numpy as np
+
+from followspot.columns import Column
 from followspot.messages import Array, Message
 from followspot.people import Poses
 from followspot.room import Room
@@ -38,18 +41,21 @@ def fit_check(kind: type[Message], room: Room, camera: str | None = None) -> Fit
         asked += (partial(_pictured, name, room) for name in pictures)
     if room.cameras and scalars.get("cameras") == tuple[str, ...]:
         asked.append(partial(_cameras, frozenset(room.cameras)))
+    sized = next((column for column in kind.columns if "T" in column.shape), None)  # others have its T
+    if room.targets and sized is not None:
+        asked.append(partial(_as_many, sized.name, sized.shape.index("T"), len(room.targets)))
     for column in kind.columns:
-        if room.targets and "T" in column.shape:
-            asked.append(partial(_as_many, column.name, column.shape.index("T"), len(room.targets)))
-        if column.refers == "targets" and room.targets:
-            asked.append(partial(_within, column.name, len(room.targets)))
         if scalars.get(column.refers) == tuple[str, ...]:
-            asked.append(partial(_within_field, column.name, column.refers))
-        if column.refers == "states":
-            asked.append(partial(_within, column.name, len(STATES)))
+            asked.append(partial(_within_field, column, column.refers))
+        elif column.refers == "states":
+            asked.append(partial(_within, column, len(STATES)))
+        elif column.refers == "targets" and room.targets:
+            asked.append(partial(_within, column, len(room.targets)))
     return partial(_first, asked) if asked else None
 
 
+_UNSIGNED = {size: np.dtype(f"u{size}") for size in (1, 2, 4, 8)}
+"""As which indices are read: those below 0 are huge then, so that one comparison finds all that are wrong."""
 _CHANNELS = {"color": (3,), "infrared": (1,)}
 """Channels of the pictures of a camera, by its kind; of other kinds they may have any number."""
 
@@ -63,7 +69,13 @@ def _first(asked: Collection[FitCheck], message: Message) -> str:
 
 def _camera(known: Collection[str], message: Message) -> str:
     name: str = message.camera  # type: ignore[attr-defined]  # such types alone are asked
-    return "" if name in known else f"it is not of camera {name[:80]!r}"
+    if name in known:
+        return ""
+    if not name:
+        return "it names no camera"
+    if len(known) == 1:
+        return f"it is of camera {name[:80]!r}, not {min(known)!r}"
+    return f"the room has no camera {name[:80]!r}"
 
 
 def _cameras(known: Collection[str], message: Message) -> str:
@@ -88,12 +100,12 @@ def _as_many(column: str, axis: int, count: int, message: Message) -> str:
     return "" if size in (count, 0) else f"{column} is of {size} targets, the room has {count}"
 
 
-def _within(column: str, count: int, message: Message) -> str:
-    found: Array = getattr(message, column)
-    if not found.size or (found.min() >= 0 and found.max() < count):
+def _within(column: Column, count: int, message: Message) -> str:
+    found: Array = getattr(message, column.name)
+    if not found.size or found.view(_UNSIGNED[found.itemsize]).max() < count:
         return ""
-    return f"{column} holds {found.min()} to {found.max()}, where 0 to {count - 1} can be"
+    return f"{column.name} holds {found.min()} to {found.max()}, where 0 to {count - 1} can be"
 
 
-def _within_field(column: str, field: str, message: Message) -> str:
+def _within_field(column: Column, field: str, message: Message) -> str:
     return _within(column, len(getattr(message, field)), message)

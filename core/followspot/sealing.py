@@ -6,7 +6,6 @@ import ctypes
 import math
 from functools import lru_cache
 from mmap import mmap
-from types import NoneType
 from typing import Any
 
 import numpy as np
@@ -76,12 +75,14 @@ def _kept(array: Array, owner: Any) -> Array:
     The memory of a buffer (bytearray, ctypes) cannot become read-only, so a view of it is copied.
     """
     if type(owner) is np.ndarray:
-        if isinstance(owner.base, (mmap, NoneType)):  # a loan is an array in shared memory
-            if owner.flags.writeable and owner.nbytes > array.nbytes:
-                return array.copy()
-            owner.setflags(write=False)
+        memory: Any = owner.base
+        if memory is None or type(memory) is mmap:  # a loan is an array in shared memory
+            if owner.flags.writeable:
+                if owner.nbytes > array.nbytes:
+                    return array.copy()
+                owner.setflags(write=False)
             return array
-        owner = owner.base
+        owner = memory
     buffer = isinstance(owner, (memoryview, ctypes.Array))
     return array.copy() if buffer and not memoryview(owner).readonly else array
 

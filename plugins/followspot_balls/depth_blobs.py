@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -92,7 +91,7 @@ class DepthBlobs(Stage):
         self.radii = target_radii(self.room)
         self.frames = 0
         none = np.zeros((0, len(self.radii)), bool)
-        self.nothing = replace(Candidates.empty(), cameras=tuple(self.room.cameras), targets=none)
+        self.nothing = Candidates.empty(cameras=tuple(self.room.cameras), targets=none)
         if self.params.learning_frames:
             self.background = np.zeros(self.shape, np.float32)
         else:

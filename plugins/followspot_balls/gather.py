@@ -42,7 +42,7 @@ class Gather(Stage):
         self.color = ColorViews(self.room)
         self.radii = target_radii(self.room)
         targets = np.zeros((0, len(self.radii)), bool)
-        self.nothing = replace(Candidates.empty(), cameras=self.cameras, targets=targets)
+        self.nothing = Candidates.empty(cameras=self.cameras, targets=targets)
 
     def process(
         self,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -108,7 +107,7 @@ class VerifyPairs(Stage):
         self.heard = np.zeros(len(self.cameras), bool)
         self.clutter = ClutterMap(self.room, self.params.clutter_memory)
         no_targets = np.zeros((0, len(self.room.targets)), bool)
-        self.nothing = replace(Pairs.empty(), cameras=self.cameras, targets=no_targets)
+        self.nothing = Pairs.empty(cameras=self.cameras, targets=no_targets)
 
     def process(self, blobs: Joined[Blobs], forecast: Latest[Forecast] = None) -> Pairs:
         if not blobs:

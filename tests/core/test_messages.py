@@ -141,6 +141,7 @@ def test_a_field_that_cannot_travel_is_refused_at_once() -> None:
         (column("N", dtype="O"), r"wrong: a column holds numbers or truth values, not dtype \|O"),
         (column("N", dtype="g"), r"not dtype <f16"),
         (column("N", dtype="M8[ns]"), r"not dtype <M8\[ns\]"),
+        (column("N", refers="targets"), "holds indices, which are integers: give it a dtype such as i4"),
         (column(*range(1, 10)), "has 9 dimensions, at most 8"),
         (column("N", -3), r"has the shape \('N', -3\): sizes are names, or whole numbers from 0"),
         (column(2.5), "sizes are names"),  # type: ignore[arg-type]

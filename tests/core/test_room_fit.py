@@ -49,14 +49,14 @@ def test_what_stages_of_the_room_send_belongs_to_it(kind: type[Message], content
 @pytest.mark.parametrize(
     ("message", "reason"),
     [
-        (made(Frame, camera="elsewhere"), "not of camera 'elsewhere'"),
-        (made(Frame, camera=""), "not of camera ''"),
+        (made(Frame, camera="elsewhere"), "no camera 'elsewhere'"),
+        (made(Frame, camera=""), "it names no camera"),
         (made(Frame, pixels=np.zeros((0, 0, 3), "u1")), "pixels has shape (0, 0, 3)"),
         (made(Frame, pixels=np.zeros((48, 64, 1), "u1")), "pixels has shape (48, 64, 1)"),
         (made(Frame, pixels=np.zeros((64, 48, 3), "u1")), "gives (48, 64, 3)"),
         (made(DepthImage, depth=np.zeros((64, 48), "f4")), "depth has shape (64, 48)"),
-        (made(DepthImage, camera="elsewhere"), "not of camera 'elsewhere'"),
-        (made(Blobs, camera="a" * 60_000), "not of camera 'aaa"),
+        (made(DepthImage, camera="elsewhere"), "no camera 'elsewhere'"),
+        (made(Blobs, camera="a" * 60_000), "no camera 'aaa"),
         (made(Blobs, targets=np.ones((1, 999), bool)), "targets is of 999 targets, the room has"),
         (made(Pairs, cameras=("cam0", "elsewhere")), "no camera 'elsewhere'"),
         (made(Pairs, cameras=()), "view holds 0 to 1, where 0 to -1 can be"),
@@ -78,7 +78,7 @@ def test_a_stage_of_one_camera_speaks_for_no_other() -> None:
     ask = fit_check(Blobs, ROOM, ours)
     assert ask is not None
     assert ask(made(Blobs, camera=ours)) == ""
-    assert ask(made(Blobs, camera=theirs)) == f"it is not of camera '{theirs}'"
+    assert ask(made(Blobs, camera=theirs)) == f"it is of camera '{theirs}', not '{ours}'"
 
 
 def test_poses_that_are_fused_name_no_camera() -> None:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from followspot.tracking import Candidates, Positions
 
-CANDIDATES = replace(Candidates.empty(), targets=np.zeros((0, 3), bool))
+CANDIDATES = Candidates.empty(targets=np.zeros((0, 3), bool))
 """Of a room with three targets."""
 
 

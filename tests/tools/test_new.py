@@ -102,8 +102,10 @@ def made(package: Path, name: str, takes: list[str], gives: str | None) -> type[
         (["Blobs"], "Blobs"),
         (["Boxes", "Points2D"], "Skeletons"),
         (["Frame"], "Blobs"),
+        (["Tracks"], "Boxes"),
         (["Tracks"], None),
         ([], "Positions"),
+        ([], "Blobs"),
     ],
     ids=str,
 )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import zlib
-from dataclasses import replace
 
 import cv2
 import msgpack
@@ -65,7 +64,7 @@ def test_a_stranger_decodes_coded_arrays_with_zlib_and_a_reader_of_pictures(
     codec: EdgeCodec, way: int
 ) -> None:
     """The recipe of docs/wire.md."""
-    blobs = stamped(seal(replace(Blobs.empty(), camera="cam0")), Header("color/cam0", 1, 2, 3))
+    blobs = stamped(seal(Blobs.empty(camera="cam0")), Header("color/cam0", 1, 2, 3))
     for message in (frame(picture(24, 32, 3)), blobs):
         data = pack_as(message, codec)
         assert data[1] == way

@@ -16,7 +16,7 @@ _BODY = '''
 
 class {name}(Stage):
     """{about}"""
-
+{serves}
     class Params(StageParams):
         share: float = Field(1.0, ge=0, le=1, description="what it does", unit="1")
 
@@ -66,7 +66,9 @@ def stub(name: str, takes: Sequence[str], gives: str | None) -> str:
     about = f"{_words(takes, gives)}."
     result = f"Source[{gives}]" if not takes else gives or "None"
     inputs = "".join(f", {_snake(kind)}: {kind}" for kind in takes)
-    body = _BODY.format(name=name, about=about, inputs=inputs, gives=result, work=_work(takes, gives))
+    work = _work(known, takes, gives)
+    serves = "\n    per_camera = True\n" if "self.camera" in work else ""
+    body = _BODY.format(name=name, about=about, serves=serves, inputs=inputs, gives=result, work=work)
     return f'"""{about}"""\n\nfrom __future__ import annotations\n\n{_imports(known, takes, gives)}\n{body}'
 
 
@@ -83,15 +85,23 @@ def _words(takes: Sequence[str], gives: str | None) -> str:
     return f"Pass {gives} on" if gives in takes else f"Make {gives} of {' and '.join(takes)}, so far none"
 
 
-def _work(takes: Sequence[str], gives: str | None) -> str:
+def _work(known: dict[str, str], takes: Sequence[str], gives: str | None) -> str:
     """The body of `process`."""
-    if not takes:
-        return (
-            f"        for second in range(10):\n            yield at(second * 1_000_000_000, {gives}.empty())"
-        )
     if gives is None:
         return f'        self.log.info("a message of %d ns", {_snake(takes[0])}.header.time)'
-    return f"        return {_snake(gives)}" if gives in takes else f"        return {gives}.empty()"
+    if gives in takes:
+        return f"        return {_snake(gives)}"
+    of_camera = [kind for kind in takes if _names_camera(known, kind)]
+    camera = f"{_snake(of_camera[0])}.camera" if of_camera else "self.camera.name"
+    empty = f"{gives}.empty({f'camera={camera}' if _names_camera(known, gives) else ''})"
+    if takes:
+        return f"        return {empty}"
+    return f"        for second in range(10):\n            yield at(second * 1_000_000_000, {empty})"
+
+
+def _names_camera(known: dict[str, str], kind: str) -> bool:
+    """Whether messages of a type say of which camera they are."""
+    return "camera" in dict(getattr(import_module(known[kind]), kind).scalars)
 
 
 def _imports(known: dict[str, str], takes: Sequence[str], gives: str | None) -> str:
