@@ -66,17 +66,20 @@ def find_target_sightings(
 
 def _places(folder: Path, cameras: Sequence[Camera]) -> tuple[Array, Array, Array]:
     """Of one target: (F, C, 2) px, the width of its bright part in each picture, and how far the middle of
-    that is from the middle of all that is lit, (F, C) px; NaN if it is not seen.
+    that is from the middle of all that is lit, at the mean of the clip, (F, C) px; NaN if it is not seen.
     """
-    pixel = np.full((MOST_FRAMES, len(cameras), 2), np.nan)
-    width, aside = np.full((2, MOST_FRAMES, len(cameras)), np.nan)
+    pixel, lit_middle = np.full((2, MOST_FRAMES, len(cameras), 2), np.nan)
+    width = np.full((MOST_FRAMES, len(cameras)), np.nan)
     recordings = find_recordings(folder, [camera.name for camera in cameras])
     for number, camera in enumerate(cameras):
         for spot, lit in _spots(recordings[camera.name], camera) if camera.name in recordings else ():
             pixel[spot.frame, number] = _middle(spot.inside)
             width[spot.frame, number] = np.sqrt(4 / np.pi * spot.area)
-            aside[spot.frame, number] = np.linalg.norm(pixel[spot.frame, number] - _middle(lit))
-    return pixel, width, aside
+            lit_middle[spot.frame, number] = _middle(lit)
+    seen = np.isfinite(width)
+    # What differs from picture to picture is noise, not the light of a lamp.
+    mean = np.nansum(pixel - lit_middle, axis=0) / np.maximum(seen.sum(axis=0), 1)[:, None]
+    return pixel, width, np.where(seen, np.linalg.norm(mean, axis=1), np.nan)
 
 
 def _middle(mask: Array) -> Array:
