@@ -22,7 +22,7 @@ def test_a_fusion_gives_each_target_one_position_at_most() -> None:
     assert fused().is_empty
 
 
-@pytest.mark.parametrize("target", [(0, -1), (3,), (1, 1)], ids=["nobody", "beyond the last", "twice"])
+@pytest.mark.parametrize("target", [(0, -1), (3,), (1, 1)], ids=["below 0", "beyond the last", "twice"])
 def test_a_fusion_that_gives_positions_to_no_target_or_twice_is_told(target: tuple[int, ...]) -> None:
     with pytest.raises(ValueError, match="each of 0 to 2, as the room file lists them, may have one"):
         fused(*target)

@@ -43,7 +43,7 @@ class Association:
 
     @property
     def unassigned(self) -> Detections:
-        """Detections that are nobody's."""
+        """The detections that belong to no track and fit no person with a number."""
         one, free = self.detections, ~(self.used | self.explained)
         return replace(one, measured=one.measured[free], colors=one.colors[free])
 

@@ -92,7 +92,7 @@ def _evidence(cameras: Sequence[Association], bodies: int, rules: Rules) -> Exis
 
 
 def _counted(tracks: Tracks[S], cameras: Sequence[Association]) -> Array:
-    """The detections of each camera, and those of nobody, with those of a set, if any person is confirmed."""
+    """`Tracks.unassigned` after a set: a set counts only if some person is confirmed."""
     counts = tracks.unassigned.copy()
     if (tracks.life.number > 0).any():
         for one in cameras:

@@ -27,13 +27,15 @@ CAMERA = """  c{number}:
 """
 
 
-def told(folder: Path, counts: tuple[int, ...], **options: object) -> list[str]:
+def told(
+    folder: Path, counts: tuple[int, ...], placement: str | None = None, frames: int | None = None
+) -> list[str]:
     """The warnings of a run whose cameras have these numbers of frames, ten a second."""
     (folder / "graph.yaml").write_text(GRAPH)
     cameras = (CAMERA.format(number=number, count=count) for number, count in enumerate(counts))
     (folder / "room.yaml").write_text("room: ends\ncameras:\n" + "".join(cameras))
-    given = {"plugin_files": [STAGES], "out": folder / "out", **options}
-    with fs.run(folder / "graph.yaml", **given) as run:  # type: ignore[arg-type]
+    graph, out = folder / "graph.yaml", folder / "out"
+    with fs.run(graph, plugin_files=[STAGES], out=out, placement=placement, frames=frames) as run:
         return list(run.wait().warnings)
 
 

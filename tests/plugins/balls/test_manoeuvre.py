@@ -71,7 +71,7 @@ def test_a_velocity_that_jumped_at_any_moment_of_the_step_moves_the_place_that_l
 def returned(sigma: float, way: float) -> Motion:
     """A target at rest that vague measurements show elsewhere, and then an exact one shows in its place.
 
-    sigma: of the vague measurements, m; way: m, from the exact one to where they were.
+    sigma: of the vague measurements, m; way: distance between these and the exact one, m.
     """
     one, vague = np.array([0]), np.eye(3)[None] * sigma**2
     motion = initiated(Motion.zero(1), one, np.array([[way, 0.0, 0.0]]), NOISE[None], SPEED)

@@ -1,4 +1,4 @@
-"""Identities of people who walk close together: boxes hide each other, and one may fit two people."""
+"""People keep their numbers while they walk close together, though a box may fit two of them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NOISE = 0.03
 
 
 def ways(rng: np.random.Generator) -> Iterator[Array]:
-    """Places (P, 2) m of people who walk to places by chance at 1 m/s, half a metre apart."""
+    """Places (P, 2) m of people that walk to random goals at 1 m/s and stay half a metre apart."""
     xy, goal = rng.uniform(-HALF, HALF, (2, PEOPLE, 2))
     for _ in range(SETS):
         yield xy.copy()

@@ -197,7 +197,7 @@ FEET, VAGUE = (2.5, STRIDE_SIGMA**-2), (2.5, 4.0)
 def test_a_track_goes_half_way_to_the_distance_that_the_slow_instance_tells_unless_feet_do(
     stands, shown, moved
 ):
-    """Vague feet tell nothing of who is partly hidden."""
+    """A distance that feet told earlier does not count while the person is partly hidden."""
     room = FastInstance(particles=200)
     room.tell(standing(2.5))
     followed_for(room, 3, standing(2.5))
