@@ -90,6 +90,8 @@ class Message:
     header: ClassVar[Header] = UNSTAMPED  # a stamped instance has its own
     columns: ClassVar[tuple[Column, ...]] = ()
     array_names: ClassVar[tuple[str, ...]] = ()
+    truth_names: ClassVar[tuple[str, ...]] = ()
+    """Of the columns of truth values."""
     scalars: ClassVar[tuple[tuple[str, Any], ...]] = ()
     rows_of: ClassVar[str] = ""
     """The column that has as many entries as the message has rows; empty if it always says something."""
@@ -103,6 +105,7 @@ class Message:
             if "shape" in f.metadata
         )
         cls.array_names = tuple(c.name for c in cls.columns)
+        cls.truth_names = tuple(c.name for c in cls.columns if c.dtype == bool)
         cls.scalars = tuple(
             (f.name, hints[f.name])
             for f in dataclasses.fields(cls)  # type: ignore[arg-type]

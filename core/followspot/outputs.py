@@ -71,21 +71,21 @@ def check_one_of_several(declared: Sequence[OutputSpec], item: Any) -> Header:
     return given[0] if given else UNSTAMPED
 
 
-def _messages(declared: Sequence[OutputSpec], output: Any, did: str) -> Iterator[Message]:
+def _messages(declared: Sequence[OutputSpec], output: Any, did: str) -> Sequence[Message]:
     """The messages among the outputs, each of the declared type. Raises WrongOutput."""
     if len(declared) == 1 and declared[0].name == ONE_OUTPUT:
-        if output is not None:
-            yield _of_type(declared[0].type, output, did)
-        return
+        return () if output is None else (_of_type(declared[0].type, output, did),)
     if not declared:
         raise WrongOutput(f"{did} {_named(output)}, declared None: declare what `process` returns")
+    found = []
     for port in declared:
         message = getattr(output, port.name, _MISSING)
         if message is _MISSING:
             names = ", ".join(f"`{each.name}`" for each in declared)
             raise WrongOutput(f"{did} {_named(output)}, declared outputs {names}: name each of them")
         if message is not None:
-            yield _of_type(port.type, message, f"{did} as `{port.name}`")
+            found.append(_of_type(port.type, message, f"{did} as `{port.name}`"))
+    return found
 
 
 def _of_type(kind: type[Message], message: Any, did: str) -> Message:

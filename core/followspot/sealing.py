@@ -60,11 +60,13 @@ def seal(message: M) -> M:
             values[name] = array = np.ascontiguousarray(array)
         elif array.base is not None:
             values[name] = array = _kept(array, array.base)
-        if array.dtype.kind == "b" and beyond_truth(array):
-            values[name] = array = np.asarray(array != 0)  # it was a view of other numbers
         array.setflags(False)  # write=False; the keyword would double the cost
         layout += array.shape, array.dtype
     _check_layout(type(message), tuple(layout))  # type: ignore[arg-type]  # classes can be hashed
+    for name in message.truth_names:
+        if beyond_truth(values[name]):  # it was a view of other numbers
+            values[name] = truth = np.asarray(values[name] != 0)
+            truth.setflags(write=False)
     return message
 
 

@@ -29,11 +29,16 @@ class OutputPort(PortEdges):
         self.unfit: FitCheck | None = None
         """Says why a message does not fit the room; a reader in another worker asks again, for itself."""
 
-    def send(self, message: Message, header: Header, following: int = UNKNOWN) -> None:
+    def send(self, message: Message | None, header: Header, following: int = UNKNOWN) -> None:
         """Stamp, check and send a message; it counts as invalid on every edge if it breaks its contract.
 
-        following: the watermark after it, ns, if more is known than what the message itself announces.
+        message: None only advances the watermark; following: the watermark after it, ns, if more is known
+        than what the message itself announces.
         """
+        own = header.time + 1 + self.lateness
+        if message is None:
+            self.advance(max(own, following))
+            return
         words = self.words
         if self.counts:
             for row in self.all_rows:
@@ -54,7 +59,6 @@ class OutputPort(PortEdges):
         if not self.filled and not message.is_empty:
             self.filled = True
             self._fill(self.all_rows)
-        own = header.time + 1 + self.lateness
         following = following if following > own else UNKNOWN
         self.watermark = self.announced = max(own, following)
         for tap in self.taps:

@@ -149,8 +149,8 @@ class InputQueue:
 
     def take(self) -> Message:
         """The oldest message, for a firing."""
-        count = self.words[self.row + DELIVERED] + 1
-        self.words[self.row + DELIVERED] = count
+        words, at = self.words, self.row + DELIVERED
+        words[at] = count = words[at] + 1
         message = self._pop()
         if count % _EVERY == 1:
             self.ages.append(time.monotonic_ns() - message.header.entered)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from followspot.firing import FIRINGS
-from followspot.messages import Header, Message
+from followspot.messages import Header
 from followspot.port_specs import ONE_OUTPUT, Ports
 from followspot.transport.token import UNKNOWN
 from followspot.worker.output_port import OutputPort
@@ -31,9 +31,10 @@ class StageOutputs:
 
     def has_room(self) -> bool:
         """Whether every port has credit for a message."""
-        if self.single is not None and len(self._ports) == 1:
-            return self.single.has_room()
-        return all(output.has_room() for _, output in self._ports)
+        for _, output in self._ports:  # noqa: SIM110  # asked before every firing; all() costs twice as much
+            if not output.has_room():
+                return False
+        return True
 
     def send(self, result: Any, header: Header, following: int = UNKNOWN) -> None:
         """Send what `process` returned; a port without a message still advances its watermark.
@@ -41,10 +42,10 @@ class StageOutputs:
         following: the watermark after it, ns, if more is known than what the message itself announces.
         """
         if self.single is not None:
-            _send(self.single, result, header, following)
+            self.single.send(result, header, following)
             return
         for port, output in self._results:
-            _send(output, None if result is None else getattr(result, port), header, following)
+            output.send(None if result is None else getattr(result, port), header, following)
 
     def advance(self, watermark: int) -> None:
         """Announce on all ports that nothing earlier will come, ns."""
@@ -65,10 +66,3 @@ class StageOutputs:
         """Keep only the ports that another stage in place of this one has."""
         self._ports = tuple(named for named in self._ports if declared.output(named[0]) is not None)
         self._results = tuple(named for named in self._results if named in self._ports)
-
-
-def _send(output: OutputPort, message: Message | None, header: Header, following: int) -> None:
-    if message is None:
-        output.advance(max(header.time + 1 + output.lateness, following))
-    else:
-        output.send(message, header, following)
