@@ -23,6 +23,7 @@ from followspot_target_filter.confirmation import (
     within,
 )
 from followspot_target_filter.departure import DepartureTest
+from followspot_target_filter.known_positions import known_positions, unknown_positions
 from followspot_target_filter.life_cycle import (
     LifeCycle,
     coasted,
@@ -61,6 +62,8 @@ class TargetFilter(Stage, ABC):
     params: Params
     measured: Array = np.zeros((0, 3))
     """(T, 3) m, the last measured positions; none before the stage is set up."""
+    unknown = 0
+    """Positions so far whose coordinates were no numbers."""
 
     @abstractmethod
     def motion_model(self, count: int) -> MotionModel:
@@ -104,6 +107,8 @@ class TargetFilter(Stage, ABC):
     def process(self, positions: Positions) -> Outputs:
         p = self.params
         self.advance(positions.header.time)
+        given, positions = positions, known_positions(positions)
+        self.unknown += len(given.target) - len(positions.target)
         doubt, status = self.doubt, self.search_status
         self.motion.predict(self.period)
         if np.count_nonzero(doubt):
@@ -133,8 +138,11 @@ class TargetFilter(Stage, ABC):
         return Outputs(self.tracks(), self.forecast())
 
     def close(self) -> None:
-        """Warn the user of targets that were not found, though others were."""
-        if text := not_found(self.room, np.asarray(self.measured.any(axis=1))):
+        """Warn the user of positions that were no numbers, and of targets that were not found, though others
+        were.
+        """
+        missing = not_found(self.room, np.asarray(self.measured.any(axis=1)))
+        for text in filter(None, (unknown_positions(self.unknown), missing)):
             self.context.warn(text)
 
     def decide_search(self) -> None:
@@ -227,6 +235,7 @@ class TargetFilter(Stage, ABC):
             "measured": self.measured,
             "time": self.time,
             "period": self.period,
+            "unknown": self.unknown,
         }
 
     def restore(self, state: Any) -> None:
@@ -235,4 +244,5 @@ class TargetFilter(Stage, ABC):
         self.last, self.before = np.array(state["last"]), np.array(state["before"])
         self.measured = np.array(state["measured"])
         self.time, self.period = int(state["time"]), float(state["period"])
+        self.unknown = int(state.get("unknown", 0))  # not in recordings of before
         self.decide_search()
