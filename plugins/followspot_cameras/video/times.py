@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import ClassVar, Self
 
 import cv2
-from pydantic import model_validator
+from pydantic import field_validator, model_validator
 
 from followspot import Field, InputPath
 from followspot.errors import InputError
@@ -17,6 +17,9 @@ from followspot.frame_times import capture_time
 from followspot_cameras.recorded_times.params import TimesParams, read_times
 from followspot_cameras.video.container import is_matroska
 from followspot_cameras.video.file import announced_frames, frame_rate
+
+SLOWEST = 0.001
+"""Smallest frame rate, 1/s."""
 
 
 class VideoParams(TimesParams):
@@ -29,6 +32,14 @@ class VideoParams(TimesParams):
     time_stamps: bool = Field(
         False, description="capture times are the file's own time stamps, as of Matroska, not its frame rate"
     )
+
+    @field_validator("fps")
+    @classmethod
+    def rate_of_its_own(cls, fps: float) -> float:
+        """Refuse a rate that no ratio of small numbers comes near to."""
+        if 0 < fps < SLOWEST:
+            raise ValueError(f"a frame rate is 0 or at least {SLOWEST}")
+        return fps
 
     @model_validator(mode="after")
     def one_clock(self) -> Self:

@@ -219,3 +219,8 @@ def test_reading_times_sets_no_context_variable(tmp_path: Path) -> None:
     assert here.run(read_time_list, path) == [0, 33_333_000, 500_500_000]
     assert here.run(time_of_name, Path("cam_12.5.png"), "ms") == 12_500_000
     assert not len(here)
+
+
+def test_a_rate_that_is_next_to_nothing_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValidationError, match=r"a frame rate is 0 or at least 0\.001"):
+        Video.Params(path=tmp_path, fps=1e-9)
