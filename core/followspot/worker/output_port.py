@@ -69,14 +69,8 @@ class OutputPort(PortEdges):
                 queue.advance(following)
         for row in self._away:
             words[row + AWAY] += 1
-        for writer, rows in self._living:
-            try:
-                writer.send(message, following)
-            except InvalidMessage as error:  # its head is too large to travel
-                self._count(rows, REFUSED)
-                self.refused(str(error))
-                if following != UNKNOWN:
-                    writer.send(Watermark(following))
+        if self._living:
+            self._write(message, following)
 
     def advance(self, watermark: int) -> None:
         """Advance the watermark, ns, and tell every reader."""
@@ -124,6 +118,17 @@ class OutputPort(PortEdges):
         """Count frames that a device made and its source never had; called in the source's thread."""
         for row in self.all_rows:
             self.words[row + SOURCE_LOSSES[kind]] += number
+
+    def _write(self, message: Message, following: int) -> None:
+        """Send a message to other workers; edges on which its head is too large to travel refuse it."""
+        for writer, rows in self._living:
+            try:
+                writer.send(message, following)
+            except InvalidMessage as error:
+                self._count(rows, REFUSED)
+                self.refused(str(error))
+                if following != UNKNOWN:
+                    writer.send(Watermark(following))
 
     def _present(self) -> list[int]:
         """Ledger rows of every edge whose reader is present."""
