@@ -1,4 +1,4 @@
-"""Stages carry on where they were although the agent of their host died with its workers."""
+"""Stages carry on where they were although the agent of their host died, or was ended, with its workers."""
 
 from __future__ import annotations
 
@@ -64,6 +64,57 @@ def test_after_the_death_of_an_agent_a_recording_and_a_count_go_on(tmp_path: Pat
         assert finished.code == 0, finished.errors
         assert all(first < second for first, second in pairwise(played()))
         assert min(counted()[lines:]) > count
+    finally:
+        process.kill()
+        agent.process.kill()
+        agent.process.communicate()
+
+
+SHARED = """
+here:  {uses: ticks.live, with: {count: 1000000, period: 0.01}}
+there: {uses: ticks.live, with: {count: 1000000, period: 0.01}}
+kept:  {uses: sinks.jsonl, in: {message: here}, with: {path: kept.jsonl}}
+save:  {uses: ticks.write, in: {number: there}}
+"""
+LEFT = """
+placement: hosts
+workers:
+  left: {host: pc-left, stages: [there, kept]}
+"""
+
+
+def test_an_agent_that_is_ended_completes_its_files_and_the_next_one_takes_its_part_up(
+    tmp_path: Path,
+) -> None:
+    home, out = tmp_path / "pc-left", tmp_path / "out"
+    home.mkdir()
+    (tmp_path / "hosts.yaml").write_text(LEFT)
+    graph = write_graph(tmp_path, SHARED)
+    agent = near_agent("pc-left", home)
+    at = agent.endpoint
+    process = start(graph, out, "--placement", str(tmp_path / "hosts.yaml"), "--connect", at)
+
+    def saved() -> int:
+        return len((out / "ticks.csv").read_text().splitlines()) if (out / "ticks.csv").exists() else 0
+
+    def kept() -> list[int]:
+        (file,) = home.glob("runs/*-pc-left/kept.jsonl")
+        return [json.loads(line)["seq"] for line in file.read_text().splitlines()]
+
+    try:
+        assert wait_until(lambda: saved() > 10)
+        agent.process.send_signal(signal.SIGTERM)
+        agent.process.communicate(timeout=60)
+        assert agent.process.returncode == 0
+        lines, written = len(kept()), saved()
+        agent = near_agent("pc-left", home, at=at)
+        assert wait_until(lambda: saved() > written + 10, 30.0), "its source ended for good"
+        process.send_signal(signal.SIGINT)
+        finished = finish(process, out)
+        assert finished.code == 0, finished.errors
+        edge = finished.edge("here", "kept")
+        assert lines > 0
+        assert len(kept()) == edge["delivered"], edge
     finally:
         process.kill()
         agent.process.kill()

@@ -124,7 +124,7 @@ class Agent:
             for agent_run in self.agent_runs:
                 agent_run.run.attend(0)
                 if self._stopping:
-                    agent_run.run.ask(StopRun())
+                    agent_run.end(time.monotonic())
             self.agent_runs.tidy(time.monotonic())
 
     def _dispatcher(self) -> Dispatcher:
@@ -159,6 +159,8 @@ class Agent:
     def prepare(self, order: RunOrder) -> None:
         """Start the workers of a run. Raises FollowspotError if the agent refuses it, ValueError, OSError."""
         name = self.options.name
+        if self._stopping:
+            raise FollowspotError(f"the agent {name} is ending")
         if not _RUN.fullmatch(order.run):
             raise FollowspotError(f"{order.run[:80]!r} cannot be the name of a run")
         self.agent_runs.check_capacity(order.run)
@@ -175,7 +177,7 @@ class Agent:
         except OSError as error:  # a full disk, for example: the other runs here go on
             self.agent_runs.close(order.run)
             text = f"the run cannot begin: {error.strerror} (outputs go to {out.absolute()})"
-            remedy = limit_remedy(error, "free space there, or start the agent with another --out")
+            remedy = limit_remedy(error, "free space there, or start the agent with another --runs")
             raise FollowspotError(f"{text}\n    {remedy}") from None
         except BaseException:
             self.agent_runs.close(order.run)

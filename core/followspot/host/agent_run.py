@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from followspot.control.host import RunOrder
-from followspot.control.lifecycle import PrepareRun
+from followspot.control.lifecycle import PrepareRun, StopRun
 from followspot.control.move import MoveOrder
 from followspot.files import read_bytes
 from followspot.host.local_host import LocalHost
@@ -51,6 +51,18 @@ class AgentRun:
     def over(self) -> bool:
         """True if all its workers have ended."""
         return self.run.status().all("over")
+
+    def end(self, now: float) -> None:
+        """End the part of this host, because its agent ends; call it until no worker is at work.
+
+        A run on this host alone ends as by Ctrl-C. Of others the workers leave: hosts that read their streams
+        or send to them go on without them, until an agent of this name is there again. now: monotonic, s.
+        """
+        plan = self.run.plan
+        if all(plan.host_of(worker.name) == self.run.name for worker in plan.workers):
+            self.run.ask(StopRun())
+        elif self._leave_deadline is None:
+            self.leave(now)
 
     def leave(self, now: float) -> None:
         """Make the workers exit as in a move: outputs are complete, but streams do not count as ended.
