@@ -370,3 +370,43 @@ def test_an_agent_beyond_loopback_needs_consent_and_says_what_it_means(tmp_path:
     agent = Agent(launch("agent", "--name", "pc-left", "--listen", "tcp/0.0.0.0:0", "--insecure"), tmp_path)
     assert "warning: --insecure" in agent.lines[0]
     assert agent.end() == 0
+
+
+TIMES = """
+from followspot import Stage
+from followspot_file_ticks import Tick, tick
+
+
+class Times(Stage):
+    '''Multiples of numbers.'''
+
+    def process(self, number: Tick) -> Tick:
+        return tick({factor} * number.value)
+"""
+MULTIPLES = """
+count: {uses: ticks.count}
+times: {uses: times.times, in: {number: count}}
+save:  {uses: ticks.write, in: {number: times}}
+"""
+
+
+def test_a_host_whose_code_of_a_plugin_file_is_another_is_named(tmp_path: Path) -> None:
+    home, out = tmp_path / "pc-left", tmp_path / "out"
+    home.mkdir()
+    for folder, factor in ((tmp_path, 2), (home, 3)):
+        (folder / "times.py").write_text(TIMES.format(factor=factor))
+    (tmp_path / "hosts.yaml").write_text(
+        "placement: hosts\nworkers: {left: {host: pc-left, stages: [times]}}\n"
+    )
+    agent = near_agent("pc-left", home, "--plugin", home / "times.py")
+    hosts = ("--placement", str(tmp_path / "hosts.yaml"), "--connect", agent.endpoint)
+    try:
+        graph = write_graph(tmp_path, MULTIPLES)
+        done = finish(start(graph, out, "--plugin", str(tmp_path / "times.py"), *hosts), out)
+        assert done.code == 0, done.errors
+        assert done.values() == [3 * number for number in range(10)]
+        told = "pc-left: its code of times.py is not the operator's, so results may differ"
+        assert any(warning.startswith(told) for warning in done.summary["warnings"])
+    finally:
+        agent.process.kill()
+        agent.process.communicate()

@@ -209,6 +209,10 @@ class Plan:
         """Host of the worker that runs this stage. Raises KeyError."""
         return self.host_of(self.worker_of(stage))
 
+    def stages_on(self, host: str) -> tuple[PlannedStage, ...]:
+        """The stages of a host, "" for the operator's own."""
+        return tuple(stage for stage in self.stages if self.host_of(stage.worker) == host)
+
     def ring_edges(self) -> list[int]:
         """Numbers of the edges between two workers of one host, which need a socket pair each."""
         return [number for number, edge in self.numbered() if edge.kind == "ring"]

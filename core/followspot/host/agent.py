@@ -37,6 +37,7 @@ from followspot.host.clocks.host import HostClock
 from followspot.host.local_host import LocalHost
 from followspot.limits import limit_remedy
 from followspot.log.file import LogFile
+from followspot.plugins.code_digest import other_code
 from followspot.plugins.registry import use_plugin_files
 from followspot.transport.wakeup_event import WakeupEvent
 from followspot.transport.zenoh.session import close_session, connected, locators
@@ -165,12 +166,16 @@ class Agent:
             raise FollowspotError(f"{order.run[:80]!r} cannot be the name of a run")
         self.agent_runs.check_capacity(order.run)
         plan = self.options.unpacked(order.plan)
-        graph = plan_from_data(plan).graph
+        planned = plan_from_data(plan)
+        graph = planned.graph
         out = self._folder(order.run)
         hub = (*self.locators, *self.options.network.connect)
         clock = HostClock(RpcClient(self.session, self.options.network.own), self.options.clock_offset)
         run = LocalHost(name, self.options.network, hub, clock)
         run.log.on_log = LogFile(out, again=True).write
+        if other := other_code(order.code, (stage.uses for stage in planned.stages_on(name))):
+            line = f"its code of {', '.join(other)} is not the operator's, so results may differ"
+            run.report_event("warning", f"{line}: install the same on both hosts")
         self.agent_runs.add(AgentRun(graph, order, run, self.options.operator_timeout))
         try:
             run.prepare(order.here(plan, str(out)), out / ".ledger")

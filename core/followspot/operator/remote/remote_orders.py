@@ -22,6 +22,7 @@ from followspot.control.zenoh_rpc import RpcClient
 from followspot.errors import FollowspotError
 from followspot.graph.change.stages import with_stages
 from followspot.graph.plan_data import plan_from_data, plan_to_data
+from followspot.plugins.code_digest import code_digests
 
 TIMEOUT = 2.0
 """Seconds that an agent has to answer."""
@@ -71,8 +72,9 @@ class RemoteOrders:
 
     def prepare(self, order: RunOrder) -> None:
         """Send the plan to the agent. Raises FollowspotError if the agent refuses, HostLost."""
-        plan = packed(plan_from_data(order.plan), self._host, self._media)
-        self.order = replace(order, plan=plan, out=None)
+        plan = plan_from_data(order.plan)
+        code = code_digests(stage.uses for stage in plan.stages_on(self._host))
+        self.order = replace(order, plan=packed(plan, self._host, self._media), out=None, code=code)
         self.ask(PrepareRun(order=self.order), _PREPARE_TIMEOUT)
 
     def resume(self, incarnations: Mapping[str, int], fired: Mapping[str, int]) -> None:
@@ -154,7 +156,7 @@ class RemoteOrders:
         """Send the part of an order that concerns the workers of the host, as soon as it answers."""
         assert self.order is not None
         plan = plan_from_data(self.order.plan)
-        mine = {stage.name for stage in plan.stages if plan.host_of(stage.worker) == self._host}
+        mine = {stage.name for stage in plan.stages_on(self._host)}
         order = order.part_for(mine).model_copy(update={"run": self.run})
         self._standing = order.standing(self._standing)
         self._deliver(order)

@@ -1,0 +1,40 @@
+"""Digests of the code of stages, by which two hosts tell whether they run the same."""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from followspot.files import read_bytes
+from followspot.plugins.registry import OFFERED, load_stage
+
+
+def code_digests(stages: Iterable[str]) -> dict[str, str]:
+    """Digests of followspot and of each package and one-file plugin that has one of these stages, by name.
+
+    Classes that exist in this process only have none. Raises PluginError, OSError.
+    """
+    modules = {load_stage(stage).__module__ for stage in stages if not stage.startswith(OFFERED)}
+    return dict(map(_digest, sorted({"followspot", *(name.partition(".")[0] for name in modules)})))
+
+
+def other_code(digests: Mapping[str, str], stages: Iterable[str]) -> list[str]:
+    """Names of the packages and files of these stages that are here, but not as the digests tell.
+
+    Raises PluginError, OSError.
+    """
+    return [name for name, own in code_digests(stages).items() if digests.get(name, own) != own]
+
+
+def _digest(module: str) -> tuple[str, str]:
+    """Name and digest of the Python files of a package, or of the one file of a module."""
+    found = sys.modules[module]
+    folder = next(iter(getattr(found, "__path__", ())), None)
+    files = [Path(found.__file__ or "")] if folder is None else sorted(Path(folder).rglob("*.py"))
+    digest = hashlib.sha256()
+    for path in files:
+        digest.update(f"{path.relative_to(folder or path.parent)}\0".encode())
+        digest.update(hashlib.sha256(read_bytes(path)).digest())
+    return files[0].name if folder is None else module, digest.hexdigest()
