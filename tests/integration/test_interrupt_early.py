@@ -67,3 +67,24 @@ sys.exit(main(["graphs"]))
 def test_ctrl_c_while_the_command_is_imported_is_an_interruption(module: str) -> None:
     done = subprocess.run([sys.executable, "-c", PRESSED, module], capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (130, "\nfollowspot: interrupted\n")
+
+
+AGAIN = (
+    PRESSED.removesuffix('sys.exit(main(["graphs"]))\n')
+    + """
+import threading
+
+def press_again():
+    threading.main_thread().join()
+    os.kill(os.getpid(), signal.SIGINT)
+
+code = main(["graphs"])
+threading.Thread(target=press_again).start()
+sys.exit(code)
+"""
+)
+
+
+def test_ctrl_c_again_while_the_command_ends_shows_no_traceback() -> None:
+    done = subprocess.run([sys.executable, "-c", AGAIN, "argparse"], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (-signal.SIGINT, "\nfollowspot: interrupted\n")
