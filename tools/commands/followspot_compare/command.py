@@ -36,7 +36,8 @@ class Scene:
 def compare(args: argparse.Namespace) -> int:
     """Run every variant in every room; print tables or JSON, draw plots. Returns the exit code.
 
-    Raises FollowspotError if a run fails, after what was compared until then is written.
+    Raises FollowspotError if a run fails, KeyboardInterrupt on Ctrl-C, after what was compared until then is
+    written.
     """
     variants = read_variants(args.graphs, args.variants)
     scenes = plan_scenes(variants, args)
@@ -45,9 +46,12 @@ def compare(args: argparse.Namespace) -> int:
     try:
         for scene in scenes:
             trials.extend(run_scene(scene, variants, out, args))
-    except FollowspotError:
+    except (FollowspotError, KeyboardInterrupt) as ended:
         if known := comparable(trials, len(variants)):
-            print_report(Comparison(known), out, args)
+            try:
+                print_report(Comparison(known), out, args)
+            except FollowspotError as error:  # a full disk, for example, of which the run failed, too
+                raise FollowspotError(f"{ended}\n{error}".strip()) from None
         raise
     print_report(Comparison(tuple(trials), unchanged(variants, scenes, out)), out, args)
     return 0

@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from followspot.errors import writing
 from followspot_compare.report import Comparison
 
 if TYPE_CHECKING:
@@ -22,7 +23,8 @@ _LOG_FROM = 20.0
 def draw(comparison: Comparison, folder: Path) -> str:
     """Draw errors per target, and iterations if they are known; return a line that names the files.
 
-    The line names the missing package without matplotlib; it is empty if there are no targets.
+    The line names the missing package without matplotlib; it is empty if there are no targets. Raises
+    FollowspotError if a file cannot be written.
     """
     if not comparison.trackable:
         return ""
@@ -41,7 +43,8 @@ def draw(comparison: Comparison, folder: Path) -> str:
             axes.spines[["top", "right"]].set_visible(False)
             drawing(axes, comparison)
             figure.legend(loc="outside upper left", ncols=5, frameon=False, fontsize=8)
-            figure.savefig(folder / name, metadata={"Date": None})
+            with writing(folder / name):
+                figure.savefig(folder / name, metadata={"Date": None})
     return "plots: " + ", ".join(str(folder / name) for name in drawings)
 
 
