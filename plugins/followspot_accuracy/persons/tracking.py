@@ -120,12 +120,17 @@ def _mota_switches(number: Array) -> int:
 
 
 def _idf1(poses: PoseTable, truth: PoseTruthTable, frame: Array, found: Correspondence, gate: float) -> float:
-    """2 IDTP / (places of persons + poses), with the assignment of numbers to persons that has most IDTP."""
+    """2 IDTP / (places of persons + poses), with the assignment of numbers to persons that has most IDTP.
+
+    Several poses of one number in a frame, of several cameras for example, are one place that is right.
+    """
     rows = np.flatnonzero(found.counts)
     number, column = np.unique(poses.person[rows], return_inverse=True)
     away = np.linalg.norm(poses.pose[rows, None, :2] - truth.pose[frame[rows], :, :2], axis=2)
     near = (away <= gate) & found.needed[frame[rows]]
+    at, pose = np.nonzero(near.T)
+    right = np.unique(np.column_stack([frame[rows[pose]], at, column[pose]]), axis=0)
     together = np.zeros((found.needed.shape[1], len(number)))
-    np.add.at(together.T, column, near.astype(float))
+    np.add.at(together, (right[:, 1], right[:, 2]), 1.0)
     total = int(found.needed.sum()) + len(rows)
     return float(2 * together[assigned(together)].sum() / total) if total else np.nan

@@ -51,6 +51,13 @@ def test_the_truth_scores_one_and_nothing_scores_zero() -> None:
     assert (none.mota, none.idf1, none.missed) == (0.0, 0.0, 6)
 
 
+def test_two_poses_of_one_number_at_a_place_are_right_once() -> None:
+    true = truth([0, 0, 0])
+    one = tracking(poses(*((f, 1, x, 0) for f in range(3) for x in (0.0, 0.1))), true)
+    assert (one.missed, one.false, one.mota) == (0, 3, 0.0)
+    assert one.idf1 == pytest.approx(2 * 3 / (3 + 6))
+
+
 def test_a_person_keeps_its_number_although_another_is_nearer() -> None:
     true = truth([0, 0])
     one = tracking(poses((0, 1, 0.0, 0), (1, 1, 0.4, 0), (1, 2, 0.1, 0)), true)
