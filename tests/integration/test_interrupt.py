@@ -112,3 +112,56 @@ def test_reading_the_truth_of_a_stopped_run_has_a_time_limit(tmp_path: Path) -> 
     plan = compile_graph(GRAPHS / "glowballs.yaml")
     with pytest.raises(FollowspotError, match="the truth of 0 frames took"):
         room_truth(plan, 100, seconds=0.0)
+
+
+STUCK = """
+import threading
+from followspot import Source, Stage, at
+from followspot_file_ticks import Tick, tick
+
+class Count(Stage):
+    '''One number, and never another.'''
+
+    def process(self) -> Source[Tick]:
+        yield at(0, tick(0))
+        (self.context.out / "came").write_text("yes")
+        threading.Event().wait()
+"""
+
+
+def stuck(folder: Path, *options: str | Path) -> tuple[Started, Path]:
+    """A run whose source never returns, after its first number, and its output folder."""
+    (folder / "stuck.py").write_text(STUCK)
+    graph = write_graph(folder, "a: {uses: stuck.count}\nsave: {uses: sinks.jsonl, in: {message: a}}")
+    process = start(graph, folder / "out", "--plugin", str(folder / "stuck.py"), *map(str, options))
+    assert wait_until(lambda: (folder / "out/came").exists(), 60.0)
+    return process, folder / "out"
+
+
+def test_ctrl_c_twice_ends_a_run_in_one_process_whose_source_never_returns(tmp_path: Path) -> None:
+    process, _ = stuck(tmp_path)
+    process.send_signal(signal.SIGINT)
+    assert next((line for line in process.stderr if "still to be finished" in line), "")
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.wait() == 130
+    assert "followspot: interrupted" in errors
+
+
+@pytest.mark.thorough
+def test_ctrl_c_ends_a_run_in_one_process_whose_source_never_returns(tmp_path: Path) -> None:
+    process, out = stuck(tmp_path)
+    process.send_signal(signal.SIGINT)
+    finished = finish(process, out)
+    assert finished.code == 1
+    assert any("a stage does not return" in error for error in finished.summary["errors"])
+
+
+@pytest.mark.thorough
+def test_a_source_that_never_returns_costs_other_workers_none_of_their_outputs(tmp_path: Path) -> None:
+    process, out = stuck(tmp_path, "--placement", "stage")
+    process.send_signal(signal.SIGINT)
+    finished = finish(process, out)
+    assert finished.code == 1
+    assert len(finished.lines("messages.jsonl")) == 1
+    assert [error for error in finished.summary["errors"] if "worker a" in error]

@@ -19,7 +19,9 @@ from followspot.host.worker_process import WorkerProcess
 from followspot.log.record import Level
 
 _STOP_TIMEOUT = 15.0
-"""Seconds that workers have to finish after a stop before they are killed."""
+"""Seconds that workers have to finish after a stop before they are made to leave."""
+_LEAVE_TIMEOUT = 2.0
+"""Seconds that they have then to complete their outputs before they are killed."""
 _CHECKPOINT_PERIOD = 1.0
 """Seconds between two checkpoints of a worker's stages, in runs that restart workers."""
 
@@ -38,7 +40,8 @@ class Supervisor:
         self._report_event = report_event
         self._running = self._stopping = False
         self._leaving: set[str] = set()
-        """Workers that have left for a move, or are about to, until the pool is rearranged."""
+        """Workers that have left, or are about to: for a move, until the pool is rearranged, or late after a
+        stop."""
         self._back_at: float | None = None
         """When they come back if the pool is not rearranged, monotonic, s."""
         self.move_given_up = False
@@ -101,10 +104,24 @@ class Supervisor:
             self._name_silent(now)
         self._name_starting(now)
         if self._kill_at is not None and now > self._kill_at:
+            self._end_late(now)
+
+    def _end_late(self, now: float) -> None:
+        """Let the workers leave that have not ended; kill those that do not even leave.
+
+        Most of them wait for one whose stage does not return, and complete their outputs.
+        """
+        late = [worker for worker in self._pool.workers.values() if worker.busy]
+        if all(worker.name in self._leaving for worker in late):
             self._kill_at = None
-            for worker in self._pool.workers.values():
-                if worker.busy:
-                    worker.kill(f"it did not end within {_STOP_TIMEOUT:.0f} s of the stop")
+            for worker in late:
+                self._leaving.discard(worker.name)
+                worker.kill(f"it did not end within {_STOP_TIMEOUT:.0f} s of the stop")
+            return
+        self._kill_at = now + _LEAVE_TIMEOUT
+        self._leaving.update(worker.name for worker in late)
+        for worker in late:
+            worker.channel.send_if_open(LeaveRun())
 
     def rearrange(self, order: MoveOrder) -> None:
         """Do one step of a move: let workers leave, or start those that a new plan needs."""

@@ -7,6 +7,7 @@ import socket
 import subprocess
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from types import MappingProxyType
 from typing import Protocol
 
@@ -30,6 +31,8 @@ from followspot.log.record import MAX_TEXT
 _NO_SERVER = "the process that forks workers died or was suspended"
 _TIMEOUT = 5.0
 """Seconds that a worker has to exit after its report."""
+_KILL_TIMEOUT = 2.0
+"""Seconds that a worker has to exit after it was killed: a thread whose stage never returns does not."""
 
 
 class Process(Protocol):
@@ -176,9 +179,12 @@ class WorkerProcess:
         )
 
     def exit_reason(self) -> str:
-        """How a process that sent no report ended."""
-        code, pid = self.process.wait(), self.process.pid
+        """How a process that sent no report ended, or that it goes on although it was killed."""
         why = f", because {self.killed}" if self.killed else ""
+        try:
+            code, pid = self.process.wait(timeout=_KILL_TIMEOUT), self.process.pid
+        except subprocess.TimeoutExpired:
+            return f"worker {self.name} was given up{why}: a stage does not return"
         if not pid:
             return f"worker {self.name} was not started: {_NO_SERVER}{why}"
         how = f"exit code unknown, as {_NO_SERVER}" if code == EXIT_CODE_UNKNOWN else f"exit code {code}"
@@ -196,6 +202,7 @@ class WorkerProcess:
             self.process.wait(timeout=_TIMEOUT if self.report is not None else 0.0)
         except subprocess.TimeoutExpired:
             self.process.kill()
-            self.process.wait()
+            with suppress(subprocess.TimeoutExpired):
+                self.process.wait(timeout=_KILL_TIMEOUT)
         if self.open:
             self._close_channel()
