@@ -189,6 +189,25 @@ def test_a_detached_run_outlives_its_operators(room: Room) -> None:
     assert "there is no run graph" in gone.stderr
 
 
+def test_an_agent_that_is_ended_takes_its_part_of_a_detached_run_up_again(room: Room) -> None:
+    stdout, _ = room.begin("--detach", "--host", "pc-right").communicate(timeout=60)
+    run = json.loads(stdout)["run"]
+    assert wait_until(lambda: bool(list(room.folder.glob(f"pc-right/runs/*-{run}-pc-right/ticks.csv"))))
+    (written,) = room.folder.glob(f"pc-right/runs/*-{run}-pc-right/ticks.csv")
+    (home,) = room.folder.glob(f"pc-left/runs/*-{run}-pc-left")
+    grows(written, of_left, 5)
+    assert wait_until((home / ".order").exists)
+    left = room.agents["pc-left"].process
+    left.send_signal(signal.SIGTERM)
+    left.communicate(timeout=60)
+    grows(written, lambda value: not of_left(value))
+    room.agent("pc-left")
+    grows(written, of_left, 5)
+    done = command("attach", "--run", "graph", "--stop", "--json", *room.connect)
+    assert done.returncode == 0, done.stderr + done.stdout
+    assert not (home / ".order").exists()
+
+
 def test_an_operator_that_sleeps_while_another_one_ends_the_run_says_so(room: Room) -> None:
     process = room.begin("--detach", "--host", "pc-right")
     process.communicate(timeout=60)

@@ -61,7 +61,7 @@ class AgentRun:
         plan = self.run.plan
         if all(plan.host_of(worker.name) == self.run.name for worker in plan.workers):
             self.run.ask(StopRun())
-        elif self._leave_deadline is None:
+        elif not self.leaving:
             self.leave(now)
 
     def leave(self, now: float) -> None:
@@ -71,6 +71,11 @@ class AgentRun:
         """
         self._leave_deadline = now + _LEAVE_TIMEOUT
         self.run.ask(MoveOrder(leaving=tuple(self.run.workers)))
+
+    @property
+    def leaving(self) -> bool:
+        """True from `leave` on."""
+        return self._leave_deadline is not None
 
     def left(self, now: float) -> bool:
         """True if the workers have left, or the time for that is over."""

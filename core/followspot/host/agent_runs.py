@@ -64,12 +64,13 @@ class AgentRuns:
         if run in self._timed_out:
             self._timed_out.remove(run)
 
-    def close(self, run: str) -> None:
-        """Forget a run; kill its workers that are still alive."""
+    def close(self, run: str, *, resumable: bool = False) -> None:
+        """Forget a run; kill its workers that are still alive. resumable: a later agent may resume it."""
         agent_run = self._runs.pop(run, None)
         if agent_run is not None:
             agent_run.run.close()
-            self.kept.forget(agent_run)
+            if not resumable:
+                self.kept.forget(agent_run)
             self._log_line(f"run {run[:8]} of {agent_run.graph}: over")
 
     def tidy(self, now: float) -> None:
@@ -85,7 +86,7 @@ class AgentRuns:
             if agent_run.left(now) or (
                 agent_run.order.detached and agent_run.over and agent_run.operator.seconds(now) > _KEEP_ENDED
             ):
-                self.close(run)
+                self.close(run, resumable=agent_run.leaving)
         self.kept.keep(self, now)
 
     def forget(self) -> None:
