@@ -3,12 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
 from followspot.csv_rows import Row
 from followspot.errors import InputError, Mistake, Place
 from followspot_accuracy.statistics import SAME, frames_of
+
+Known = TypeVar("Known")
+
+
+def some(rows: Iterable[Known], *paths: Path) -> Sequence[Known]:
+    """The rows of these files. Raises InputError if there are none: truth of nothing would score any run."""
+    found = list(rows)
+    if not found:
+        names = ", ".join(map(str, paths))
+        remedy = "give the file that was written with the recording"
+        raise InputError([Mistake(None, f"{names} has no rows: there is nothing to score by", remedy)])
+    return found
 
 
 def one_in_a_frame(rows: Iterable[Row], column: str) -> Iterator[Row]:

@@ -13,7 +13,7 @@ from followspot.frame_times import to_seconds
 from followspot.inertial import PosedTruth
 from followspot.messages import Array
 from followspot.tracking import STATES, Truth
-from followspot_accuracy.frame_rows import one_at_a_time, one_in_a_frame
+from followspot_accuracy.frame_rows import one_at_a_time, one_in_a_frame, some
 from followspot_accuracy.statistics import frames_of
 
 TRACK_COLUMNS = ("time", "object", "state", "x", "y", "z")
@@ -70,7 +70,7 @@ def read_tracks_csv(path: Path) -> TrackTable:
             row.choice("state", STATES),
             row.numbers("x", "y", "z"),
             _optional(row, QUATERNION),
-            _optional(row, SIGMAS),
+            _sigmas(row),
         )
         for row in found
     ]
@@ -89,7 +89,7 @@ def read_tracks_csv(path: Path) -> TrackTable:
 def read_truth_csv(path: Path) -> TruthTable:
     """Truth with the columns of `TRUTH_COLUMNS`, more are ignored. Raises InputError with line numbers."""
     rows = one_in_a_frame(read_rows(path, TRUTH_COLUMNS, QUATERNION), "object")
-    return _truth_table(map(_truth_row, rows))
+    return _truth_table(some(map(_truth_row, rows), path))
 
 
 def truth_of(messages: Iterable[Truth]) -> TruthTable:
@@ -129,6 +129,15 @@ def _optional(row: Row, columns: Sequence[str]) -> Array:
     if row.cell(columns[0]).lower() == "nan":
         return np.full(len(columns), np.nan)
     return np.array(row.numbers(*columns))
+
+
+def _sigmas(row: Row) -> Array:
+    """The standard deviations of a row; NaN if it has none. Raises InputError if one is negative."""
+    values = _optional(row, SIGMAS)
+    for column, value in zip(SIGMAS, values, strict=True):
+        if value < 0:
+            raise row.mistake(column, "a number from 0")
+    return values
 
 
 def _known(values: Array) -> Array | None:

@@ -384,3 +384,10 @@ def test_recorded_truth_scored_against_itself_is_perfect(path: Path) -> None:
 )
 def test_place_of_the_camera_follows_from_its_truth(name: str, place: tuple[float, float]) -> None:
     np.testing.assert_allclose(read_pose_truth_csv(PERSONS / f"{name}_gt.csv").viewpoint, place, atol=2e-4)
+
+
+def test_truth_of_persons_without_rows_is_a_mistake(tmp_path: Path) -> None:
+    path = tmp_path / "truth.csv"
+    path.write_text("frame,time,person,x,y,height,heading,pan,tilt,visible\n")
+    with pytest.raises(InputError, match=r"truth\.csv has no rows: there is nothing to score by"):
+        read_pose_truth_csv(path)

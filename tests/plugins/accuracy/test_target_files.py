@@ -124,6 +124,20 @@ def test_sigmas_are_read_from_files_and_may_be_missing(tmp_path: Path) -> None:
     assert "95 %" not in table({"a": unrated})
 
 
+def test_a_negative_sigma_is_a_mistake(tmp_path: Path) -> None:
+    path = tmp_path / "tracks.csv"
+    path.write_text("frame,time,object,state,x,y,z,sx,sy,sz\n0,0,a,tracked,1,2,3,.1,-.2,.3\n")
+    with pytest.raises(InputError, match=r'tracks\.csv:2:24: "-\.2" in column sy'):
+        read_tracks_csv(path)
+
+
+def test_truth_without_rows_is_a_mistake(tmp_path: Path) -> None:
+    path = tmp_path / "truth.csv"
+    path.write_text("frame,time,object,x,y,z,hidden,trackable,pair\n")
+    with pytest.raises(InputError, match=r"truth\.csv has no rows: there is nothing to score by"):
+        read_truth_csv(path)
+
+
 def test_orientations_are_read_from_files_and_may_be_missing(tmp_path: Path) -> None:
     head = "frame,time,object,state,x,y,z,qw,qx,qy,qz\n"
     rows = "0,0,red,tracked,0,0,0,nan,nan,nan,nan\n1,1,red,tracked,0,0,0,,,,\n2,2,red,tracked,0,0,0,0,0,1,0\n"
