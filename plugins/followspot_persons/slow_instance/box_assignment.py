@@ -10,9 +10,7 @@ from followspot import Array, Camera
 from followspot.frame_times import NANOSECOND
 from followspot.people import Boxes
 from followspot_persons.association import box_offsets, carried, matched, on_body
-from followspot_persons.background.floor_contact import Contact
 from followspot_persons.body.shape import ShapeModel
-from followspot_persons.body.standing import standing
 from followspot_persons.body.view import BodyView, view
 from followspot_persons.color.difference import ColorRelations, at_large, completed
 from followspot_persons.color.likelihood import color_likelihood, feature_responses
@@ -21,7 +19,7 @@ from followspot_persons.likelihood.certainty import certainties
 from followspot_persons.likelihood.fitness import Detection, Picture, sampled
 from followspot_persons.panorama import turn_of
 from followspot_persons.slow_instance.known_person import KnownPerson
-from followspot_persons.slow_instance.part_box import SIZE
+from followspot_persons.slow_instance.validation_gate import ValidationGate
 
 NEAR, FAR = 0.5, 1.5
 """Distance between the boxes of a person at which they may belong together, in heights: at once, and more for
@@ -30,8 +28,6 @@ WALK = 1.0
 """Growth of a person's distance with the time since the last box, m/s. A person nearby cannot be
 far away at once; a person who seemed far away, by boxes of the head alone, can be near.
 """
-BEFORE_FEET = 3.0
-"""Sigmas by which a box may seem nearer than feet told: only boxes of parts err more, and seem farther."""
 COLOR_SHARE = 0.3
 """Weight of minus log F^C against the distance, relative to this limit, when boxes are given to persons."""
 MAXIMUM_MISMATCH = 2.0
@@ -73,7 +69,7 @@ class BoxAssignment:
         if not people or not detections:
             return []
         boxes = np.array([d.box for d in detections])
-        by_size = standing(self.camera, boxes)[0]
+        gate = ValidationGate.of(self.camera, boxes)
         limit = 1 + COLOR_SHARE * MAXIMUM_MISMATCH
         cost = np.empty((len(people), len(boxes)))
         for i, person in enumerate(people):
@@ -84,7 +80,7 @@ class BoxAssignment:
             farther = NEAR + WALK * age / max(float(seen.bearing.distance[0]), 0.1)
             change = np.abs(size[0]) / np.where(size[0] > 0, farther, reach)
             cost[i] = np.hypot(shift[0] / reach, change)
-            none = (change >= 1) | (still & person.comparable) | before_feet(by_size, person.contact, age)
+            none = (change >= 1) | (still & person.comparable) | gate.refused(person, age)
             cost[i, none] = np.inf
             for j in np.flatnonzero(cost[i] < limit):
                 cost[i, j] += COLOR_SHARE * self.color_mismatch(person, seen, boxes[j], picture)
@@ -136,14 +132,3 @@ class BoxAssignment:
         taken |= boxes.score < least
         taken[claimed] = True
         return [int(i) for i in np.flatnonzero(~taken)]
-
-
-def before_feet(by_size: Array, contact: Contact | None, seconds: float) -> Array:
-    """Which boxes are too large for a person whose feet were seen some seconds ago: (N,) bool.
-
-    by_size: (N,) m, distances at which such boxes stand.
-    """
-    if contact is None:
-        return np.zeros(len(by_size), bool)
-    last = contact.later(seconds)
-    return last.distance - by_size > BEFORE_FEET * np.hypot(SIZE * by_size, last.sigma)

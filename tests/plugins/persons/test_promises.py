@@ -215,6 +215,23 @@ def test_nobody_takes_the_box_of_somebody_much_nearer() -> None:
         assert assignment.pairs([person], detections, *np.zeros((2, 1), bool), picture, SECOND) == pairs
 
 
+def test_nobody_whose_feet_were_seen_takes_the_box_of_somebody_of_another_height() -> None:
+    """A body of 1.7 m at 2.6 m walks on by 0.2 m; somebody of 1.5 m has its head 0.2 m lower."""
+    camera, shape = perspective(), read_shape()
+    picture = picture_of(camera, drawn(camera, standing(2.6, 0.0)))
+    track = Track.initiated(np.tile(standing(2.6, 0.0), (10, 1)))
+    known = replace(known_person(1, 0, SECOND - SECOND // 5), absent=False, track=track)
+    height = Stature(np.full(9, 1.7), np.ones(9), 0.03)
+    person = replace(known, contact=Contact(2.6, STRIDE_SIGMA), stature=height)
+    assignment = BoxAssignment(camera, shape, read_relations())
+    for away, tall, given in ((2.4, 1.7, True), (2.6, 1.75, True), (2.6, 1.5, False), (2.6, 2.1, False)):
+        pose = standing(away, 0.0)
+        pose[2] = tall
+        detections = [Detection(view(camera, shape, pose[None]).box[0], np.zeros(0), np.zeros(0))]
+        pairs = assignment.pairs([person], detections, *np.zeros((2, 1), bool), picture, SECOND)
+        assert pairs == ([(0, 0)] if given else []), (away, tall)
+
+
 def test_nobody_whose_feet_were_seen_takes_the_box_of_somebody_nearer() -> None:
     """At 3.6 m by feet, it can be at 3.3 m 0.2 s later; by sizes of boxes alone at 2.4 m, too."""
     camera, shape, told = perspective(), read_shape(), standing(3.6, 0.0)
