@@ -12,7 +12,7 @@ from tests.integration.running import (
 LIVE = """
 a:    {uses: ticks.live, with: {count: 1000000, period: 0.02}}
 b:    {uses: ticks.live, with: {count: 1000000, period: 0.02}}
-more: {uses: ticks.add, in: {number: a}}
+more: {uses: ticks.add, in: {number: a}, with: {term: 10000000}}
 less: {uses: ticks.add, in: {number: b}, with: {term: 1000000}}
 sum:  {uses: ticks.sum, in: {numbers: [more, less]}, tolerance: 0.008}
 save: {uses: ticks.write, in: {number: sum}}
@@ -27,9 +27,9 @@ def values(path: Path) -> list[int]:
 def grows(path: Path, fits: Callable[[int], bool] = lambda value: True, more: int = 10) -> None:
     """Wait until `more` further lines whose values fit were written."""
     before = len(values(path))
-    assert wait_until(lambda: sum(map(fits, values(path)[before:])) >= more, 40.0), values(path)[-5:]
+    assert wait_until(lambda: sum(map(fits, values(path)[before:])) >= more), values(path)[-5:]
 
 
 def of_left(value: int) -> bool:
-    """True for a value of the left host's source alone: it counts from 0, the other from a million."""
-    return value < 1_000_000
+    """True for a value that the left host's source is in: it counts from ten million, the other from one."""
+    return value >= 10_000_000
