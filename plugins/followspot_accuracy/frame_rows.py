@@ -15,7 +15,7 @@ from followspot_accuracy.statistics import SAME, frames_of
 Known = TypeVar("Known")
 
 
-def some(rows: Iterable[Known], *paths: Path) -> Sequence[Known]:
+def not_empty(rows: Iterable[Known], *paths: Path) -> Sequence[Known]:
     """The rows of these files. Raises InputError if there are none: truth of nothing would score any run."""
     found = list(rows)
     if not found:

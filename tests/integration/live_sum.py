@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from tests.integration.running import (
-    wait_until,
-)
+from tests.integration.running import wait_until
 
 LIVE = """
 a:    {uses: ticks.live, with: {count: 1000000, period: 0.02}}
@@ -27,9 +25,9 @@ def values(path: Path) -> list[int]:
 def grows(path: Path, fits: Callable[[int], bool] = lambda value: True, more: int = 10) -> None:
     """Wait until `more` further lines whose values fit were written."""
     before = len(values(path))
-    assert wait_until(lambda: sum(map(fits, values(path)[before:])) >= more), values(path)[-5:]
+    assert wait_until(lambda: sum(map(fits, values(path)[before:])) >= more, 40.0), values(path)[-5:]
 
 
 def of_left(value: int) -> bool:
-    """True for a value that the left host's source is in: it counts from ten million, the other from one."""
+    """True for a value to which the left host contributes: it counts from ten million, the other from one."""
     return value >= 10_000_000

@@ -1,4 +1,4 @@
-"""Stages carry on where they were although the agent of their host died, or was ended, with its workers."""
+"""Stages carry on where they were after the agent of their host died or was ended with its workers."""
 
 from __future__ import annotations
 

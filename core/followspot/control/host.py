@@ -33,8 +33,8 @@ class RunOrder:
     whether the run goes on without an operator; incarnations: of workers that ran under an earlier agent;
     fired: frames that they did there; age_s: how long the run went on there, s; over: workers of any host
     that have ended for good; reference: the run's reference host, which stays the same when hosts join or
-    leave, "" if the run began without agents; operator: its process; code: digests of what has the stages of
-    the host, as the operator has it.
+    leave, "" if the run began without agents; operator: its process; code: digests of the packages and
+    files that have the stages of the host, as the operator has them.
     """
 
     run: str

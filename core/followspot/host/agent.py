@@ -168,12 +168,13 @@ class Agent:
         plan = self.options.unpacked(order.plan)
         planned = plan_from_data(plan)
         graph = planned.graph
+        other = other_code(order.code, (stage.uses for stage in planned.stages_on(name)))
         out = self._folder(order.run)
         hub = (*self.locators, *self.options.network.connect)
         clock = HostClock(RpcClient(self.session, self.options.network.own), self.options.clock_offset)
         run = LocalHost(name, self.options.network, hub, clock)
         run.log.on_log = LogFile(out, again=True).write
-        if other := other_code(order.code, (stage.uses for stage in planned.stages_on(name))):
+        if other:
             line = f"its code of {', '.join(other)} is not the operator's, so results may differ"
             run.report_event("warning", f"{line}: install the same on both hosts")
         self.agent_runs.add(AgentRun(graph, order, run, self.options.operator_timeout))

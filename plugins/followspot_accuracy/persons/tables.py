@@ -18,7 +18,7 @@ from followspot.frame_times import to_seconds
 from followspot.geometry import direction, wrap
 from followspot.messages import Array
 from followspot.people import PoseTruth
-from followspot_accuracy.frame_rows import one_at_a_time, one_in_a_frame, some
+from followspot_accuracy.frame_rows import not_empty, one_at_a_time, one_in_a_frame
 from followspot_accuracy.statistics import frames_of
 
 POSE_COLUMNS = ("time", "person", "x", "y", "z_head_top", "torso_heading", "head_pan", "head_tilt")
@@ -89,7 +89,7 @@ def read_pose_truth_csv(*paths: Path) -> PoseTruthTable:
     several the origin. A file may tell places alone (`PLACES`): the rest of a pose is NaN then, and the
     persons are in full view, as seen from the origin.
     """
-    rows = some((row for path in paths for row in _truth_rows(path)), *paths)
+    rows = not_empty((row for path in paths for row in _truth_rows(path)), *paths)
     places = [place for _, _, place in rows]
     viewpoint = np.median(places, axis=0) if len(paths) == 1 else ORIGIN
     return _truth_table([(time, found) for time, found, _ in rows], np.asarray(viewpoint))

@@ -13,7 +13,7 @@ from followspot.frame_times import to_seconds
 from followspot.inertial import PosedTruth
 from followspot.messages import Array
 from followspot.tracking import STATES, Truth
-from followspot_accuracy.frame_rows import one_at_a_time, one_in_a_frame, some
+from followspot_accuracy.frame_rows import not_empty, one_at_a_time, one_in_a_frame
 from followspot_accuracy.statistics import frames_of
 
 TRACK_COLUMNS = ("time", "object", "state", "x", "y", "z")
@@ -89,7 +89,7 @@ def read_tracks_csv(path: Path) -> TrackTable:
 def read_truth_csv(path: Path) -> TruthTable:
     """Truth with the columns of `TRUTH_COLUMNS`, more are ignored. Raises InputError with line numbers."""
     rows = one_in_a_frame(read_rows(path, TRUTH_COLUMNS, QUATERNION), "object")
-    return _truth_table(some(map(_truth_row, rows), path))
+    return _truth_table(not_empty(map(_truth_row, rows), path))
 
 
 def truth_of(messages: Iterable[Truth]) -> TruthTable:

@@ -138,11 +138,10 @@ def test_a_camera_that_vanishes_and_returns_takes_part_again_within_three_second
         said = [text for _, text in found["left"]["said"]]
         assert (np.diff(numbers) > 0).all()
         assert (np.diff(times) > 0).all()
-        gone, returned = (sum(what in text for text in said) for what in ("connecting again", "is back"))
-        assert gone == returned
-        assert gone or (away == "unplugged" and not said)  # its stream outlasted the time without a link
-        once = gone <= 1  # a slow machine may lose a camera that has just come back
+        if away == "switched off" or said:  # else its stream outlasted the time without a link
+            assert sum("connecting again" in text for text in said) == 1
+            assert sum("is back" in text for text in said) == 1
         other_goes_on = found["right"]["said"] == []
-        return once and other_goes_on and bool(times[times > back][0] - back < 3 * S)
+        return other_goes_on and bool(times[times > back][0] - back < 3 * S)
 
     assert one_of(4, attempt)
