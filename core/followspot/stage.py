@@ -69,9 +69,9 @@ class Stage:
     message by itself, as files do."""
 
     state_lacks: ClassVar[str] = ""
-    """What `state` leaves out because it is too large to travel, as pictures are; "" for nothing. A successor
-    carries on without it and gives other results at first, and `followspot verify` repeats the stage from its
-    first message only."""
+    """What `state` leaves out because it is too large to travel, for example pictures; "" for nothing. A
+    replacement carries on without it and gives other results at first, and `followspot verify` can repeat the
+    stage from its first message only."""
 
     process_together: ClassVar[Callable[..., Any] | None] = None
     """Optional batch version of `process`: a classmethod `(stages, inputs) -> outputs`.

@@ -8,7 +8,16 @@ from typing import Any, NamedTuple
 from followspot.ports import SignatureError, ports
 from followspot.room import Room
 from followspot.stage import Stage
-from followspot.testing.promises import declaration, life, messages, sources, work
+from followspot.testing.promises import (
+    checkpoints,
+    closing,
+    declaration,
+    fresh_process,
+    memory,
+    messages,
+    sources,
+    work,
+)
 from followspot.testing.tiny_room import tiny_room
 from followspot.testing.trial import Trial
 
@@ -45,15 +54,15 @@ PROMISES: tuple[Promise, ...] = (
     work.leaves_the_random_numbers_of_others_alone,
     work.prints_nothing,
     work.does_together_what_it_does_alone,
-    life.closes_without_setup,
-    life.closes_twice,
-    life.closes_within_a_second,
-    life.leaves_no_thread_behind,
-    life.leaves_no_file_open,
-    life.has_a_state_of_plain_values,
-    life.carries_on_from_its_state,
-    life.keeps_its_memory,
-    life.starts_in_a_fresh_process,
+    closing.closes_without_setup,
+    closing.closes_twice,
+    closing.closes_within_a_second,
+    closing.leaves_no_thread_behind,
+    closing.leaves_no_file_open,
+    checkpoints.has_a_state_of_plain_values,
+    checkpoints.carries_on_from_its_state,
+    memory.keeps_its_memory,
+    fresh_process.starts_in_a_fresh_process,
     sources.yields_what_it_declares,
     sources.never_goes_back_in_time,
     sources.tells_its_capture_times,

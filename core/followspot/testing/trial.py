@@ -103,6 +103,11 @@ class Trial:
             finally:
                 instance.close()
 
+    def feed(self, stage: Stage, frames: range) -> None:
+        """Call `process` with plausible inputs of these frames. Raises what the stage raises."""
+        for frame in frames:
+            self.called(stage, self.inputs("plausible", frame, noise(frame)))
+
     def called(self, stage: Stage, inputs: Sequence[Any]) -> Any:
         """What `process` gives: of several results a tuple, of a deferred one the answer."""
         result = stage.process(*inputs)

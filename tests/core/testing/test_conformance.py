@@ -19,7 +19,8 @@ from followspot import Field, Source, Stage, StageParams
 from followspot.plugins.catalogue import catalogue
 from followspot.plugins.registry import load_stage
 from followspot.testing import PROMISES, check_stage, findings
-from followspot.testing.promises.life import closes_within_a_second, starts_in_a_fresh_process
+from followspot.testing.promises.closing import closes_within_a_second
+from followspot.testing.promises.fresh_process import starts_in_a_fresh_process
 from followspot.testing.trial import Trial
 from followspot.tracking import Blobs, Frame, ImageTracks
 
@@ -224,7 +225,8 @@ def test_a_promise_that_raises_names_the_line_of_the_stage_also_if_a_library_rai
 def test_a_script_without_a_guard_checks_a_stage(tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text(f"from {breaking.__name__} import Loose\nclass Own(Loose):\n    pass\n")
     script = (
-        "from mine import Own\nfrom followspot.testing.promises.life import starts_in_a_fresh_process\n"
+        "from mine import Own\n"
+        "from followspot.testing.promises.fresh_process import starts_in_a_fresh_process\n"
         "from followspot.testing.trial import Trial\nprint(list(starts_in_a_fresh_process(Trial(Own))))\n"
     )
     (tmp_path / "script.py").write_text(script)
