@@ -148,7 +148,7 @@ class LocalHost:
         self._swaps.attend(self.pool.receive(timeout))
         self.supervisor.check(time.monotonic())
         self._swaps.attend_deaths()
-        while self._moves and (self._moves[0].plan is None or self.supervisor.gone()):
+        while self._moves and (self._moves[0].plan is None or self.supervisor.all_left()):
             self.supervisor.rearrange(self._moves.popleft())
             self._follow_clock()
         self._attend_clock()

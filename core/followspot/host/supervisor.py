@@ -6,14 +6,14 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from followspot.control.host import WorkerPhase
 from followspot.control.lifecycle import StopRun
 from followspot.control.move import MOVE_TIMEOUT, MoveOrder
 from followspot.control.worker_orders import LeaveRun, SendStates
 from followspot.control.worker_report import WorkerReport
 from followspot.host.clocks.host import HostClock
-from followspot.host.heartbeat import LONG_SILENCE, SILENCE, Heartbeat, RestartPolicy, fed
 from followspot.host.restart_notes import RestartNotes
+from followspot.host.restart_policy import RestartPolicy, may_get_messages
+from followspot.host.silent_workers import SilentWorkers
 from followspot.host.worker_pool import WorkerPool
 from followspot.host.worker_process import WorkerProcess
 from followspot.log.record import Level
@@ -40,23 +40,21 @@ class Supervisor:
         self._report_event = report_event
         self._running = self._stopping = False
         self._leaving: set[str] = set()
-        """Workers that have left, or are about to: for a move, until the pool is rearranged, or late after a
-        stop."""
+        """Workers that have left or are told to leave: for a move, until the pool has the new plan; after a
+        stop, if they do not end in time."""
         self._back_at: float | None = None
-        """When they come back if the pool is not rearranged, monotonic, s."""
+        """When workers that left for a move start again if no new plan comes, monotonic, s."""
         self.move_given_up = False
-        """True if workers came back from the newest move because it was not ended."""
+        """True if workers of the newest move started again at their old places because no new plan came."""
         self._latest = 0
-        """Highest incarnation that a move has given."""
+        """Highest incarnation of any worker that a move has started."""
         self._dead: set[str] = set()
-        """Workers that died and are not running again."""
+        """Workers that died and have not been restarted yet."""
         self._dead_at_stop: frozenset[str] = frozenset()
         """Workers that were dead when the run was stopped."""
         self._checkpoint_at = 0.0
         self._kill_at: float | None = None
-        self._heartbeat = Heartbeat()
-        self._named: set[tuple[str, int, WorkerPhase]] = set()
-        """Workers whose silence was told, each with its incarnation and phase."""
+        self._silent = SilentWorkers(pool, report_event)
         self._restarts = RestartPolicy()
         self._notes = RestartNotes()
 
@@ -83,7 +81,7 @@ class Supervisor:
         self._kill_at = time.monotonic() + _STOP_TIMEOUT
         self._pool.send_to_all(StopRun())
         for name in self._restarts.waiting:
-            self._end_without_report(self._pool.workers[name], error=_gone(name))
+            self._end_without_report(self._pool.workers[name], error=_absent_at_end(name))
         for name in self._leaving:
             self._end_without_report(self._pool.workers[name], error="")
 
@@ -92,7 +90,7 @@ class Supervisor:
         for worker in tuple(self._pool.workers.values()):
             self._attend_worker(worker, now)
         if self._restarting():
-            self._kill_silent(now)
+            self._silent.kill(now)
             for name in self._restarts.due(now):
                 self._spawn_again(name, self._pool.workers[name].incarnation + 1)
             if self._back_at is not None and now >= self._back_at:
@@ -101,15 +99,16 @@ class Supervisor:
                 self._checkpoint_at = now + _CHECKPOINT_PERIOD
                 self._request_checkpoints()
         elif self._running and not self._stopping:
-            self._name_silent(now)
-        self._name_starting(now)
+            self._silent.name_running(now)
+        self._silent.name_starting(now)
         if self._kill_at is not None and now > self._kill_at:
             self._end_late(now)
 
     def _end_late(self, now: float) -> None:
-        """Let the workers leave that have not ended; kill those that do not even leave.
+        """Order workers that have not ended after a stop to leave; the next time, kill them.
 
-        Most of them wait for one whose stage does not return, and complete their outputs.
+        Most of them only wait for another worker whose stage does not return: they can complete their outputs
+        and leave.
         """
         late = [worker for worker in self._pool.workers.values() if worker.busy]
         if all(worker.name in self._leaving for worker in late):
@@ -137,19 +136,19 @@ class Supervisor:
         if order.plan is None:
             return
         present = (worker.incarnation for worker in self._pool.workers.values())
-        self._latest = 1 + max(self._latest, *present, 0)  # above that of removed workers, too
+        self._latest = 1 + max(self._latest, *present, 0)  # also higher than those of removed workers
         for name in self._pool.rearrange(order.plan, order.states, self._leaving):
             self._spawn_again(name, self._latest, order.fired.get(name))
         self._leaving.clear()
         self._back_at = None
 
-    def gone(self) -> bool:
-        """True if no worker that is to leave is still at work."""
+    def all_left(self) -> bool:
+        """True if every worker that was told to leave has ended."""
         workers = self._pool.workers
         return all(workers[name].phase in ("absent", "over") for name in self._leaving if name in workers)
 
     def _bring_back(self) -> None:
-        """Let workers that left for a move begin at their old places: no operator has ended the move."""
+        """Restart workers that left for a move at their old places: no operator has completed the move."""
         back, self._back_at = sorted(self._leaving), None
         self._leaving.clear()
         self.move_given_up = True
@@ -165,7 +164,7 @@ class Supervisor:
         return self._pool.order.restart and self._running and not self._stopping
 
     def _attend_worker(self, worker: WorkerProcess, now: float) -> None:
-        """Let a ready worker begin; record one that has reported or died."""
+        """Start the stages of a restarted worker that is ready; take note if a worker has ended or died."""
         if worker.phase == "ready" and self._running:
             self._pool.join(worker)
             self._dead.discard(worker.name)
@@ -177,7 +176,7 @@ class Supervisor:
         if report is not None and not failed_again:
             worker.phase = "over"
             if worker.name in self._dead_at_stop and not report.error:
-                worker.report = report = replace(report, error=_gone(worker.name), absent=True)
+                worker.report = report = replace(report, error=_absent_at_end(worker.name), absent=True)
             if report.error:
                 self._report_event("error", report.error, worker.name)
             return
@@ -187,15 +186,15 @@ class Supervisor:
 
     def _died(self, worker: WorkerProcess, why: str, now: float) -> None:
         """Schedule a restart, unless no more messages can reach the worker."""
-        if not (self._restarting() and fed(self._pool.plan, worker.name, self._pool.over)):
-            why = f"{_gone(worker.name)}: {why}" if worker.name in self._dead_at_stop else why
+        if not (self._restarting() and may_get_messages(self._pool.plan, worker.name, self._pool.over)):
+            why = f"{_absent_at_end(worker.name)}: {why}" if worker.name in self._dead_at_stop else why
             self._end_without_report(worker, error="" if worker.name in self._leaving else why)
             return
         if worker.name not in self._leaving:
             self._dead.add(worker.name)
             wait = self._restarts.after_death(worker.name, now)
             self._report_event("warning", self._notes.of(worker.name, why, wait), worker.name)
-        worker.phase = "absent"  # last, so that the news has the reason as soon as the phase shows
+        worker.phase = "absent"  # last: whoever sees the phase finds the reason in the log
 
     def _end_without_report(self, worker: WorkerProcess, error: str) -> None:
         """Mark a worker as ended for good, with a report in its place."""
@@ -206,45 +205,6 @@ class Supervisor:
         warnings = () if error else (f"worker {worker.name} was not there at the end",)
         worker.report = WorkerReport(worker.name, 0, warnings=warnings, error=error, absent=True)
 
-    def _kill_silent(self, now: float) -> None:
-        """Kill the running workers without a heartbeat."""
-        for worker in self._silent(now, SILENCE):
-            if not worker.killed:
-                line = f"worker {worker.name} (process {worker.process.pid}) hangs; it is killed"
-                self._report_event("warning", line, worker.name)
-                worker.kill("it hung")
-
-    def _name_silent(self, now: float) -> None:
-        """Name the running workers without a heartbeat, once each: the run waits for them."""
-        for worker in self._silent(now, LONG_SILENCE):
-            if self._unnamed(worker):
-                silent = f"worker {worker.name} (process {worker.process.pid}) has been silent"
-                line = (
-                    f"{silent} for {LONG_SILENCE:.0f} s: it hangs or was suspended, and the run waits for it"
-                )
-                self._report_event("warning", line, worker.name)
-
-    def _name_starting(self, now: float) -> None:
-        """Name the workers that take long to start, once each."""
-        for worker in self._silent(now, LONG_SILENCE, "starting"):
-            if self._unnamed(worker):
-                line = f"worker {worker.name} has been starting for {LONG_SILENCE:.0f} s: "
-                line += "a stage takes long to set up, or a process was suspended"
-                self._report_event("warning", line, worker.name)
-
-    def _unnamed(self, worker: WorkerProcess) -> bool:
-        """True the first time for this start of a worker, and its phase."""
-        key = worker.name, worker.incarnation, worker.phase
-        first = key not in self._named
-        self._named.add(key)
-        return first
-
-    def _silent(self, now: float, longest: float, phase: WorkerPhase = "running") -> list[WorkerProcess]:
-        """The workers in this phase without a heartbeat for `longest`, s."""
-        workers = self._pool.workers
-        silent = self._heartbeat.silent({w.name: w.heard for w in workers.values()}, now, longest)
-        return [w for w in map(workers.__getitem__, silent) if w.phase == phase and w.busy]
-
     def _request_checkpoints(self) -> None:
         for worker in self._pool.workers.values():
             if worker.phase == "running":
@@ -254,6 +214,6 @@ class Supervisor:
         self._pool.spawn(name, incarnation, self._clock.correction(), again=True, fired=fired)
 
 
-def _gone(worker: str) -> str:
-    """The error of a run that ends while a worker is dead: messages to it were not processed."""
+def _absent_at_end(worker: str) -> str:
+    """The error of a run that ends while a worker is dead, because messages to it were not processed."""
     return f"worker {worker} was not there at the end: it had died, and was not back at work yet"
