@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from followspot.control.host import Host, Others, RunOrder, WorkerStatus
-from followspot.control.lifecycle import EndWorkers, StartRun, StopRun
+from followspot.control.lifecycle import EndWorkers, StartRun
 from followspot.control.progress import PROGRESS_PERIOD, OnProgress
 from followspot.control.relay import Relayed
 from followspot.control.worker_orders import EndSensors
@@ -24,20 +24,17 @@ from followspot.operator.change_under_way import ChangeUnderWay
 from followspot.operator.host_plans import PlanConflict
 from followspot.operator.order_relay import OrderRelay
 from followspot.operator.reporting.report import RunReport
+from followspot.operator.run_end import RunEnd
 from followspot.operator.run_events import RunEvents
 from followspot.operator.run_status import RunStatus
 from followspot.operator.run_view import RunView
 from followspot.operator.sensor_end import order_at_end, order_at_start
 from followspot.operator.silent_hosts import SilentHosts
 
-_STOP_TIMEOUT = 20.0
-"""Seconds that hosts have to end their workers after a stop."""
 _LIMITS = "raise the limits of this user, see ulimit -a, or take fewer workers: --placement"
 """Remedy if the system refuses a run its workers for a reason of its own."""
 _CHANGE_TIMEOUT = 5.0
 """Seconds that a change under way has, after the end of the run, to find that out."""
-_DELIVERY_TIMEOUT = 5.0
-"""Seconds after a stop in which the operator waits for a silent host, to deliver the stop to it."""
 
 
 class Coordinator:
@@ -70,11 +67,9 @@ class Coordinator:
         self._stop_asked = False
         self._ended: set[str] = set()
         """Workers that have ended, as announced to the hosts."""
-        self._stop_deadline: float | None = None
-        self._cut_short = ""
-        """Why a run without restarts ended early: a host was lost, even if it came back."""
         self._events = RunEvents(self.log)
         self._silent = SilentHosts(self._events)
+        self._end = RunEnd(self.hosts, self._silent, restart=order.restart)
         self.change = ChangeUnderWay()
         self.plan_conflict: PlanConflict | None = None
         """What differs between the plans of hosts, if an earlier operator died in the middle of a change."""
@@ -138,7 +133,8 @@ class Coordinator:
         self._silent.renew(self.hosts)
         self.log.gather()
         report = self._view().report(time.monotonic() - started, self._silent.reasons, stopped=self.stopped)
-        return replace(report, errors=(self._cut_short,)) if self._cut_short and report.ok else report
+        cut_short = self._end.cut_short
+        return replace(report, errors=(cut_short,)) if cut_short and report.ok else report
 
     def status(self) -> RunStatus:
         """The newest status of the whole run."""
@@ -187,18 +183,18 @@ class Coordinator:
         """Wait until all workers are ready; False if one failed or the user stopped the run."""
         while not all(worker.phase == "ready" for worker in self._workers()):
             self._poll_hosts(None)
-            if self._stop_asked or self._failed():
+            if self._stop_asked or self._end.failed():
                 return False
         return True
 
     def _watch_to_end(self, on_progress: OnProgress | None) -> None:
         """Poll until every worker has ended or is on a host that no longer answers."""
-        while not (self._leaving or all(self._over(host) for host in self.hosts)):
+        while not (self._leaving or self._end.over()):
             self._poll_hosts(on_progress)
             self._end_sensors(order_at_end)
-            if self._stop_asked or self._failed():
+            if self._stop_asked or self._end.failed():
                 self._end_early()
-            if self._stop_deadline is not None and time.monotonic() > self._stop_deadline:
+            if self._end.timed_out():
                 return
             if self.order.restart:
                 self._announce_ended_workers()
@@ -230,10 +226,8 @@ class Coordinator:
         """Take the newest status of each host, and report what has changed."""
         for host in self.hosts:
             self._silent.attend(host, PROGRESS_PERIOD / len(self.hosts))
-            if self._stop_deadline is None and self._ends_run(host):
-                why = self._silent.reasons[host.name]
-                self._cut_short = f"{why}: the run, which has no --restart, ended early"
-        stopping = self._stop_deadline is not None
+            self._end.note_loss(host)
+        stopping = self._end.stopping
         self._events.notice(self._view(), silence=bool(self._silent.reasons) and not stopping)
         self.log.gather()
         if on_progress is not None:
@@ -242,31 +236,8 @@ class Coordinator:
             on_progress(replace(view.progress(), unfinished=unfinished), view.expected())
 
     def _end_early(self) -> None:
-        """Ask every host to stop, once: workers finish the messages in flight."""
         self._stop_asked = False
-        if self._stop_deadline is None:
-            self._stop_deadline = time.monotonic() + _STOP_TIMEOUT
-            for host in self.hosts:
-                host.ask(StopRun())
-
-    def _over(self, host: Host) -> bool:
-        """True if all workers of a host have ended, or if the operator no longer waits for the host."""
-        status = host.status()
-        if host in self._silent:
-            end = self._stop_deadline
-            undelivered = end is not None and time.monotonic() > end - _STOP_TIMEOUT + _DELIVERY_TIMEOUT
-            ended = status.age_s is not None and status.all("over")
-            return ended or undelivered or not self.order.restart
-        return status.all("over")
-
-    def _failed(self) -> bool:
-        """True if a worker failed, or a host was lost in a run without restarts: either ends the run."""
-        lost = any(map(self._ends_run, self.hosts))
-        return lost or any(w.phase == "over" and w.report and w.report.error for w in self._workers())
-
-    def _ends_run(self, host: Host) -> bool:
-        """Whether the run cannot go on because a host does not answer: some worker there goes on."""
-        return host in self._silent and not (self.order.restart or host.status().all("over"))
+        self._end.stop()
 
     def _workers(self) -> Iterator[WorkerStatus]:
         return self._view().workers()
