@@ -1,4 +1,4 @@
-"""A stage runner: one stage with its join, its output ports and its error policy."""
+"""A stage runner: it fires one stage when its inputs are ready, and sends what the stage gives."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from followspot.messages import Header, Message
 from followspot.outputs import untimed
 from followspot.ports import ports
 from followspot.stage import Stage
-from followspot.transport.token import ABSENT, END, UNKNOWN
 from followspot.worker.clock import Clock
 from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.inputs.join import Join
@@ -21,8 +20,7 @@ from followspot.worker.journal import Journal
 from followspot.worker.latency import PathLatencies
 from followspot.worker.output_port import OutputPort
 from followspot.worker.runners.error_policy import RAISED, recover
-from followspot.worker.runners.stage_life import StageLife
-from followspot.worker.runners.stage_outputs import StageOutputs
+from followspot.worker.runners.stage_streams import StageStreams
 
 _capture_time = attrgetter("time")
 Returned = TypeVar("Returned")
@@ -35,7 +33,7 @@ class FiringInputs(NamedTuple):
     header: Header
 
 
-class StageRunner(StageLife):
+class StageRunner(StageStreams):
     """Fires one stage instance of this worker, and sends what it gives.
 
     build: makes the stage, again for the policy `restart`; join: its inputs, empty for a source; outputs: by
@@ -61,30 +59,22 @@ class StageRunner(StageLife):
         until a live join fires without its missing partners, None to wait for ever; clock: of this host;
         groups: the stage of the graph file, by instance.
         """
-        super().__init__(name, build, on_error)
+        super().__init__(name, build, join, outputs, on_error=on_error)
         self.rank = rank
-        self.join = join
-        self.outputs = StageOutputs(outputs)
         self.deadline = deadline
         self.overdue_at: float | None = None
         """When the deadline of the oldest waiting message passes, s, monotonic; None if none waits."""
         self.gives_up = False
-        """Whether a deadline that has passed counts now: what waits here for a stage upstream is not
-        missing."""
-        self.done = False
-        """Whether the inputs have ended and the stage is closed."""
+        """Whether a deadline that has passed counts now. It does not while a message may still wait for a
+        stage upstream in this worker."""
         self.blocked = False
         """Whether backpressure holds the stage up: an output is full until its reader gives credit."""
         self.working = False
         """Whether the stage is in `process` now."""
-        self.absent = False
-        """Whether the outputs have announced `ABSENT`."""
         self.paths = PathLatencies(groups)
         self.journal = Journal(self.outputs.firings)
         self.is_sink = self.outputs.none
         self.clock = clock
-        self._passed = -END
-        """The watermark that the outputs have announced."""
 
     def step(self) -> None:
         """Fire as often as inputs and outputs allow. Raises StageError if the policy is `fail`."""
@@ -207,61 +197,6 @@ class StageRunner(StageLife):
     def asks(self) -> bool:
         """Whether answers of the stage are under way, which will wake the worker."""
         return False
-
-    def finish(self) -> None:
-        """Close the stage and end its outputs, for no input comes any more."""
-        self.done = True
-        self.close()
-        self._discard_rest()
-        self.outputs.end()
-
-    def _discard_rest(self) -> None:
-        """Discard messages after the last firing: feedback, or from a sender that was started again."""
-        for sampled in self.join.sampled:
-            sampled.discard_rest()
-        for queue in self.join.members:
-            queue.clear()
-
-    def _idle(self) -> None:
-        """Without a firing, pass the watermark on, or end with the last input."""
-        watermark = self.join.watermark()
-        if watermark == END:
-            self.finish()
-            return
-        if watermark == ABSENT:
-            self._pass_on_absence()
-            return
-        self.absent = False
-        if watermark > self._passed:
-            self._pass(watermark)
-            self._announce(watermark)
-        self.join.relieve_backpressure(watermark)
-
-    def _following(self) -> int:
-        """The watermark, ns, that the outputs can announce with what they send now; `UNKNOWN` if they cannot.
-
-        A message takes the watermark along. The end and an absence travel by themselves.
-        """
-        watermark = self.join.watermark()
-        if not self._passed < watermark < ABSENT:
-            return UNKNOWN
-        self._pass(watermark)
-        return watermark
-
-    def _pass(self, watermark: int) -> None:
-        """Note that the outputs announce this watermark, ns: nothing earlier fires any more."""
-        self._passed = watermark
-        self.join.closed = max(self.join.closed, watermark - 1)
-
-    def _announce(self, watermark: int) -> None:
-        """Announce on all outputs that nothing earlier will come, ns."""
-        self.outputs.advance(watermark)
-
-    def _pass_on_absence(self) -> None:
-        """Announce once that all inputs are absent, so that joins downstream do not wait for them."""
-        if not self.absent:
-            self.absent = True
-            self.outputs.absent()
 
     def _overdue(self, deadline: float) -> bool:
         """Whether a message of a live join has waited beyond the deadline; notes when the next one will."""
