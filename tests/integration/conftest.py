@@ -1,4 +1,4 @@
-"""Certificates of a few hosts, and an agent with one of them."""
+"""Certificates of a few hosts, an agent with one of them, and two agents without certificates."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from tests.integration.certified import HOSTS, Agent, session
 from tests.integration.hosts import free_port
+from tests.integration.two_agents import TwoAgents
 
 from followspot.security.authority import Authority, create_authority
 
@@ -42,3 +43,12 @@ def agent(certs: Path, endpoint: str) -> Iterator[Agent]:
         agent = Agent(opened, "pc-right")
         yield agent
         agent.answers.close()
+
+
+@pytest.fixture
+def hosts(tmp_path: Path) -> Iterator[TwoAgents]:
+    made = TwoAgents(tmp_path)
+    made.agent("pc-left")
+    made.agent("pc-right")
+    yield made
+    made.close()
