@@ -52,14 +52,14 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         type=float,
         default=0.0,
         metavar="MS",
-        help="milliseconds to add to the times of cameras on this host, whose clock is so much behind",
+        help="milliseconds by which this host's clock is behind; they are added to the times of its cameras",
     )
     parser.add_argument(
         "--operator-timeout",
         type=_seconds,
         default=OPERATOR_TIMEOUT,
         metavar="S",
-        help="end a run on this host when its operator has been silent for so many seconds "
+        help="seconds without a word of its operator after which a run on this host ends "
         f"(default: {OPERATOR_TIMEOUT:g})",
     )
     add_network_options(parser, listens=True)
@@ -73,7 +73,7 @@ def _seconds(text: str) -> float:
 
 
 def _run(args: argparse.Namespace) -> int:
-    """Run the workers that operators on other hosts place on this host.
+    """Run workers on this host for operators on other hosts.
 
     The agent runs installed plugins only. It reads files below --media, writes files below --runs, sends to
     addresses that --send-to allows, and opens devices that --open allows.

@@ -20,7 +20,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    """Return to a run that goes on under agents: show its progress, and its summary at the end.
+    """Become the operator of a run under agents again: show its progress, and its summary at the end.
 
     Examples:
       followspot run graphs/glowballs.yaml --placement camera --host pc-left --detach

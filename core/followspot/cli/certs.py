@@ -68,8 +68,8 @@ def _host(args: argparse.Namespace) -> int:
       followspot certs host operator --role operator
       followspot certs host pc-left --role camera --address 192.168.0.7
 
-    camera, worker: runs an agent and sends what its own stages send; operator: also starts, changes and stops
-    runs; router: passes on what others send.
+    camera, worker: runs an agent, and sends the messages of its own stages; operator: also starts, changes
+    and stops runs; router: forwards the messages of other hosts.
     """
     from followspot.security.authority import Authority
 

@@ -25,7 +25,8 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 def _run(args: argparse.Namespace) -> int:
     """Find every mistake in a graph, its room and its placement; start nothing.
 
-    What can never give a result (a stage without a reader, a target without a template) is a warning.
+    Stages and targets that can never give a result (a stage without a reader, a target without a template)
+    are warnings.
 
     Examples:
       followspot check graphs/glowballs.yaml --room rooms/studio.yaml

@@ -28,8 +28,9 @@ def add_plan_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--placement",
         metavar="FILE|camera|stage|auto:REPORT",
-        help="which worker runs which stage: a placement file, one worker per camera or per stage, or what is"
-        " fastest by the report (--json) of an earlier run; auto-latency:REPORT for the least latency",
+        help="which worker runs which stage: a placement file; one worker per camera or per stage; or"
+        " auto:REPORT, the fastest workers for the work that the report (--json) of an earlier run has"
+        " measured (auto-latency:REPORT: those with the least latency)",
     )
     parser.add_argument(
         "--edges",

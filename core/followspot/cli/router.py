@@ -17,7 +17,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    """Route between agents and operators that cannot reach each other; zenohd can do the same.
+    """Route messages between agents and operators that cannot connect directly; zenohd can do the same.
 
     Examples:
       followspot router --listen tls/0.0.0.0:7447 --certificates certs/hub

@@ -51,13 +51,13 @@ def _change(args: argparse.Namespace) -> int:
 
 
 def _swap(args: argparse.Namespace) -> int:
-    """Replace stages by others while the graph runs.
+    """Replace stages of a run by others while it goes on.
 
     The run builds a new stage beside the old one. The new stage takes over between two messages, with the
     state of the old one if both stages support that; no message is lost. If a new stage cannot be built, the
     old stages go on, and the command says why. A sub-graph is replaced by another file that offers the
-    outputs that are read. If its stages and edges are others, the sources wait until the old stages have
-    processed everything; no worker starts anew.
+    outputs that are read. If it has other stages or edges than the old file, the sources wait until the old
+    stages have processed everything; no worker restarts.
 
     Examples:
       followspot swap fuse=balls.mean --run glowballs
@@ -68,7 +68,7 @@ def _swap(args: argparse.Namespace) -> int:
 
 
 def _set(args: argparse.Namespace) -> int:
-    """Change parameters of stages while the graph runs.
+    """Set parameters of stages of a run while it goes on.
 
     The run builds a stage with the new values beside the old one. The new stage takes over between two
     messages, with the state of the old one; no message is lost. If the new stage cannot be built, the old one

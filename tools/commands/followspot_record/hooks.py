@@ -77,9 +77,7 @@ def configure_recording(parser: argparse.ArgumentParser) -> None:
     """Add --record and its options to run, record, check and graph."""
     group = parser.add_argument_group("recording")
     group.add_argument("--record", metavar="FILE.mcap", help="record ports into this new file")
-    group.add_argument(
-        "--record-ports", metavar="STAGE[.PORT],...", help="which ports (default: all but those of sinks)"
-    )
+    group.add_argument("--record-ports", metavar="STAGE[.PORT],...", help="ports to record (default: all)")
     group.add_argument(
         "--record-pictures",
         choices=("jpeg", "png", "raw", "none"),

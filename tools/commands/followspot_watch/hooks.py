@@ -42,8 +42,12 @@ def _configure_hold(parser: argparse.ArgumentParser) -> None:
 
 
 def _configure_step(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("number", nargs="?", type=_count, default=1, metavar="N", help="how many (default 1)")
-    parser.add_argument("--source", metavar="STAGE", help="whose capture times count (default: first camera)")
+    parser.add_argument(
+        "number", nargs="?", type=_count, default=1, metavar="N", help="capture times (default 1)"
+    )
+    parser.add_argument(
+        "--source", metavar="STAGE", help="source whose capture times count (default: first camera)"
+    )
     add_run_option(parser)
     add_network_options(parser)
 
@@ -165,7 +169,8 @@ def _logs(args: argparse.Namespace) -> int:
 def _pause(args: argparse.Namespace) -> int:
     """Pause a replay: its sources send nothing until it is resumed or stepped.
 
-    What was sent is processed; outputs are the same as without pauses. Live runs cannot be paused.
+    Stages process the messages that were sent already. The outputs of the run are the same as without pauses.
+    Live runs cannot be paused.
 
     Examples:
       followspot pause
@@ -188,7 +193,7 @@ def _resume(args: argparse.Namespace) -> int:
 
 
 def _step(args: argparse.Namespace) -> int:
-    """Step a replay: play the next N capture times of one source, then pause again.
+    """Let a paused replay go on for the next N capture times of one source, then pause it again.
 
     Every other source sends until it has reached the last of these times.
 

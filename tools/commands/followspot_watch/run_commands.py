@@ -20,7 +20,7 @@ def _configure_runs(parser: argparse.ArgumentParser) -> None:
 
 
 def _save(args: argparse.Namespace) -> int:
-    """Save what was changed in a run of this machine as an overlay: a graph file that extends the run's own.
+    """Save the changes to a run of this machine as an overlay: a graph file that extends the run's own.
 
     The new file says only what `followspot set`, `swap`, `--set` and the page have changed. The graph file of
     the run stays as it is, and nothing of it is copied.
@@ -35,7 +35,7 @@ def _save(args: argparse.Namespace) -> int:
 
 
 def _runs(args: argparse.Namespace) -> int:
-    """List the runs in reach: yours on this machine, and those under agents.
+    """List runs: yours on this machine, and those under agents.
 
     Each has the word that names it in other commands, its graph, hosts, owner, frames, age and output folder.
 

@@ -38,12 +38,13 @@ def run(args: argparse.Namespace) -> int:
     """Correct cameras that are slightly off with the targets of a tracking run.
 
     The command tracks the room's own recording (or reads a run that wrote its blobs: --run), and adjusts
-    centres, directions and lenses of all cameras until they agree about the targets. Cameras are written
-    only if places that took no part are then seen with a smaller error, and clips that contradict the
-    recording are left out. If the recording has too few places for that, they are written unchecked,
-    which the command says. Tracks do not determine the frame of reference and the scale: both stay those
-    of the camera centres in the room file. Planes keep their places in the pictures. The targets must
-    have been at many places of the common view.
+    centres, directions and lenses of all cameras until they agree about the targets. Some positions are
+    kept out of the adjustment: the command writes the new cameras only if they see these positions with a
+    smaller error than the old ones do. If the recording has too few positions for this test, the command
+    writes the cameras untested and says so. It leaves out clips that contradict the recording.
+    Tracks do not determine the frame of reference and the scale: both stay those of the camera centres in
+    the room file. Planes keep their places in the pictures. The targets must have been at many places of
+    the common view.
 
     Examples:
       followspot calibrate refine --room room.yaml

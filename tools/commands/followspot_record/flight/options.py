@@ -21,9 +21,7 @@ def configure_keeping(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--keep", metavar="TIME", help="hold the last seconds (30s, 2min) in memory, for followspot mark"
     )
-    group.add_argument(
-        "--keep-ports", metavar="STAGE[.PORT],...", help="which ports (default: all but those of sinks)"
-    )
+    group.add_argument("--keep-ports", metavar="STAGE[.PORT],...", help="ports to hold (default: all)")
     group.add_argument(
         "--keep-memory",
         metavar="SIZE",
@@ -42,7 +40,7 @@ def configure_mark(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command mark."""
     add_run_option(parser)
     parser.add_argument(
-        "--after", default="5s", metavar="TIME", help="time after now that belongs to it (default 5s)"
+        "--after", default="5s", metavar="TIME", help="time after now that is saved, too (default 5s)"
     )
     parser.add_argument("--note", default="", metavar="TEXT", help="text that the file and the log quote")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
