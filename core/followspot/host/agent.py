@@ -35,10 +35,10 @@ from followspot.host.agent_run import AgentRun
 from followspot.host.agent_runs import AgentRuns
 from followspot.host.clocks.host import HostClock
 from followspot.host.local_host import LocalHost
-from followspot.limits import limit_remedy
 from followspot.log.file import LogFile
 from followspot.plugins.code_digest import other_code
 from followspot.plugins.registry import use_plugin_files
+from followspot.system_limits import limit_remedy
 from followspot.transport.wakeup_event import WakeupEvent
 from followspot.transport.zenoh.session import close_session, connected, locators
 from followspot.valid_names import HOST_NAME

@@ -11,6 +11,7 @@ import socket
 import sys
 from pathlib import Path
 
+from followspot.child_processes import ignore_terminal
 from followspot.control.lifecycle import StartRun, StopRun
 from followspot.control.pipe import Channel, ChannelClosed, Received
 from followspot.control.worker_messages import Built, Done, Failed, Listening, Ready
@@ -18,7 +19,6 @@ from followspot.control.worker_orders import ORDERS, BuildWorker, Side, TakeRing
 from followspot.errors import FollowspotError
 from followspot.graph.plan_data import plan_from_data
 from followspot.log.collector import LogCollector, collecting
-from followspot.own_process import ignore_terminal
 from followspot.plugins.registry import use_plugin_files
 from followspot.worker.blas_limit import ONE_BLAS_THREAD
 from followspot.worker.build import build_worker

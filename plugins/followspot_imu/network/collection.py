@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from followspot import Array
-from followspot.batches import BatchParams
 from followspot.frame_times import to_ns
+from followspot.reading_batches import BatchParams
 from followspot_imu.units import VALUES
 
 

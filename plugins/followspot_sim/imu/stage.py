@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from followspot import Array, InputError, Source, Stage, at
-from followspot.batches import batches
 from followspot.errors import Mistake
 from followspot.inertial import Inertial
+from followspot.reading_batches import batches
 from followspot.rotation import inverse, turned
 from followspot_sim.imu.errors import channel
 from followspot_sim.imu.motion import Mount

@@ -12,7 +12,7 @@ from followspot.graph.compile import compile_graph
 from followspot.messages import InvalidMessage, stamped
 from followspot.operator.launch import local_run
 from followspot.operator.reporting.report import RunReport
-from followspot.outputs import WrongOutput, check_returned, check_yielded
+from followspot.output_checks import WrongOutput, check_returned, check_yielded
 from followspot.plugins.registry import load_stage
 from followspot.port_specs import OutputSpec
 from followspot.worker.wiring import RunOptions

@@ -8,7 +8,7 @@ from itertools import islice, pairwise
 from typing import Any
 
 from followspot.messages import InvalidMessage, Message
-from followspot.outputs import WrongOutput, check_yielded
+from followspot.output_checks import WrongOutput, check_yielded
 from followspot.testing.promises.work import contents
 from followspot.testing.trial import Trial, outputs, reason
 

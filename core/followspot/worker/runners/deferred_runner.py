@@ -10,7 +10,7 @@ from typing import Any
 
 from followspot.errors import FollowspotError
 from followspot.messages import Header
-from followspot.outputs import WrongOutput
+from followspot.output_checks import WrongOutput
 from followspot.stage import Stage
 from followspot.transport.token import UNKNOWN
 from followspot.worker.runners.answer_pool import AnswerPool

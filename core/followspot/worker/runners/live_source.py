@@ -12,7 +12,7 @@ from typing import Any
 
 from followspot.graph.depths import LIVE_DEPTH
 from followspot.messages import UNSTAMPED, Header
-from followspot.outputs import several
+from followspot.output_checks import several
 from followspot.stage import Stage
 from followspot.worker.clock import Arrival
 from followspot.worker.inputs.input_queue import InputQueue

@@ -9,7 +9,7 @@ from itertools import islice
 from typing import Any
 
 from followspot.messages import UNSTAMPED, Header, in_range
-from followspot.outputs import WrongOutput, check_one_of_several, several
+from followspot.output_checks import WrongOutput, check_one_of_several, several
 from followspot.transport.token import END
 from followspot.worker.runners.error_policy import RAISED, recover
 from followspot.worker.runners.stage_runner import FiringInputs, StageRunner

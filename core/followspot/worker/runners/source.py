@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from followspot.messages import Header, InvalidMessage, in_range
-from followspot.outputs import WrongOutput, check_yielded, several
+from followspot.output_checks import WrongOutput, check_yielded, several
 from followspot.transport.token import END
 from followspot.worker.runners.error_policy import RAISED, recover
 from followspot.worker.runners.stage_runner import StageRunner

@@ -7,7 +7,7 @@ from typing import Any
 
 from followspot.graph.plan import ErrorPolicy
 from followspot.messages import Header
-from followspot.outputs import WrongOutput, check_returned
+from followspot.output_checks import WrongOutput, check_returned
 from followspot.ports import ports
 from followspot.stage import Stage
 from followspot.worker.runners.error_policy import RAISED, StageError, recover, text_of

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from followspot.graph.plan import ErrorPolicy
 from followspot.messages import Header, Message
-from followspot.outputs import untimed
+from followspot.output_checks import untimed
 from followspot.ports import ports
 from followspot.stage import Stage
 from followspot.worker.clock import Clock

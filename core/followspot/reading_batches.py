@@ -1,4 +1,4 @@
-"""How many readings of an inertial sensor make a message."""
+"""Batches of readings: how many readings of an inertial sensor make a message."""
 
 from __future__ import annotations
 

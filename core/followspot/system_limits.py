@@ -1,4 +1,4 @@
-"""Remedies for limits of a user, which the system tells as errors of files and processes."""
+"""Remedies for limits of the operating system (ulimit), which show as errors of files and processes."""
 
 from __future__ import annotations
 

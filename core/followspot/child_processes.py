@@ -1,4 +1,4 @@
-"""Processes of this program: how they are started, apart from the terminal and the present folder."""
+"""Starts processes of this program that neither the terminal nor the present folder affects."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ import sys
 from collections.abc import Sequence
 
 _OF_TERMINALS = (signal.SIGINT, signal.SIGHUP)
-"""What a terminal sends to all processes of its group: Ctrl-C, and that it closes."""
+"""Signals that a terminal sends to all processes of its group: at Ctrl-C, and when it closes."""
 
 
 def module_command(module: str, *arguments: str) -> list[str]:
-    """Runs a module of this program.
+    """The command that runs a module of this program.
 
-    `-P` keeps the present folder off the path of imports: a `random.py` there, of an experiment or in a
-    folder from elsewhere, must not take the place of the library's.
+    `-P` keeps the present folder off the import path: a `random.py` there must not take the place of the
+    module `random` of Python's library.
     """
     return [sys.executable, "-P", "-m", module, *arguments]
 
 
 def start_apart(command: Sequence[str], descriptor: int) -> subprocess.Popen[bytes]:
-    """Start a process in a group of its own, which inherits a descriptor: Ctrl-C and a terminal that closes
-    reach the operator alone, which ends its workers. Raises OSError.
+    """Start a process that inherits a descriptor, in a process group of its own. Raises OSError.
 
-    The signals of terminals are blocked meanwhile: they would end the child before it has left the group.
+    So Ctrl-C and a terminal that closes reach only the operator, which ends its workers. Signals of terminals
+    are blocked during the start, because they would end the child before it has left the group.
     """
     held = signal.pthread_sigmask(signal.SIG_BLOCK, _OF_TERMINALS)
     try:
@@ -34,7 +34,7 @@ def start_apart(command: Sequence[str], descriptor: int) -> subprocess.Popen[byt
 
 
 def ignore_terminal() -> None:
-    """Ignore signals of terminals, pending ones too; a process of `start_apart` calls this first."""
+    """Ignore signals of terminals, also pending ones; a process of `start_apart` calls this first."""
     for number in _OF_TERMINALS:
         signal.signal(number, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, _OF_TERMINALS)
