@@ -21,10 +21,10 @@ from followspot.room_fit import fit_check
 from followspot.stage import Stage
 from followspot.transport.edge import PortWriter
 from followspot.worker.build_inputs import InputBuilder
+from followspot.worker.edge_factory import EdgeFactory, NoEdgeFactory
 from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.inputs.join import Join
 from followspot.worker.ledger import LOST, Ledger
-from followspot.worker.links import Links, NoLinks
 from followspot.worker.output_port import OutputPort
 from followspot.worker.pace import Pace
 from followspot.worker.runners.deferred_runner import DeferredRunner
@@ -45,26 +45,28 @@ RUNNERS: Mapping[Giving, type[StageRunner]] = {
 
 
 def build_worker(
-    wiring: Wiring, name: str, ledger: Ledger, options: RunOptions, links: Links | None = None
+    wiring: Wiring, name: str, ledger: Ledger, options: RunOptions, edge_factory: EdgeFactory | None = None
 ) -> Scheduler:
     """The scheduler of that worker, with all its stages built and none of them set up."""
-    return Builder(wiring, name, ledger, options, links or NoLinks()).build()
+    return Builder(wiring, name, ledger, options, edge_factory or NoEdgeFactory()).build()
 
 
 class Builder:
     """Collects the parts of one worker while it builds the stages in order."""
 
-    def __init__(self, wiring: Wiring, name: str, ledger: Ledger, options: RunOptions, links: Links) -> None:
+    def __init__(
+        self, wiring: Wiring, name: str, ledger: Ledger, options: RunOptions, edge_factory: EdgeFactory
+    ) -> None:
         self.wiring = wiring
         self.plan = wiring.plan
         self.words = ledger.words
         self.ledger = ledger
         self.options = options
-        self.links = links
+        self.edge_factory = edge_factory
         self.mine = [stage for stage in self.plan.stages if stage.worker == name]
         self.accompanying = accompanying_sources(self.plan)
         self.names = {stage.name for stage in self.mine}
-        self.inputs = InputBuilder(wiring, ledger, options, links)
+        self.inputs = InputBuilder(wiring, ledger, options, edge_factory)
         self.writers: dict[PortWriter, str] = {}
         """The stage that owns each writer."""
         self.runners: list[StageRunner] = []
@@ -196,7 +198,7 @@ class Builder:
                 self._count_lost(number)
             output.connect([self.inputs.queues[n] for n in numbers])
             return
-        writer = self.links.writer(numbers, kind)
+        writer = self.edge_factory.writer(numbers, kind)
         names = [self.plan.edge(n).name for n in numbers]
         output.attach(writer, names, [self.ledger.row(n) for n in numbers])
         self.writers[writer] = stage

@@ -11,12 +11,12 @@ from followspot.port_specs import InputSpec
 from followspot.room_fit import fit_check
 from followspot.sealing import seal
 from followspot.transport.token import ABSENT
+from followspot.worker.edge_factory import EdgeFactory
 from followspot.worker.inputs.input_queue import UNCHANGED, InputQueue
 from followspot.worker.inputs.join import Join
 from followspot.worker.inputs.join_input import JoinInput
 from followspot.worker.inputs.sampled_input import NearestInput, NewestInput, SampledInput, WindowInput
 from followspot.worker.ledger import Ledger
-from followspot.worker.links import Links
 from followspot.worker.wiring import RunOptions, Wiring
 
 _ENDLESS = 1 << 30
@@ -29,12 +29,14 @@ class InputBuilder:
     queues: those of all edges that end here, by the number of the edge.
     """
 
-    def __init__(self, wiring: Wiring, ledger: Ledger, options: RunOptions, links: Links) -> None:
+    def __init__(
+        self, wiring: Wiring, ledger: Ledger, options: RunOptions, edge_factory: EdgeFactory
+    ) -> None:
         self.wiring = wiring
         self.plan = wiring.plan
         self.ledger = ledger
         self.options = options
-        self.links = links
+        self.edge_factory = edge_factory
         self.queues: dict[int, InputQueue] = {}
 
     def queue(self, number: int) -> InputQueue:
@@ -54,7 +56,7 @@ class InputBuilder:
         queue.answers = self.wiring.circular(edge)
         if edge.kind != "reference":
             kind = self.wiring.message_type(edge)
-            queue.reader = self.links.reader(number, kind)
+            queue.reader = self.edge_factory.reader(number, kind)
             queue.unfit = fit_check(kind, self.plan.room, self.wiring.stages[edge.from_stage].camera)
             if self.options.rejoin:
                 queue.after_loss = ABSENT if self.wiring.live else UNCHANGED

@@ -16,7 +16,6 @@ from followspot.control.worker_orders import LeaveRun, SendStates, SetClock, Tak
 from followspot.graph.plan_data import plan_from_data
 from followspot.worker.change.hot_swap import HotSwap
 from followspot.worker.change.rewiring import Rewiring
-from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.ledger import COLUMNS, Ledger
 from followspot.worker.reporting.host_reporter import HostReporter
 from followspot.worker.reporting.report import Warnings
@@ -24,6 +23,7 @@ from followspot.worker.runners.stage_runner import StageRunner
 from followspot.worker.scheduler import Scheduler
 from followspot.worker.taps.worker_taps import WorkerTaps
 from followspot.worker.wiring import RunOptions, Wiring
+from followspot.worker.worker_edge_factory import WorkerEdgeFactory
 
 if TYPE_CHECKING:
     from followspot.worker.taps.published_ports import PublishedPort
@@ -40,7 +40,7 @@ class BuiltWorker:
         self,
         name: str,
         scheduler: Scheduler,
-        links: EdgeLinks,
+        edge_factory: WorkerEdgeFactory,
         ledger: Ledger,
         options: RunOptions,
         reporter: HostReporter,
@@ -48,12 +48,12 @@ class BuiltWorker:
     ) -> None:
         self.name = name
         self.scheduler = scheduler
-        self.links = links
+        self.edge_factory = edge_factory
         self._ledger = ledger
         self.options = options
         self._reporter = reporter
         self._warnings = warnings
-        self._taps = WorkerTaps(name, scheduler, links, partial(warnings.add, "taps"))
+        self._taps = WorkerTaps(name, scheduler, edge_factory, partial(warnings.add, "taps"))
         self._change = HotSwap(scheduler, reporter.send_change, self._rewiring)
         self._published: list[PublishedPort] = []
 
@@ -64,7 +64,9 @@ class BuiltWorker:
             **self.scheduler.handlers,
             **self._taps.handlers,
             EndWorkers: lambda order: self.give_up(order.workers),
-            TakeRing: lambda order, end: self.links.take(self.scheduler, order, socket.socket(fileno=end)),
+            TakeRing: lambda order, end: self.edge_factory.take(
+                self.scheduler, order, socket.socket(fileno=end)
+            ),
             SendStates: lambda _: self._reporter.send_states(self.scheduler),
             SetClock: self._set_clock,
             LeaveRun: self._leave_run,
@@ -73,7 +75,7 @@ class BuiltWorker:
 
     def give_up(self, workers: Collection[str]) -> None:
         """These workers have ended: nothing more comes from the other ends of their edges."""
-        plan, ended = self.links.plan, set(workers)
+        plan, ended = self.edge_factory.plan, set(workers)
         self.scheduler.ends.give_up(
             {
                 number * COLUMNS
@@ -95,10 +97,10 @@ class BuiltWorker:
 
     def publish_ports(self) -> None:
         """Publish the ports that are not published yet, if the worker has a Zenoh session."""
-        if self.links.zenoh.session is not None:
+        if self.edge_factory.zenoh.session is not None:
             from followspot.worker.taps.published_ports import published
 
-            self._published += published(self.links, self.scheduler, self._published)
+            self._published += published(self.edge_factory, self.scheduler, self._published)
 
     def run(self) -> None:
         """Run the stages to the end of all streams. Raises StageError, StuckError, ChannelClosed."""
@@ -114,14 +116,17 @@ class BuiltWorker:
 
     def _rewiring(self, data: dict[str, Any]) -> Rewiring:
         """Build the change of this worker to a new plan, in JSON types. Raises FollowspotError."""
-        links = self.links.for_plan(plan_from_data(data))
-        rewired = partial(self._rewired, links)
-        wiring = Wiring(links.plan)
-        return Rewiring(self.scheduler, wiring, self.name, self._ledger, self.options, links, rewired)
+        edge_factory = self.edge_factory.for_plan(plan_from_data(data))
+        rewired = partial(self._rewired, edge_factory)
+        wiring = Wiring(edge_factory.plan)
+        return Rewiring(self.scheduler, wiring, self.name, self._ledger, self.options, edge_factory, rewired)
 
-    def _rewired(self, links: EdgeLinks, new: Sequence[StageRunner]) -> None:
-        """Note that the worker runs another plan now. links: made for it; new: stages that it adds here."""
-        self.links.adopt(links)
+    def _rewired(self, edge_factory: WorkerEdgeFactory, new: Sequence[StageRunner]) -> None:
+        """Note that the worker runs another plan now.
+
+        edge_factory: made for the plan; new: stages that the plan adds here.
+        """
+        self.edge_factory.adopt(edge_factory)
         for runner in new:
             self._warnings.begin(runner.name)
         self.publish_ports()

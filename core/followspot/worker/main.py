@@ -24,13 +24,13 @@ from followspot.worker.blas_limit import ONE_BLAS_THREAD
 from followspot.worker.build import build_worker
 from followspot.worker.built_worker import BuiltWorker
 from followspot.worker.clock import Clock
-from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.ledger import Ledger
 from followspot.worker.orders import Orders
 from followspot.worker.os_scheduling import apply_scheduling
 from followspot.worker.reporting.host_reporter import HostReporter
 from followspot.worker.reporting.report import Warnings, missing, worker_report
 from followspot.worker.wiring import RunOptions, Wiring
+from followspot.worker.worker_edge_factory import WorkerEdgeFactory
 
 _REMINDER = 0.5
 """Seconds between two announcements, at the barrier, that the ends of edges here exist."""
@@ -60,11 +60,11 @@ class WorkerMain:
         """Build, start, run, report. Raises ChannelClosed when the host ends before the start."""
         order, memory, rings = self._receive_plan()
         self.log.worker = order.worker
-        links: EdgeLinks | None = None
+        edge_factory: WorkerEdgeFactory | None = None
         error = ""
         try:
-            links = self._links(order, rings)
-            self.worker = worker = self._build(order, memory, links)
+            edge_factory = self._edge_factory(order, rings)
+            self.worker = worker = self._build(order, memory, edge_factory)
             if self._get_ready(order, worker) and self._started(worker):
                 self._run(worker, restart=order.restart)
         except FollowspotError as failure:
@@ -73,10 +73,10 @@ class WorkerMain:
             self.reporter.stop()
             if self.worker is not None:
                 self.worker.close()
-            if links is not None:
-                links.zenoh.close()
-        if links is not None:
-            self._warn_of_rejected(links)
+            if edge_factory is not None:
+                edge_factory.zenoh.close()
+        if edge_factory is not None:
+            self._warn_of_rejected(edge_factory)
         self.reporter.send_log()
         if self.worker is None:
             self.channel.send(Failed(error=error))
@@ -96,7 +96,7 @@ class WorkerMain:
         assert isinstance(order, BuildWorker)
         return order, descriptors[0], rings
 
-    def _links(self, order: BuildWorker, rings: _Rings) -> EdgeLinks:
+    def _edge_factory(self, order: BuildWorker, rings: _Rings) -> WorkerEdgeFactory:
         """Open the Zenoh session, if needed, and take the ends of the rings over."""
         plan = plan_from_data(order.plan)
         for refusal in apply_scheduling(plan.scheduling_of(order.worker)):  # before any thread is started
@@ -110,12 +110,14 @@ class WorkerMain:
                 log_rejections()
             session = connected(network)
             self.channel.send(Listening(locators=tuple(locators(session))))
-        return EdgeLinks(plan, rings["sending"], rings["receiving"], session, order.run, order.incarnation)
+        return WorkerEdgeFactory(
+            plan, rings["sending"], rings["receiving"], session, order.run, order.incarnation
+        )
 
-    def _build(self, order: BuildWorker, memory: int, links: EdgeLinks) -> BuiltWorker:
+    def _build(self, order: BuildWorker, memory: int, edge_factory: WorkerEdgeFactory) -> BuiltWorker:
         """Build the stages. memory: file descriptor of the ledger's memory."""
-        use_plugin_files(links.plan.plugin_files)
-        ledger = Ledger(links.plan.rows, _shared_words(memory))
+        use_plugin_files(edge_factory.plan.plugin_files)
+        ledger = Ledger(edge_factory.plan.rows, _shared_words(memory))
         options = RunOptions(
             Path(order.out),
             order.frames,
@@ -124,15 +126,17 @@ class WorkerMain:
             Clock(*order.clock),
             resumed=order.incarnation > 0,
         )
-        scheduler = build_worker(Wiring(links.plan), order.worker, ledger, options, links)
-        return BuiltWorker(order.worker, scheduler, links, ledger, options, self.reporter, self.warnings)
+        scheduler = build_worker(Wiring(edge_factory.plan), order.worker, ledger, options, edge_factory)
+        return BuiltWorker(
+            order.worker, scheduler, edge_factory, ledger, options, self.reporter, self.warnings
+        )
 
     def _get_ready(self, order: BuildWorker, worker: BuiltWorker) -> bool:
         """Connect all edges, set all stages up, and tell the host; False if the run is stopped before."""
         worker.give_up(order.over)
         self.channel.send(Built())
         if not order.incarnation:  # a restarted worker finds the others running, or some of them gone
-            worker.links.wait_matched(lambda: not self._stopped_early())
+            worker.edge_factory.wait_matched(lambda: not self._stopped_early())
         if self._stopped_early():
             return False
         worker.scheduler.setup()
@@ -153,7 +157,7 @@ class WorkerMain:
         """Wait at the barrier for the start; False if the run is stopped before."""
         while True:
             while not self.channel.waits(_REMINDER):
-                worker.links.zenoh.announce_again()
+                worker.edge_factory.zenoh.announce_again()
             received = self.channel.receive()
             if isinstance(received.request, StartRun):
                 worker.options.clock.begun = received.request.begun
@@ -174,15 +178,15 @@ class WorkerMain:
         self.reporter.start(scheduler, orders.leave_soon)
         worker.run()
 
-    def _warn_of_rejected(self, links: EdgeLinks) -> None:
-        for edge, times in links.rejected().items():
+    def _warn_of_rejected(self, edge_factory: WorkerEdgeFactory) -> None:
+        for edge, times in edge_factory.rejected().items():
             self.warnings.add(edge, f"refused {times} times what was malformed or not from its sender")
 
     def _report(self, worker: BuiltWorker, error: str, *, restart: bool) -> None:
         """Send the last status and the report of a worker that has ended. Raises ChannelClosed."""
         scheduler = worker.scheduler
         self.reporter.send_stages(scheduler)
-        if not (error or restart or worker.links.plan.live):
+        if not (error or restart or worker.edge_factory.plan.live):
             error = missing(scheduler)
         self.channel.send(Done(report=worker_report(worker.name, scheduler, self.warnings, error)))
 

@@ -14,8 +14,8 @@ from followspot.control.tapping import Tapping
 from followspot.graph.compile import compile_graph
 from followspot.plugins.registry import load_stage
 from followspot.transport.zenoh.edge import open_session
-from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.taps.worker_taps import WorkerTaps
+from followspot.worker.worker_edge_factory import WorkerEdgeFactory
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
 GRAPH = """
@@ -62,8 +62,8 @@ def test_a_tap_uses_zenoh_only_from_a_worker_on_another_host(
     found: queue.Queue[object] = sys.modules[load_stage("look.look").__module__].Look.posts
     warnings: list[str] = []
     with open_session() as session:
-        links = EdgeLinks(plan, {}, {}, session if joined else None, "run")
-        taps = WorkerTaps(worker.name, Solo(plan, tmp_path).scheduler, links, warnings.append)
+        edge_factory = WorkerEdgeFactory(plan, {}, {}, session if joined else None, "run")
+        taps = WorkerTaps(worker.name, Solo(plan, tmp_path).scheduler, edge_factory, warnings.append)
         taps.place([Tapping("a.out", "look.look", {})])
         assert (found.get(timeout=60) is not None) is posts
         taps.close()

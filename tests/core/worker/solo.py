@@ -11,11 +11,11 @@ from followspot.graph.plan import Plan
 from followspot.operator.reporting.report import RunReport, merge
 from followspot.transport.ring.link import socket_pair
 from followspot.worker.build import build_worker
-from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.ledger import Ledger
 from followspot.worker.reporting.report import Warnings, worker_report
 from followspot.worker.taps.port_taps import tap, taps_of
 from followspot.worker.wiring import RunOptions, Wiring
+from followspot.worker.worker_edge_factory import WorkerEdgeFactory
 
 
 class Solo:
@@ -28,9 +28,9 @@ class Solo:
         pairs = {number: socket_pair() for number in plan.ring_edges()}
         sending = {number: pair[0] for number, pair in pairs.items()}
         receiving = {number: pair[1] for number, pair in pairs.items()}
-        links = EdgeLinks(plan, sending, receiving, None, "solo")
+        edge_factory = WorkerEdgeFactory(plan, sending, receiving, None, "solo")
         options = RunOptions(out, frames, self.warnings.add)
-        self.scheduler = build_worker(Wiring(plan), plan.workers[0].name, self.ledger, options, links)
+        self.scheduler = build_worker(Wiring(plan), plan.workers[0].name, self.ledger, options, edge_factory)
 
     def tap(self, tappings: Iterable[Tapping]) -> None:
         """Look at ports from the first message on."""

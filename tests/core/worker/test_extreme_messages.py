@@ -18,12 +18,12 @@ from followspot.sealing import seal
 from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import END, Watermark
 from followspot.worker.build import build_worker
-from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.latency import MOST_PATHS, OTHERS
 from followspot.worker.ledger import Ledger
 from followspot.worker.reporting.stage_status import paths_now, stages_now
 from followspot.worker.scheduler import Scheduler
 from followspot.worker.wiring import RunOptions, Wiring
+from followspot.worker.worker_edge_factory import WorkerEdgeFactory
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
 GRAPH = """
@@ -50,8 +50,12 @@ class Fed:
         self.numbers = {edge.from_stage + edge.to_stage: n for n, edge in enumerate(plan.edges)}
         pairs = {number: socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) for number in range(3)}
         self.ledger = Ledger(len(plan.edges))
-        links = EdgeLinks(plan, {}, {number: pair[1] for number, pair in pairs.items()}, None, "run")
-        self.scheduler: Scheduler = build_worker(Wiring(plan), "main", self.ledger, RunOptions(folder), links)
+        edge_factory = WorkerEdgeFactory(
+            plan, {}, {number: pair[1] for number, pair in pairs.items()}, None, "run"
+        )
+        self.scheduler: Scheduler = build_worker(
+            Wiring(plan), "main", self.ledger, RunOptions(folder), edge_factory
+        )
         self.writers = {number: RingWriter([pair[0]], 8) for number, pair in pairs.items()}
         self.written = folder / "ticks.csv"
         self.problem: BaseException | None = None

@@ -21,9 +21,9 @@ from followspot.transport.zenoh.edge import open_session
 from followspot.worker.build import build_worker
 from followspot.worker.change.hot_swap import HotSwap
 from followspot.worker.change.rewiring import Rewiring
-from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.ledger import Ledger
 from followspot.worker.wiring import RunOptions, Wiring
+from followspot.worker.worker_edge_factory import WorkerEdgeFactory
 
 ENDLESS = PAIR.replace("{uses: ticks.count}", "{uses: ticks.count, with: {count: 1000000}}")
 SOON = 0.3
@@ -33,17 +33,19 @@ SOON = 0.3
 class Changing:
     """A source in a worker of its own, and the readers of its edge before and after a change."""
 
-    def __init__(self, folder: Path, links: EdgeLinks, former: PortReader, later: PortReader) -> None:
-        wiring, ledger, options = Wiring(links.plan), Ledger(2), RunOptions(folder)
+    def __init__(
+        self, folder: Path, edge_factory: WorkerEdgeFactory, former: PortReader, later: PortReader
+    ) -> None:
+        wiring, ledger, options = Wiring(edge_factory.plan), Ledger(2), RunOptions(folder)
         self.former, self.later = former, later
-        self.new = with_another_edge(links.plan)
-        self.scheduler = build_worker(wiring, "a", ledger, options, links)
+        self.new = with_another_edge(edge_factory.plan)
+        self.scheduler = build_worker(wiring, "a", ledger, options, edge_factory)
         self.answers: list[ChangeStatus] = []
         self.swap = HotSwap(
             self.scheduler,
             self.answers.append,
             lambda plan: Rewiring(
-                self.scheduler, Wiring(self.new), "a", ledger, options, links.for_plan(self.new)
+                self.scheduler, Wiring(self.new), "a", ledger, options, edge_factory.for_plan(self.new)
             ),
         )
         self.turn = 0
@@ -67,13 +69,13 @@ def changing(folder: Path) -> Iterator[Changing]:
     use_plugin_files([str(TICKS)])
     plan = compile_graph(folder / "g.yaml", placement="stage", plugin_files=[TICKS], edges="zenoh")
     with open_session() as session:
-        theirs = EdgeLinks(plan, {}, {}, session, "run")
+        theirs = WorkerEdgeFactory(plan, {}, {}, session, "run")
         former = theirs.reader(0, Message)
         later = theirs.for_plan(with_another_edge(plan)).reader(1, Message)
-        links = EdgeLinks(plan, {}, {}, session, "run")
-        run = Changing(folder, links, former, later)
-        assert wait_until(lambda: links.zenoh.announce_again() or former.matched())
-        links.wait_matched()
+        edge_factory = WorkerEdgeFactory(plan, {}, {}, session, "run")
+        run = Changing(folder, edge_factory, former, later)
+        assert wait_until(lambda: edge_factory.zenoh.announce_again() or former.matched())
+        edge_factory.wait_matched()
         run.scheduler.setup()
         thread = threading.Thread(target=run.scheduler.run)
         thread.start()

@@ -53,7 +53,7 @@ class RemoteEnds:
         ]
         for _, group in groupby(sorted(new, key=builder.way), key=builder.way):
             numbers = list(group)
-            writer = builder.links.writer(numbers, wiring.plan.edge(numbers[0]).kind)
+            writer = builder.edge_factory.writer(numbers, wiring.plan.edge(numbers[0]).kind)
             yield runner, output, writer, numbers
 
     def exchange(self, new: Mapping[str, StageRunner]) -> None:

@@ -14,10 +14,10 @@ from followspot.worker.build import Builder
 from followspot.worker.change.departure import close_leaving, discard_sampled
 from followspot.worker.change.remote_ends import RemoteEnds
 from followspot.worker.change.replacement import Replacement, discard_all, dry_run, fits, is_same, prepared
+from followspot.worker.edge_factory import EdgeFactory
 from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.inputs.sampled_input import NearestInput
 from followspot.worker.ledger import COLUMNS, Ledger
-from followspot.worker.links import Links
 from followspot.worker.runners.error_policy import StageError
 from followspot.worker.runners.stage_runner import StageRunner
 from followspot.worker.scheduler import Scheduler
@@ -27,8 +27,8 @@ from followspot.worker.wiring import RunOptions, Wiring
 class Rewiring:
     """What becomes of a worker: the stage runners that join it, stay, or leave.
 
-    wiring, links: of the new plan; ledger: with rows for its edges; rewired: gets the new stages once they
-    have taken over.
+    wiring, edge_factory: of the new plan; ledger: with rows for its edges; rewired: gets the new stages once
+    they have taken over.
     """
 
     def __init__(
@@ -38,7 +38,7 @@ class Rewiring:
         name: str,
         ledger: Ledger,
         options: RunOptions,
-        links: Links,
+        edge_factory: EdgeFactory,
         rewired: Callable[[Sequence[StageRunner]], None] = lambda new: None,
     ) -> None:
         """Build and set up all that is new, in any thread, while the worker works on.
@@ -48,7 +48,7 @@ class Rewiring:
         self.scheduler = scheduler
         self.wiring = wiring
         self._rewired = rewired
-        self._builder = Builder(wiring, name, ledger, replace(options, resumed=True), links)
+        self._builder = Builder(wiring, name, ledger, replace(options, resumed=True), edge_factory)
         self._builder.pace = scheduler.pace
         present = {runner.name: runner for runner in scheduler.runners}
         self._stays = {
@@ -74,8 +74,8 @@ class Rewiring:
             raise
 
     def wait_matched(self, wanted: Callable[[], bool]) -> None:
-        """See `Links.wait_matched`; in the thread that built it."""
-        self._builder.links.wait_matched(wanted)
+        """See `EdgeFactory.wait_matched`; in the thread that built it."""
+        self._builder.edge_factory.wait_matched(wanted)
 
     def dry_run(self) -> None:
         """Find out whether replacements can carry on from the stages that work. Raises FollowspotError."""
@@ -145,7 +145,7 @@ class Rewiring:
 
     def discard(self) -> None:
         """Close what was built."""
-        self._builder.links.forget()
+        self._builder.edge_factory.forget()
         discard_all(self.replacements)
         for runner in self.new:
             runner.retire(runner.stage)

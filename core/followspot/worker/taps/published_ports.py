@@ -14,9 +14,9 @@ from followspot.messages import InvalidMessage, Message
 from followspot.transport.codec import pack
 from followspot.transport.keys import port_key
 from followspot.transport.zenoh.terms import has_subscriber
-from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.output_port import OutputPort
 from followspot.worker.scheduler import Scheduler
+from followspot.worker.worker_edge_factory import WorkerEdgeFactory
 
 
 class PublishedPort:
@@ -48,20 +48,25 @@ class PublishedPort:
 
 
 def published(
-    links: EdgeLinks, scheduler: Scheduler, before: Sequence[PublishedPort] = ()
+    edge_factory: WorkerEdgeFactory, scheduler: Scheduler, before: Sequence[PublishedPort] = ()
 ) -> list[PublishedPort]:
     """Publish those ports of a worker whose messages no edge puts on their key already.
 
-    before: those that are published. There are none without a session; they end with that of the links.
+    before: those that are published already. Without a Zenoh session none is published, and all end with it.
     """
-    if links.zenoh.session is None:
+    if edge_factory.zenoh.session is None:
         return []
-    taken, known = _on_their_keys(links.plan), {one.output for one in before}
+    taken, known = _on_their_keys(edge_factory.plan), {one.output for one in before}
     return [
         PublishedPort(
-            links.zenoh.session, port_key(links.zenoh.run, host, runner.name, port), output, scheduler
+            edge_factory.zenoh.session,
+            port_key(edge_factory.zenoh.run, host, runner.name, port),
+            output,
+            scheduler,
         )
-        for runner, host in ((runner, links.plan.host_of_stage(runner.name)) for runner in scheduler.runners)
+        for runner, host in (
+            (runner, edge_factory.plan.host_of_stage(runner.name)) for runner in scheduler.runners
+        )
         for port, output in runner.outputs
         if not (port == FIRINGS or (runner.name, port) in taken or output in known)
     ]

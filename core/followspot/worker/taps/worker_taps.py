@@ -11,9 +11,9 @@ from followspot.context import Post
 from followspot.control.dispatch import Handlers
 from followspot.control.tapping import PlaceTaps, RemoveTaps, Tapping
 from followspot.transport.keys import tap_key
-from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.scheduler import Scheduler
 from followspot.worker.taps.port_taps import Tap, tap, taps_of
+from followspot.worker.worker_edge_factory import WorkerEdgeFactory
 
 _Job = Callable[[], None]
 
@@ -25,11 +25,11 @@ class WorkerTaps:
     """
 
     def __init__(
-        self, name: str, scheduler: Scheduler, links: EdgeLinks, warn: Callable[[str], None]
+        self, name: str, scheduler: Scheduler, edge_factory: WorkerEdgeFactory, warn: Callable[[str], None]
     ) -> None:
-        self._host = links.plan.host_of(name)
+        self._host = edge_factory.plan.host_of(name)
         self._scheduler = scheduler
-        self._links = links
+        self._edge_factory = edge_factory
         self._warn = warn
         self._jobs: SimpleQueue[_Job | None] = SimpleQueue()
         self._thread: threading.Thread | None = None
@@ -88,9 +88,11 @@ class WorkerTaps:
             self._detached.pop().close()
 
     def _post(self, tapping: Tapping) -> Post | None:
-        session = self._links.zenoh.session
+        session = self._edge_factory.zenoh.session
         if not self._host or session is None:
             return None
         from followspot.transport.zenoh.post import ZenohPost
 
-        return ZenohPost(session, tap_key(self._links.zenoh.run, self._host, tapping.port, tapping.uses))
+        return ZenohPost(
+            session, tap_key(self._edge_factory.zenoh.run, self._host, tapping.port, tapping.uses)
+        )

@@ -16,10 +16,10 @@ from followspot.transport.edge import PortReader
 from followspot.transport.token import Token, Watermark
 from followspot.transport.zenoh.edge import open_session
 from followspot.worker.build import build_worker
-from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.ledger import Ledger
 from followspot.worker.taps.published_ports import published
 from followspot.worker.wiring import RunOptions, Wiring
+from followspot.worker.worker_edge_factory import WorkerEdgeFactory
 
 CAUGHT = "  c: {uses: ticks.write, in: {number: b}}\n"
 
@@ -31,13 +31,13 @@ def test_a_reader_that_waits_for_the_start_says_again_that_it_is_there(tmp_path:
     plan = compile_graph(tmp_path / "g.yaml", placement="stage", plugin_files=[TICKS], edges="zenoh")
     heard: list[str] = []
     with open_session() as session:
-        links = EdgeLinks(plan, {}, {}, session, "run")
-        ends = links.reader(0, Message), links.writer([0], "zenoh")
-        links.wait_matched()
+        edge_factory = WorkerEdgeFactory(plan, {}, {}, session, "run")
+        ends = edge_factory.reader(0, Message), edge_factory.writer([0], "zenoh")
+        edge_factory.wait_matched()
         session.declare_subscriber("**/credit/**", lambda sample: heard.append(str(sample)))
         time.sleep(0.1)
         before = len(heard)
-        links.zenoh.announce_again()
+        edge_factory.zenoh.announce_again()
         deadline = time.monotonic() + 20.0
         while len(heard) == before and time.monotonic() < deadline:
             time.sleep(0.01)
@@ -52,11 +52,11 @@ def test_an_edge_that_came_later_has_its_own_stream_from_the_start(tmp_path: Pat
     use_plugin_files([str(TICKS)])
     plan = compile_graph(tmp_path / "g.yaml", placement="stage", plugin_files=[TICKS], edges="zenoh")
     with open_session() as session:
-        links = EdgeLinks(plan, {}, {}, session, "run")
-        reader, writer = links.reader(0, Message), links.writer([0], "zenoh")
-        links.wait_matched()
+        edge_factory = WorkerEdgeFactory(plan, {}, {}, session, "run")
+        reader, writer = edge_factory.reader(0, Message), edge_factory.writer([0], "zenoh")
+        edge_factory.wait_matched()
         writer.send(Watermark(5))
-        more = links.for_plan(with_another_edge(plan))
+        more = edge_factory.for_plan(with_another_edge(plan))
         later, _ = more.reader(1, Message), more.writer([1], "zenoh")
         more.wait_matched(lambda: True)
         writer.send(Watermark(6))
@@ -65,7 +65,7 @@ def test_an_edge_that_came_later_has_its_own_stream_from_the_start(tmp_path: Pat
         assert later.rejected == 0
         more.forget()
         assert not list(session.liveliness().get("**/alive/**/1/0")), "nothing is left of a failed attempt"
-        again = links.for_plan(with_another_edge(plan))
+        again = edge_factory.for_plan(with_another_edge(plan))
         last, sender = again.reader(1, Message), again.writer([1], "zenoh")
         again.wait_matched(lambda: True)
         sender.send(Watermark(7))
@@ -81,11 +81,11 @@ def test_the_end_of_an_attempt_ends_the_wait_for_other_ends(tmp_path: Path) -> N
     use_plugin_files([str(TICKS)])
     plan = compile_graph(tmp_path / "g.yaml", placement="stage", plugin_files=[TICKS], edges="zenoh")
     with open_session() as session:
-        links = EdgeLinks(plan, {}, {}, session, "run")
-        links.writer([0], "zenoh")
+        edge_factory = WorkerEdgeFactory(plan, {}, {}, session, "run")
+        edge_factory.writer([0], "zenoh")
         asked = iter([True, True, False])
-        links.wait_matched(lambda: next(asked))
-        links.forget()
+        edge_factory.wait_matched(lambda: next(asked))
+        edge_factory.forget()
 
 
 def test_a_port_is_published_if_no_edge_puts_its_messages_on_its_own_key(tmp_path: Path) -> None:
@@ -93,10 +93,10 @@ def test_a_port_is_published_if_no_edge_puts_its_messages_on_its_own_key(tmp_pat
     use_plugin_files([str(TICKS)])
     plan = compile_graph(tmp_path / "g.yaml", placement="stage", plugin_files=[TICKS], edges="zenoh")
     with open_session() as session:
-        links = EdgeLinks(plan, {}, {}, session, "run")
-        scheduler = build_worker(Wiring(plan), "a", Ledger(2), RunOptions(tmp_path), links)
-        assert published(links, scheduler) == []
-        later = links.for_plan(with_another_edge(plan))
+        edge_factory = WorkerEdgeFactory(plan, {}, {}, session, "run")
+        scheduler = build_worker(Wiring(plan), "a", Ledger(2), RunOptions(tmp_path), edge_factory)
+        assert published(edge_factory, scheduler) == []
+        later = edge_factory.for_plan(with_another_edge(plan))
         (port,) = published(later, scheduler)
         assert published(later, scheduler, [port]) == [], "once"
         scheduler.close()

@@ -1,4 +1,4 @@
-"""The ends of edges between workers: rings over socket pairs, and Zenoh keys."""
+"""Makes the ends of a worker's edges to other workers: rings over socket pairs, and edges over Zenoh."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from followspot.transport.ring.links import ReaderLocation
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
 from followspot.worker.scheduler import Scheduler
-from followspot.worker.zenoh_links import ZenohLinks
+from followspot.worker.zenoh_edge_factory import ZenohEdgeFactory
 
 if TYPE_CHECKING:
     import zenoh
 
 
-class EdgeLinks:
+class WorkerEdgeFactory:
     """Makes the ends of a worker's edges.
 
     sending, receiving: this worker's ends of the ring edges' socket pairs, by edge number; session, run,
-    incarnation: see `ZenohLinks`.
+    incarnation: see `ZenohEdgeFactory`.
     """
 
     def __init__(
@@ -41,10 +41,10 @@ class EdgeLinks:
         incarnation: int = 0,
     ) -> None:
         self.plan = self._working = plan
-        """The plan whose edges these links make. `_working`: the plan of the edges that work."""
+        """The plan for whose edges this makes ends. `_working`: the plan of the edges in use."""
         self.sending = dict(sending)
         self.receiving = dict(receiving)
-        self.zenoh = ZenohLinks(session, run, incarnation)
+        self.zenoh = ZenohEdgeFactory(session, run, incarnation)
         self._ring_readers: dict[int, tuple[RingReader, type[Message]]] = {}
         self._ring_writers: dict[int, tuple[RingWriter | DroppingWriter, int]] = {}
         self._refused: Counter[str] = Counter()
@@ -78,14 +78,14 @@ class EdgeLinks:
         else:
             (self.sending if order.side == "sending" else self.receiving)[order.edge] = sock
 
-    def for_plan(self, plan: Plan) -> EdgeLinks:
-        """Links that make the ends of the edges that come with a new plan."""
-        new = EdgeLinks(plan, {}, {}, self.zenoh.session, self.zenoh.run, self.zenoh.incarnation)
+    def for_plan(self, plan: Plan) -> WorkerEdgeFactory:
+        """A factory for the ends of the edges that come with a new plan."""
+        new = WorkerEdgeFactory(plan, {}, {}, self.zenoh.session, self.zenoh.run, self.zenoh.incarnation)
         new.sending, new.receiving, new._working = self.sending, self.receiving, self.plan
         return new
 
-    def adopt(self, new: EdgeLinks) -> None:
-        """Take over the plan and the ends of the links made for it, and drop edges that the plan lacks."""
+    def adopt(self, new: WorkerEdgeFactory) -> None:
+        """Take over the plan and the ends of its factory, and drop edges that the plan lacks."""
         stay = {number for number, _ in new.plan.numbered()}
         for edge in self._ring_readers.keys() - stay:
             self._refused[self.plan.edge(edge).name] += self._ring_readers.pop(edge)[0].rejected
@@ -97,7 +97,7 @@ class EdgeLinks:
         self._ring_writers |= new._ring_writers
 
     def forget(self) -> None:
-        """See `Links.forget`."""
+        """See `EdgeFactory.forget`."""
         known = {number for number, _ in self._working.numbered()}
         for ends in (self.sending, self.receiving):
             for edge in ends.keys() - known:
@@ -138,7 +138,7 @@ class EdgeLinks:
         return self._ring_readers[other][0] if same else None
 
     def wait_matched(self, wanted: Callable[[], bool] = lambda: True) -> None:
-        """See `ZenohLinks.wait_matched`; both ends of a ring are there from the start."""
+        """See `ZenohEdgeFactory.wait_matched`; both ends of a ring are there from the start."""
         self.zenoh.wait_matched(wanted)
 
     def rejected(self) -> dict[str, int]:

@@ -1,4 +1,4 @@
-"""The ends of a worker's edges over Zenoh, and the keys of the ports that they carry."""
+"""Makes the ends of a worker's edges over Zenoh, and the keys of their ports."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _MATCH_TIMEOUT = 45.0
 """Seconds for all Zenoh edges of a run to find their other ends; workers of a busy host start slowly."""
 
 
-class ZenohLinks:
-    """Makes the ends of edges over Zenoh, and knows all that it made.
+class ZenohEdgeFactory:
+    """Makes the ends of edges over Zenoh, and keeps all that it has made.
 
     session: None if no edge of the worker goes over Zenoh; run: name that keeps the keys of two runs apart;
     incarnation: how often the worker was started before.
@@ -69,8 +69,8 @@ class ZenohLinks:
         self._ends.append((first.name, writer))
         return writer
 
-    def adopt(self, new: ZenohLinks) -> None:
-        """Take over the ends that these links have made."""
+    def adopt(self, new: ZenohEdgeFactory) -> None:
+        """Take over the ends that another factory has made."""
         self._ends += new._ends
 
     def wait_matched(self, wanted: Callable[[], bool]) -> None:
