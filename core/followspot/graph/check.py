@@ -10,7 +10,7 @@ from followspot.document import Node, child
 from followspot.errors import Mistake, Place
 from followspot.files import RUN_LOG
 from followspot.graph.camera_kind import gives_picture
-from followspot.graph.checks.close_messages import joins_of_close_messages
+from followspot.graph.checks.fast_loops import joins_in_fast_loops
 from followspot.graph.checks.files import check_files
 from followspot.graph.checks.flow import Flow
 from followspot.graph.checks.inputs import check_inputs
@@ -73,7 +73,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
     room = _checked_room(expanded, mistakes)
     flow = Flow({checked.instance.name: checked for checked in stages}, edges)
     if not mistakes:
-        mistakes += distinct_mistakes(joins_of_close_messages(flow, expanded.room))
+        mistakes += distinct_mistakes(joins_in_fast_loops(flow, expanded.room))
     return Checked(
         name=expanded.name,
         room=room,
@@ -96,7 +96,7 @@ def _check_sampled_cycles(
     mistakes: list[Mistake],
 ) -> list[str]:
     """Note sampled cycles as mistakes of a replay; of a live graph they are the notes that are returned."""
-    sampled = sampled_cycles(edge.link for edge in edges)
+    sampled = sampled_cycles(edge.flow_edge for edge in edges)
     if any(stage.live for stage in classes.values()):
         return [f"{mistake.place}: {mistake.text}; {mistake.remedy}" for mistake in sampled]
     if len(classes) == len(expanded.instances):  # else one that is not known may be live

@@ -35,7 +35,7 @@ class CheckedEdge:
         return self.sampled or self.wire.feed.delay > 0
 
     @property
-    def link(self) -> FlowEdge:
+    def flow_edge(self) -> FlowEdge:
         """The edge between the stages of the file."""
         feed, end = self.wire.feed, self.wire.target.declared.name
         return FlowEdge(

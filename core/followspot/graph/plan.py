@@ -99,7 +99,7 @@ class PlannedEdge:
         return f"{self.from_stage}.{self.from_port} -> {self.to_stage}.{self.to_port}"
 
     @property
-    def way(self) -> str:
+    def shown_kind(self) -> str:
         """For display: the kind, the codec unless it is raw, and the policy if it drops."""
         carried = self.kind if self.codec == "raw" else f"{self.kind} {self.codec}"
         dropping = {"block": "", "latest": ", latest", "drop_oldest": f", drop_oldest {self.depth}"}

@@ -32,16 +32,16 @@ class FlowEdge:
     place: Place | None = None
 
 
-def sampled_cycles(links: Iterable[FlowEdge]) -> list[Mistake]:
+def sampled_cycles(edges: Iterable[FlowEdge]) -> list[Mistake]:
     """One mistake for each sampled input in a cycle without a delay, at the place of its edge."""
-    undelayed = [link for link in links if not link.delay]
-    ends = [(link.start, link.end) for link in undelayed]
+    undelayed = [edge for edge in edges if not edge.delay]
+    ends = [(edge.start, edge.end) for edge in undelayed]
     circular = cyclic(ends)
     found = list(dict.fromkeys(x for x in undelayed if x.sampled and (x.start, x.end) in circular))
     graph = successors(dict.fromkeys(name for pair in ends for name in pair), ends)
     component = components(graph)
     mistakes = [
-        _mistake(link, cycle_through(graph, link.start, link.end, component)) for link in found[:_MOST_NAMED]
+        _mistake(edge, cycle_through(graph, edge.start, edge.end, component)) for edge in found[:_MOST_NAMED]
     ]
     if len(found) > _MOST_NAMED:
         text = f"{len(found) - _MOST_NAMED} more inputs are sampled in cycles without a delay"
@@ -53,7 +53,7 @@ def plan_sampled_cycles(plan: Plan) -> list[Mistake]:
     """The mistakes of sampled inputs among the instances of a plan; they have no place."""
     group = {stage.name: stage.group for stage in plan.stages}
     known = {stage.name: ports(load_stage(stage.uses)) for stage in plan.stages}
-    links = [
+    edges = [
         FlowEdge(
             edge.from_stage,
             f"{group[edge.from_stage]}.{edge.from_port}",
@@ -65,13 +65,13 @@ def plan_sampled_cycles(plan: Plan) -> list[Mistake]:
         )
         for edge in plan.edges
     ]
-    return sampled_cycles(links)
+    return sampled_cycles(edges)
 
 
-def _mistake(link: FlowEdge, cycle: Sequence[str]) -> Mistake:
+def _mistake(edge: FlowEdge, cycle: Sequence[str]) -> Mistake:
     text = (
-        f'the result depends on timing: input "{link.port}" of stage "{link.end}" samples "{link.origin}" '
+        f'the result depends on timing: input "{edge.port}" of stage "{edge.end}" samples "{edge.origin}" '
         f"in the cycle {' -> '.join(cycle)}, which has no delay"
     )
-    without = "" if link.policy == "block" else f" without policy: {link.policy}"
-    return Mistake(link.place, text, f"delay it: {{from: {link.origin}, delay: 1}}{without}")
+    without = "" if edge.policy == "block" else f" without policy: {edge.policy}"
+    return Mistake(edge.place, text, f"delay it: {{from: {edge.origin}, delay: 1}}{without}")

@@ -185,7 +185,7 @@ class Builder:
             output = OutputPort(port.type, self.words, lateness=self.wiring.lateness[stage.name])
             output.unfit = fit_check(port.type, self.plan.room, stage.camera)
             numbers = [number for number, name in ways.items() if name == port.name]
-            for _, group in groupby(sorted(numbers, key=self.way), key=self.way):
+            for _, group in groupby(sorted(numbers, key=self.writer_key), key=self.writer_key):
                 self._attach(output, list(group), stage.name)
             outputs[port.name] = output
         return outputs
@@ -207,16 +207,16 @@ class Builder:
         """Count as lost what was in flight on an edge within the worker when its earlier incarnation died."""
         self.words[self.ledger.row(number) + LOST] += self.ledger.count(number).in_flight
 
-    def way(self, number: int) -> str:
-        """The properties that edges of a port must share to have one writer; an edge that drops has its own.
+    def writer_key(self, number: int) -> str:
+        """Edges of a port with equal keys share one writer; an edge that drops has a writer of its own.
 
-        Edges over the network must also have come with the same change of the graph: they share a key, and
-        the stream of a key has one beginning.
+        Edges over the network must also have come with the same change of the graph: they share a Zenoh key,
+        and the stream of a Zenoh key has one beginning.
         """
         edge = self.plan.edge(number)
         if edge.drops and edge.kind != "reference":
-            return f"{edge.way}, {number}"
-        return f"{edge.way}, {self.plan.addition(number)}" if edge.kind == "zenoh" else edge.way
+            return f"{edge.shown_kind}, {number}"
+        return f"{edge.shown_kind}, {self.plan.addition(number)}" if edge.kind == "zenoh" else edge.shown_kind
 
 
 def _shed(queue: InputQueue, wake: Callable[[], None]) -> None:

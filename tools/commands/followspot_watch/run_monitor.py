@@ -216,7 +216,7 @@ def _edge(
     return {
         "from": f"{edge.from_stage}.{edge.from_port}",
         "to": f"{edge.to_stage}.{edge.to_port}",
-        "kind": edge.way,
+        "kind": edge.shown_kind,
         "rate": None if edge.from_stage in unknown else rates.get(edge.name, 0.0),
         "p50_ms": age.p50_ms,
         "p95_ms": age.p95_ms,

@@ -24,7 +24,7 @@ def differing_workers(old: Plan, new: Plan) -> set[str]:
         found |= workers_of(plan, differing_stages(old, new))
         same = dict(other.numbered())
         for number, edge in plan.numbered():
-            if number not in same or _way(plan, number) != _way(other, number):
+            if number not in same or _connection(plan, number) != _connection(other, number):
                 found |= {plan.worker_of(edge.from_stage), plan.worker_of(edge.to_stage)}
     return found
 
@@ -53,7 +53,7 @@ def is_fed(plan: Plan, worker: str) -> bool:
     )
 
 
-def _way(plan: Plan, number: int) -> tuple[str, ...]:
+def _connection(plan: Plan, number: int) -> tuple[str, ...]:
     """The kind of an edge, and the hosts that it joins if it goes over the network."""
     edge = plan.edge(number)
     ends = (edge.from_stage, edge.to_stage) if edge.kind == "zenoh" else ()

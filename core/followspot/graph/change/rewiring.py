@@ -80,8 +80,8 @@ def _edges(
     placed = Placed({stage.name: stage.worker for stage in stages.values()}, plan.workers)
     before = {edge.name + f" {edge.delay}": edge for edge in plan.edges}
     inside = []
-    for link in found.links:
-        edge = planned_edge(link, placed)
+    for checked in found.checked_edges:
+        edge = planned_edge(checked, placed)
         was = before.get(edge.name + f" {edge.delay}")
         same = was is not None and replace(edge, kind=was.kind, codec=was.codec) == was
         inside.append(was if was is not None and same else edge)

@@ -35,14 +35,14 @@ class ComposedFile:
     """A graph file as the sub-graph of a running graph.
 
     stages: its instances; edges: into them, as stage and port of the sender, stage and port of the receiver,
-    and delay; links: the same edges with their types; outputs: of each output, SUBGRAPH.NAME, the ports
-    inside that give it; subgraphs: the file and those below it.
+    and delay; checked_edges: the same edges with their types; outputs: of each output, SUBGRAPH.NAME, the
+    ports inside that give it; subgraphs: the file and those below it.
     """
 
     stages: tuple[CheckedStage, ...]
     edges: frozenset[tuple[str, str, str, str, int]]
     outputs: Mapping[str, tuple[str, ...]]
-    links: tuple[CheckedEdge, ...]
+    checked_edges: tuple[CheckedEdge, ...]
     subgraphs: tuple[SubgraphUse, ...]
 
 
@@ -104,13 +104,13 @@ def _checked(
             check_inputs(instance, stage, expanded.left_out, mistakes)
             params = _params(instance, stage, old.get(instance.name), mistakes)
             stages += [] if params is None else [CheckedStage(instance, stage, params)]
-    links = tuple(connect(expanded.wires, classes, mistakes))
+    checked_edges = tuple(connect(expanded.wires, classes, mistakes))
     edges = {
         (edge.wire.source.name, edge.output, edge.wire.target.name, edge.wire.port, edge.wire.feed.delay)
-        for edge in links
+        for edge in checked_edges
     }
     outputs = subgraph_ports(found.outputs, stages, plan.room)
-    return ComposedFile(tuple(stages), frozenset(edges), outputs, links, found.subgraphs)
+    return ComposedFile(tuple(stages), frozenset(edges), outputs, checked_edges, found.subgraphs)
 
 
 def _class(instance: Instance, mistakes: list[Mistake]) -> type[Stage] | None:

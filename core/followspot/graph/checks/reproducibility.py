@@ -55,7 +55,7 @@ def _live(stages: Sequence[CheckedStage]) -> Iterator[Mistake]:
 
 def _sampled(edges: Sequence[CheckedEdge]) -> Iterator[Mistake]:
     """Sampled inputs; those in cycles are named with their cycle."""
-    in_cycles = sampled_cycles(edge.link for edge in edges)
+    in_cycles = sampled_cycles(edge.flow_edge for edge in edges)
     places = {mistake.place for mistake in in_cycles}
     yield from in_cycles
     for edge in edges:

@@ -54,10 +54,10 @@ class GraphFiles:
     files: all that were read, in this order, each once.
     """
 
-    def __init__(self, mistakes: list[Mistake], odd: list[Mistake]) -> None:
-        """mistakes, odd: lists that receive mistakes, odd those with which the graph is still known."""
+    def __init__(self, mistakes: list[Mistake], minor: list[Mistake]) -> None:
+        """mistakes: receives mistakes; minor: those that leave no stage or edge of the graph unknown."""
         self.mistakes = mistakes
-        self.odd = odd
+        self.minor = minor
         self.files: list[Path] = []
         self._seen: set[str] = set()
         self._uses = 0
@@ -114,7 +114,7 @@ class GraphFiles:
             self.files.append(path)
         root = read(path, at=at, remedy=remedy)
         self._nodes += root.nodes
-        form = Form(root if outer is None else _within(root, outer), "a graph", _KEYS, self.odd)
+        form = Form(root if outer is None else _within(root, outer), "a graph", _KEYS, self.minor)
         interface = copy(form)
         interface.mistakes = self.mistakes
         own = GraphFile(

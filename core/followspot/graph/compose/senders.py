@@ -21,11 +21,11 @@ from followspot.graph.compose.narrowing import Limit, both, narrowed
 from followspot.graph.compose.unit import Unit
 from followspot.graph.names import below, enclosing
 
-_Way = tuple[tuple[str, str, str | None], ...]
+_Visited = tuple[tuple[str, str, str | None], ...]
 """The senders that led to one: unit, stage and port of each."""
 
 
-def senders(unit: Unit, feed: Node, mistakes: list[Mistake], way: _Way = ()) -> list[Node]:
+def senders(unit: Unit, feed: Node, mistakes: list[Mistake], visited: _Visited = ()) -> list[Node]:
     """The feed, or those that it stands for, with the full names of stages.
 
     A malformed feed and one from an unknown stage stay as they are, for a later step to note.
@@ -35,41 +35,43 @@ def senders(unit: Unit, feed: Node, mistakes: list[Mistake], way: _Way = ()) -> 
         return [feed]
     stage, port = named
     step = (unit.name, stage, port)
-    if step in way:
-        mistakes.append(_fed_from_itself(feed, (*way[way.index(step) :], step)))
+    if step in visited:
+        mistakes.append(_fed_from_itself(feed, (*visited[visited.index(step) :], step)))
         return []
-    way = (*way, step)
+    visited = (*visited, step)
     if stage in unit.replaced:
-        return _of_replaced(unit, stage, port, feed, mistakes, way)
+        return _of_replaced(unit, stage, port, feed, mistakes, visited)
     absent = next((name for name in enclosing(stage) if name in unit.left_out), None)
     if absent is not None:
         if stage in unit.apart:  # for the mistakes alone: what is left out feeds nothing
-            _of_output(unit.apart[stage], port, feed, mistakes, way)
+            _of_output(unit.apart[stage], port, feed, mistakes, visited)
         return [renamed(feed, _join(below(unit.name, absent), port))]
     if stage in unit.units:
-        return [one for inner in unit.units[stage] for one in _of_output(inner, port, feed, mistakes, way)]
+        return [
+            one for inner in unit.units[stage] for one in _of_output(inner, port, feed, mistakes, visited)
+        ]
     full = below(unit.name, stage)
     around = None if stage in unit.stages else _around(unit, full)
     if around is None:
         return [renamed(feed, _join(full, port))]
     if around.name == full:  # one member of a sub-graph that fans out
-        return _of_output(around, port, feed, mistakes, way)
+        return _of_output(around, port, feed, mistakes, visited)
     text = _join(full.removeprefix(f"{around.name}/"), port)
-    return senders(around, renamed(feed, text), mistakes, way)
+    return senders(around, renamed(feed, text), mistakes, visited)
 
 
-def _fed_from_itself(feed: Node, ring: _Way) -> Mistake:
-    """The mistake of a feed that leads back to itself. ring: the senders on the way, in a circle."""
-    steps = " -> ".join(_join(below(unit, stage), port) for unit, stage, port in ring)
+def _fed_from_itself(feed: Node, circle: _Visited) -> Mistake:
+    """The mistake of a feed that leads back to itself. circle: the senders from the feed back to it."""
+    steps = " -> ".join(_join(below(unit, stage), port) for unit, stage, port in circle)
     return Mistake(origin(feed).place, f"this input is fed from itself: {steps}", "feed it from a stage")
 
 
 def _of_replaced(
-    unit: Unit, stage: str, port: str | None, feed: Node, mistakes: list[Mistake], way: _Way
+    unit: Unit, stage: str, port: str | None, feed: Node, mistakes: list[Mistake], visited: _Visited
 ) -> list[Node]:
     """The senders that the use of a sub-graph connects in place of one of its stages."""
     wired = unit.replaced[stage]
-    outer = [one for item in items(wired.feeds) for one in senders(wired.unit, item, mistakes, way)]
+    outer = [one for item in items(wired.feeds) for one in senders(wired.unit, item, mistakes, visited)]
     found = [joined(_with_port(seen_with(one, feed), port), feed) for one in outer]
     return [_only(one, unit.stages[stage], unit.limits) for one in found]
 
@@ -80,7 +82,9 @@ def _around(unit: Unit, full: str) -> Unit | None:
     return next((inner for inner in units if f"{full}/".startswith(f"{inner.name}/")), None)
 
 
-def _of_output(unit: Unit, port: str | None, feed: Node, mistakes: list[Mistake], way: _Way) -> list[Node]:
+def _of_output(
+    unit: Unit, port: str | None, feed: Node, mistakes: list[Mistake], visited: _Visited
+) -> list[Node]:
     """The senders behind an output of a sub-graph: the named one, else the only one."""
     outputs = unit.interface.outputs
     if "outputs" in unit.file.unreadable:
@@ -101,7 +105,7 @@ def _of_output(unit: Unit, port: str | None, feed: Node, mistakes: list[Mistake]
     found = []
     for target in targets:  # one, or none if a mistake was noted
         inner = seen_with(replace(target.node, place=origin(feed).place), target.node)
-        found += [joined(one, feed) for one in senders(unit, inner, mistakes, way)]
+        found += [joined(one, feed) for one in senders(unit, inner, mistakes, visited)]
     return found
 
 

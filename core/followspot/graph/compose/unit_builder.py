@@ -28,16 +28,16 @@ class UnitBuilder:
         room: Room | None,
         named: bool,
         mistakes: list[Mistake],
-        odd: list[Mistake],
+        minor: list[Mistake],
     ) -> None:
-        """room: None if it has mistakes; named: whether the graph names one; mistakes, odd: lists that
-        receive mistakes, odd those with which the graph is still known.
+        """room: None if it has mistakes; named: whether the graph names one; mistakes: receives mistakes;
+        minor: receives those that leave no stage or edge of the graph unknown.
         """
         self.files = files
         self.room = room
         self.named = named
         self.mistakes = mistakes
-        self.odd = odd
+        self.minor = minor
         self.unknown: list[Override] = []
         self.tuned: set[Place] = set()
         """Of the tunes that name a sub-graph."""
@@ -83,7 +83,7 @@ class UnitBuilder:
 
     def _set_apart(self, parent: Unit, stage: str, entry: Form, overrides: Sequence[Override]) -> None:
         """Make the unit of a sub-graph that is left out as if its room were not known, for its mistakes."""
-        builder = UnitBuilder(self.files, None, self.named, self.mistakes, self.odd)
+        builder = UnitBuilder(self.files, None, self.named, self.mistakes, self.minor)
         use = Use(stage, parent.limits, optional=True)
         inside = overrides if entry.get("each") is None else ()
         for unit in builder.used(parent, stage, use, entry, inside):
@@ -94,7 +94,7 @@ class UnitBuilder:
     def _member_entry(self, node: Node, stage: str, name: str, overrides: Sequence[Override]) -> Node:
         """The entry of one member of a sub-graph, with the overrides for this member alone."""
         for override in (override for override in overrides if override.stage == name):
-            node = overridden(node, override, self.odd)
+            node = overridden(node, override, self.minor)
             if override.tune:
                 self.tuned.add(override.stage_place)
             if override.keys[0] in ("each", "cameras", "optional"):
@@ -134,7 +134,7 @@ class UnitBuilder:
             place = override.stage_place.within(unit.replaced[stage].feeds.place)
             self.mistakes.append(Mistake(place, text, "set the stage that feeds this input"))
         else:
-            unit.stages[stage] = overridden(unit.stages[stage], override, self.odd)
+            unit.stages[stage] = overridden(unit.stages[stage], override, self.minor)
         return True
 
 

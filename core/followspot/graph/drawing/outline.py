@@ -38,7 +38,7 @@ class Line:
     end: Box
     input: str
     kind: EdgeKind
-    way: str
+    shown_kind: str
     delay: int
     count: int
     back: bool
@@ -81,7 +81,7 @@ def outline(plan: Plan, *, fold: bool = True) -> Outline:
             _port(inside[edge.from_stage], edge.from_port),
             _port(inside[edge.to_stage], edge.to_port),
         )
-        key = (start, output, end, port, edge.kind, edge.way, edge.delay)
+        key = (start, output, end, port, edge.kind, edge.shown_kind, edge.delay)
         counts[key] = counts.get(key, 0) + 1
     lines = [Line(*key, count, back=key[0].column >= key[2].column) for key, count in counts.items()]
     return Outline(tuple(boxes.values()), tuple(lines))

@@ -60,7 +60,7 @@ def _line(line: Line, corners: Sequence[Point]) -> str:
     """A line with a dot at its end; dashed if it leads to a later frame."""
     x, y = corners[-1]
     dash = ' stroke-dasharray="5 4"' if line.delay else ""
-    name = f"{line.sender} -> {line.reader}: {line.way} × {line.count}"
+    name = f"{line.sender} -> {line.reader}: {line.shown_kind} × {line.count}"
     return (
         f'<path d="{_path(corners)}" fill="none" stroke="{_COLORS[line.kind]}" stroke-width="1.5"{dash}>'
         f"<title>{escape(name)}</title></path>"

@@ -45,7 +45,7 @@ class Layout:
 
 
 @dataclass(frozen=True)
-class _Way:
+class _Course:
     """The course of a line through the gaps between columns and the lanes along workers.
 
     turns: columns before which the line turns, each with a key that lines with one turn share; lane: a worker
@@ -59,21 +59,25 @@ class _Way:
 
 def layout(plan: Plan, found: Outline) -> Layout:
     """Lay a folded plan out."""
-    ways = [_way(line) for line in found.lines]
-    gaps = _shared(turn for way in ways for turn in way.turns)
-    lanes = _shared(way.lane for way in ways if way.lane is not None)
+    courses = [_course(line) for line in found.lines]
+    gaps = _shared(turn for course in courses for turn in course.turns)
+    lanes = _shared(course.lane for course in courses if course.lane is not None)
     letters = max((len(text) for box in found.boxes for text in text_of(box)), default=0)
     box_width = max(_NARROWEST, _LETTER * letters + 20)
     lefts, turn_x, right = _across(found.boxes, gaps, box_width)
     corner, rows, lane_y, bottom = _down(plan, found.boxes, lanes, lefts)
-    port_y = _ports(ways, corner)
+    port_y = _ports(courses, corner)
     routes = []
-    for way in ways:
-        line = way.line
+    for course in courses:
+        line = course.line
         ys = [port_y["out", line.start, line.port], port_y["in", line.end, line.input]]
-        if way.lane is not None:
-            ys.insert(1, lane_y[way.lane])
-        xs = [corner[line.start][0] + box_width, *(turn_x[turn] for turn in way.turns), corner[line.end][0]]
+        if course.lane is not None:
+            ys.insert(1, lane_y[course.lane])
+        xs = [
+            corner[line.start][0] + box_width,
+            *(turn_x[turn] for turn in course.turns),
+            corner[line.end][0],
+        ]
         routes.append((line, [(x, y) for y, *ends in zip(ys, xs, xs[1:], strict=False) for x in ends]))
     return Layout(corner, box_width, rows, routes, right + MARGIN, bottom + TITLE)
 
@@ -85,17 +89,17 @@ def text_of(box: Box) -> tuple[str, str]:
     return box.name + (f" × {len(box.members)}" if box.members else ""), box.uses
 
 
-def _way(line: Line) -> _Way:
+def _course(line: Line) -> _Course:
     style = (line.kind, line.delay)
     if line.back:
         key: Hashable = (line.start, line.port, style)
         turns = ((line.start.column + 1, ("out", key)), (line.end.column, ("in", key)))
-        return _Way(line, turns, ((line.start.worker, False), key))
+        return _Course(line, turns, ((line.start.worker, False), key))
     key = (line.end, line.input, style)
     if line.end.column == line.start.column + 1:
-        return _Way(line, ((line.end.column, ("in", key)),))
+        return _Course(line, ((line.end.column, ("in", key)),))
     turns = ((line.start.column + 1, ("out", key)), (line.end.column, ("in", key)))
-    return _Way(line, turns, ((line.end.worker, True), key))
+    return _Course(line, turns, ((line.end.worker, True), key))
 
 
 def _shared(places: Iterable[tuple[Place, Hashable]]) -> dict[Place, list[Hashable]]:
@@ -160,11 +164,11 @@ def _down(
     return corner, rows, lane_y, top
 
 
-def _ports(ways: Sequence[_Way], corner: Mapping[Box, Point]) -> dict[tuple[str, Box, str], float]:
+def _ports(courses: Sequence[_Course], corner: Mapping[Box, Point]) -> dict[tuple[str, Box, str], float]:
     """Height of each port: a straight line in the middle, others in the direction of their lines."""
     sides: dict[tuple[str, Box], dict[str, bool]] = {}
-    for way in sorted(ways, key=lambda way: (way.line.back, len(way.turns))):
-        line, up = way.line, way.lane is not None and way.lane[0][1]
+    for course in sorted(courses, key=lambda course: (course.line.back, len(course.turns))):
+        line, up = course.line, course.lane is not None and course.lane[0][1]
         sides.setdefault(("out", line.start), {}).setdefault(line.port, up)
         sides.setdefault(("in", line.end), {}).setdefault(line.input, up)
     heights: dict[tuple[str, Box, str], float] = {}

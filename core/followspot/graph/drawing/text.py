@@ -48,7 +48,7 @@ def mermaid(plan: Plan, *, fold: bool = True) -> str:
         lines.append("  end")
     for line in found.lines:
         arrow = "-.->" if line.delay else "-->"
-        label = f"{_escaped(line.input)} · {_kind(line.way, line.count, line.delay)}"
+        label = f"{_escaped(line.input)} · {_kind(line.shown_kind, line.count, line.delay)}"
         lines.append(f'  {number[line.start]} {arrow}|"{label}"| {number[line.end]}')
     return "\n".join(lines)
 
@@ -65,14 +65,14 @@ def _edge_rows(lines: Sequence[Line]) -> list[tuple[str, str, str]]:
     for line in lines:
         ports = (line.sender, f"-> {line.reader}")
         apart = line.start.worker != line.end.worker
-        way = f" ({line.start.worker} to {line.end.worker})" if apart else ""
+        workers = f" ({line.start.worker} to {line.end.worker})" if apart else ""
         of_ports = counts.setdefault(ports, {})
-        key = (line.way, way, line.delay)
+        key = (line.shown_kind, workers, line.delay)
         of_ports[key] = of_ports.get(key, 0) + line.count
     return [
-        (*ports, _kind(kind, count, delay) + way)
+        (*ports, _kind(kind, count, delay) + workers)
         for ports, of_ports in counts.items()
-        for (kind, way, delay), count in of_ports.items()
+        for (kind, workers, delay), count in of_ports.items()
     ]
 
 

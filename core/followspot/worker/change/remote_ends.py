@@ -51,7 +51,7 @@ class RemoteEnds:
             and wiring.plan.edge(number).kind != "reference"
             and number not in known
         ]
-        for _, group in groupby(sorted(new, key=builder.way), key=builder.way):
+        for _, group in groupby(sorted(new, key=builder.writer_key), key=builder.writer_key):
             numbers = list(group)
             writer = builder.edge_factory.writer(numbers, wiring.plan.edge(numbers[0]).kind)
             yield runner, output, writer, numbers

@@ -1,4 +1,4 @@
-"""Joins in a loop whose messages follow each other within the time for which a join closes."""
+"""Joins in a loop that gets messages faster than the joins can fire."""
 
 from __future__ import annotations
 
@@ -17,60 +17,60 @@ from followspot.room import Room
 _SPARE = 0.9
 """Share of the time between messages that the remedy lets joins close for: times are never quite even."""
 _TIMED = ("several", "lagged")
-"""What stages give that close nothing for their readers: each message has a time of its own."""
+"""Kinds of stages whose outputs do not close joins downstream: each message has a time of its own."""
 
 
 @dataclass(frozen=True)
-class Closing:
-    """For how long a stage fires no more after a firing, s, and the joins on its path that add up to it."""
+class ClosedTime:
+    """How long a stage does not fire after a firing, s, and the joins whose tolerances add up to that."""
 
     seconds: float = 0.0
     joins: tuple[str, ...] = ()
 
 
-def joins_of_close_messages(flow: Flow, room: Room) -> Iterator[Mistake]:
+def joins_in_fast_loops(flow: Flow, room: Room) -> Iterator[Mistake]:
     """Joins in a loop that would discard every other message or more; some loops wait for those forever."""
     loops = {target for _, target in cyclic([(e.wire.source.name, e.wire.target.name) for e in flow.edges])}
-    found, closings = rates(flow, room), _closings(flow)
+    found, closed_times = rates(flow, room), _closed_times(flow)
     named: set[str] = set()
     for name in reversed(flow.order):
-        rate, closing, reader = found[name], closings[name], flow.stages[name]
+        rate, closed, reader = found[name], closed_times[name], flow.stages[name]
         own = reader.instance.declared.name
-        if rate is None or rate * closing.seconds < 1 or own not in closing.joins or name not in loops:
+        if rate is None or rate * closed.seconds < 1 or own not in closed.joins or name not in loops:
             continue
-        if own not in named:  # one that closes for longer has it among its joins
-            named.update(closing.joins)
-            yield _mistake(reader, rate, closing)
+        if own not in named:  # else the mistake of a stage downstream names it
+            named.update(closed.joins)
+            yield _mistake(reader, rate, closed)
 
 
-def _mistake(reader: CheckedStage, rate: float, closing: Closing) -> Mistake:
+def _mistake(reader: CheckedStage, rate: float, closed: ClosedTime) -> Mistake:
     name = reader.instance.declared.name
     text = (
         f'{rate:g} messages/s reach stage "{name}", which is in a loop, but by the tolerances of the joins '
-        f"{', '.join(closing.joins)} it fires once in {1000 * closing.seconds:g} ms at most"
+        f"{', '.join(closed.joins)} it fires once in {1000 * closed.seconds:g} ms at most"
     )
-    tolerance = f"{_SPARE / rate / len(closing.joins):.2g}"
-    settings = " ".join(f"--set {join}.tolerance={tolerance}" for join in closing.joins)
+    tolerance = f"{_SPARE / rate / len(closed.joins):.2g}"
+    settings = " ".join(f"--set {join}.tolerance={tolerance}" for join in closed.joins)
     return Mistake(
         reader.instance.declared.place, text, f"give these a smaller one ({settings}), or lower the rate"
     )
 
 
-def _closings(flow: Flow) -> Mapping[str, Closing]:
-    """The closing of each instance: the longest of its senders, and on top that of its own join."""
-    closings: dict[str, Closing] = {}
+def _closed_times(flow: Flow) -> Mapping[str, ClosedTime]:
+    """The closed time of each instance: the longest of its senders' plus the window of its own join."""
+    closed_times: dict[str, ClosedTime] = {}
     for name in flow.order:
         reader, edges = flow.stages[name], flow.firing_edges[name]
         passed = [
-            closings[e.wire.source.name]
+            closed_times[e.wire.source.name]
             for e in edges
             if ports(flow.stages[e.wire.source.name].stage).gives not in _TIMED
         ]
-        longest = max(passed, key=lambda closing: closing.seconds, default=Closing())
+        longest = max(passed, key=lambda closed: closed.seconds, default=ClosedTime())
         window = _window(reader, edges)
         own = (reader.instance.declared.name,) if window else ()
-        closings[name] = Closing(longest.seconds + window, longest.joins + own)
-    return closings
+        closed_times[name] = ClosedTime(longest.seconds + window, longest.joins + own)
+    return closed_times
 
 
 def _window(reader: CheckedStage, edges: Sequence[CheckedEdge]) -> float:
