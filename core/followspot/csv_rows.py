@@ -69,7 +69,7 @@ class Row:
 
     def nanoseconds(self, column: str, unit: str) -> int:
         """A time in ns without the error of binary fractions. unit: of `DECIMALS`. Raises InputError."""
-        # decimal leaves its settings in the context, where each later call of numpy would pass them
+        # in a copy: decimal adds its settings to the context, which would slow down later calls of numpy
         time = copy_context().run(_nanoseconds, self.cell(column), unit)
         if time is None:
             raise self.mistake(column, f"a time in {unit}")

@@ -1,4 +1,4 @@
-"""What a stage did at one firing, for flight recorders: with the messages themselves it can be repeated."""
+"""The record of one firing of a stage: with the messages that it names, the firing can be repeated."""
 
 from __future__ import annotations
 

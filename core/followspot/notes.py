@@ -1,4 +1,4 @@
-"""What commands say on standard error beside their results and warnings; --quiet leaves it out."""
+"""Notes of commands on standard error, beside their results and warnings; --quiet leaves them out."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def show_notes(shown: bool) -> None:
 
 
 def note(text: str) -> None:
-    """Say a line."""
+    """Print a line on standard error, unless notes are left out."""
     if _Shown.now:
         print(text, file=sys.stderr, flush=True)  # noqa: T201
 

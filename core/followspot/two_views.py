@@ -1,4 +1,4 @@
-"""Whether cameras see a room from two places, which every stage needs that finds depth by rays."""
+"""A warning for stages that triangulate if their cameras do not see the room from two places."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from followspot.errors import Mistake
 from followspot.room import Camera
 
 _SAME = 1e-6
-"""Distance up to which two cameras stand at one place, m: as rooms are before they are calibrated."""
+"""Distance up to which two cameras count as at one place, m; in an uncalibrated room all are at one."""
 _MOST_NAMED = 3
 
 
 def check_two_views(cameras: Sequence[Camera], need: str) -> Iterator[Mistake]:
     """A warning for `Stage.check_room` if these cameras do not see the room from two places.
 
-    need: what needs two cameras, for example "a pair needs blobs of". Nothing is known of a stage that a
-    source feeds which serves no camera: it may send for several.
+    need: beginning of the text, for example "a pair needs blobs of". Without cameras there is no warning: the
+    messages may come from a source that serves no camera and sends for several.
     """
     if not cameras:
         return

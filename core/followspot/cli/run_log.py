@@ -1,4 +1,4 @@
-"""The log of a run: all records go to a file, what a user should know also to standard error, or all."""
+"""The log of a run: a file gets all records, standard error gets warnings and errors (or all records)."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from followspot.log.file import LogFile
 from followspot.log.record import LogRecord
 
 _MOST = 50
-"""Kinds of lines on standard error at most; the file has all records."""
+"""Most kinds of lines on standard error; the file has all records."""
 _EVENTS = 20
-"""Lines at most of one kind that tell what becomes of a host or a worker: they come and go more than once."""
+"""Most lines of one kind about a host or a worker, which may fail and return more than once."""
 _NUMBER = re.compile(r"\d+")
 
 
 class ShownLog:
     """Writes each record to the output folder; shows warnings and errors, similar ones of a stage once.
 
-    What becomes of a host, a worker or the run itself is shown each time, also that it is well again: the
-    last line about a host must not be of an earlier state.
+    Records about a host, a worker or the run itself are shown each time, also those that a fault is over: the
+    last line about a host must tell its present state.
 
     say: shows a line; verbose: whether to show every record.
     """

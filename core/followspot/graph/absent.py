@@ -1,4 +1,4 @@
-"""What a graph asks for and the room does not have: a mistake, or a stage that is left out."""
+"""Stages that ask for members which the room lacks: mistakes, or left out if they are optional."""
 
 from __future__ import annotations
 
@@ -33,9 +33,10 @@ def lack(stage: StageDeclaration, selector: Selector, loaded: Loaded, room: Room
 
 
 def absent(loaded: Loaded, members: Mapping[str, Sequence[Member | None]]) -> dict[str, Mistake]:
-    """Optional stages and sub-graphs that the room has nothing for, and those that nothing else feeds.
+    """The stages and sub-graphs that are left out, each with the reason.
 
-    Each has its reason; the stages of a sub-graph that is left out are among them.
+    They are the optional ones for which the room has no member, the optional ones that only such stages feed,
+    and the stages within sub-graphs that are left out.
     """
     left_out = dict(loaded.left_out)
     for name, stage in loaded.stages.items():

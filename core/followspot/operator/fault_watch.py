@@ -1,4 +1,4 @@
-"""Faults that come and go while a run goes on: when each begins, and when it is over."""
+"""Faults of a run that begin and end while it goes on."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Iterable, Iterator
 
 
 class FaultWatch:
-    """Tells when a fault begins, and when it ends.
+    """Gives a line for the log when a fault begins, and one when it ends.
 
-    fault, repair: words in the lines of such a fault before their first colon, and what replaces them in the
-    line that tells of its end.
+    fault: a word in the lines of such faults, before their first colon, for example "stalls"; repair: the
+    word that replaces it in the line about the end, for example "moves".
     """
 
     def __init__(self, fault: str, repair: str) -> None:
@@ -17,7 +17,7 @@ class FaultWatch:
         self._known: dict[str, str] = {}
 
     def changes(self, lines: Iterable[str]) -> Iterator[tuple[str, bool]]:
-        """New lines for the log, and whether each tells of a beginning. lines: of all faults that last."""
+        """New lines for the log, and whether each is about a beginning. lines: of all present faults."""
         now = {line.partition(":")[0]: line for line in lines}
         before, self._known = self._known, now
         yield from ((line, True) for key, line in now.items() if key not in before)

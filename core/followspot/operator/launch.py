@@ -90,7 +90,7 @@ def prepared(
 
 
 def unused_agents(plan: Plan, endpoints: Sequence[str]) -> tuple[str, ...]:
-    """What there is to say of a run that is to use the agents at some endpoints, and whose plan uses none."""
+    """A note if the user names endpoints of agents but the plan uses no other host; empty otherwise."""
     if not endpoints or any(worker.host for worker in plan.workers):
         return ()
     return (

@@ -1,4 +1,4 @@
-"""The hosts of a run that do not answer, and what the run's log says of them."""
+"""The silent hosts of a run: those that do not answer, with the reasons."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from followspot.operator.run_events import RunEvents
 
 
 class SilentHosts:
-    """Attends the hosts of a run.
+    """Attends the hosts of a run, and logs when one falls silent and when it is back.
 
     reasons: why each silent host does not answer, as far as it is known, by name.
     """
@@ -34,7 +34,7 @@ class SilentHosts:
                 self._events.add(f"host {host.name} is back", "info")
 
     def renew(self, hosts: Iterable[Host]) -> None:
-        """Note once more why hosts are lost: one may have lost the run since it was attended last."""
+        """Update the reasons: a host may have lost the run since it was attended last."""
         for host in hosts:
             try:
                 host.attend(0.0)

@@ -1,6 +1,7 @@
-"""Linear algebra in one thread while workers live: more threads add up in another order, and give other bits.
+"""Limits linear algebra to one thread while workers live.
 
-A worker process and a worker in a script's own process must give the same, and workers are the parallelism.
+More threads would add up in another order and give other bits; a worker process and a worker in a script's
+own process must give the same. Workers are the parallelism instead.
 """
 
 from __future__ import annotations

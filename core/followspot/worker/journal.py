@@ -1,7 +1,8 @@
 """The journal of a stage: which messages each firing takes, and checkpoints from which firings are repeated.
 
-What only the run knows is in it: which messages came in time, were dropped or sampled, and which stage with
-which parameters processed them. So no clock and no other stage is needed to repeat a stage.
+The journal holds what only the run knows: which messages came in time, were dropped or sampled, and which
+stage with which parameters processed them. So a stage can be repeated without a clock and without the other
+stages.
 """
 
 from __future__ import annotations
@@ -56,7 +57,7 @@ class Journal(TapPoint):
 
     @property
     def read(self) -> bool:
-        """Whether anybody reads it."""
+        """Whether a tap or a recording reads the journal."""
         return bool(self.taps) or self._output is not None
 
     def before(self, runner: Journaled, time: int) -> _Note:

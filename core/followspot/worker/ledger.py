@@ -1,7 +1,7 @@
 """The ledger: for each edge, what became of every message that its sender produced.
 
 produced = sent + away, and sent = delivered + dropped + late + unmatched + invalid + lost + in flight.
-Beside that, the frames that a device made and its source never had.
+Frames that were lost between a device and its source have columns of their own.
 """
 
 from __future__ import annotations

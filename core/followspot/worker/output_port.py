@@ -115,7 +115,7 @@ class OutputPort(PortEdges):
         self._count(self.all_rows, OVERRUN)
 
     def lost_at_source(self, kind: SourceLoss, number: int) -> None:
-        """Count frames that a device made and its source never had; called in the source's thread."""
+        """Count frames that were lost between a device and its source; called in the source's thread."""
         for row in self.all_rows:
             self.words[row + SOURCE_LOSSES[kind]] += number
 

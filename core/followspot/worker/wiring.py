@@ -1,4 +1,5 @@
-"""What all workers of a plan agree on: types of ports, windows and deadlines of joins, allowed lateness."""
+"""Settings that follow from the plan alone, so that all workers have the same: types of ports, windows and
+deadlines of joins, allowed lateness."""
 
 from __future__ import annotations
 
@@ -42,7 +43,7 @@ class RunOptions:
 
 
 class Wiring:
-    """What all workers of a plan agree on: port types, windows, and how sampled inputs are sampled."""
+    """The types, windows, deadlines and allowed lateness of a plan, equal in all its workers."""
 
     def __init__(self, plan: Plan) -> None:
         """Raises InputError if the plan is a replay whose result would depend on timing."""

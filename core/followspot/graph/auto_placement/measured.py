@@ -1,4 +1,4 @@
-"""What `--placement auto` and budgets need of a graph: its work, its units, and the model of it."""
+"""A graph with the measured work of its stages, for `--placement auto` and budgets."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MOST_UNITS = 60
 
 @dataclass(frozen=True)
 class Measured:
-    """A graph with the work of its stages by a report.
+    """A graph with the work of its stages as a report has measured it.
 
     cores: number of cores of this host; place: of the text that names the report, for mistakes.
     """
@@ -31,7 +31,7 @@ class Measured:
     place: Place
 
     def missing(self) -> tuple[str, ...]:
-        """The instances of which the report has no figures."""
+        """The instances for which the report has no figures."""
         return tuple(name for name in self.expanded.instances if name not in self.costs.work)
 
     def model(self, remote: frozenset[str] = frozenset()) -> PipelineModel:

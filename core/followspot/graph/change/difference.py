@@ -1,4 +1,4 @@
-"""What differs between two plans of one run: stages that come, go or change, and the workers that notice."""
+"""The difference between two plans of one run: stages that come, go or change, and their workers."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def differing_workers(old: Plan, new: Plan) -> set[str]:
 def only_worker(old: Plan, new: Plan) -> str | None:
     """The only worker in which the plans differ, new and former edges included; None if there are several.
 
-    In a replay no other worker may send to it, because it could not know when it is at rest: None then.
+    None also if it is a replay and other workers send to this worker: it could not know when it is at rest.
     """
     found = differing_workers(old, new)
     pairs = ((old, dict(new.numbered())), (new, dict(old.numbered())))

@@ -1,4 +1,4 @@
-"""Where a run fell silent: the stages that got messages and never gave any, and what follows from that."""
+"""Silent ports of a run: their stages got messages and never gave any, so sinks downstream got nothing."""
 
 from __future__ import annotations
 
