@@ -18,7 +18,7 @@ class Column(NamedTuple):
     dtype: np.dtype[Any]
     unit: str
     refers: str = ""
-    """What its numbers index: "targets", "states" or a field of texts of the message; "" if nothing."""
+    """For indices, the list that they index: "targets", "states" or a field of the message; else ""."""
     names: tuple[str, ...] = ()
     """Names of its columns in a table; by default they follow from its own."""
     decimals: int | None = None

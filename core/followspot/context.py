@@ -1,4 +1,4 @@
-"""What a stage sees of its run, and what it can ask of it."""
+"""The context of a stage: its view of the run, and what it can ask of the run."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ LARGEST = 2**31 - 1
 DECIMALS = {"s": 9, "ms": 6, "us": 3, "ns": 0}
 """Digits after the point of a time in ns, by its unit."""
 SEPARATORS = {";": "semicolons", "\t": "tabs"}
-"""What spreadsheets write in place of commas."""
+"""Separators that spreadsheets write in place of commas."""
 FLAGS = {"0": False, "1": True, "false": False, "true": True}
 
 

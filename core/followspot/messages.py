@@ -42,7 +42,7 @@ MIN_INTEGER, MAX_INTEGER = -(1 << 63), (1 << 63) - 1
 
 
 class Header(NamedTuple):
-    """Where and when the data of a message was captured."""
+    """Source, number and capture time of a message."""
 
     source: str
     """Name of the source stage, for example ``camera/cam0``."""

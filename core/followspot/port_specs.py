@@ -10,7 +10,7 @@ from followspot.messages import Message
 
 InputKind = Literal["plain", "latest", "joined", "nearest", "window"]
 Giving = Literal["one", "several", "later", "lagged"]
-"""What a stage gives for a firing: one message each, several (`Outputs`), a later one (`Deferred`), or
+"""The kinds of results for a firing: one message each, several (`Outputs`), a later one (`Deferred`), or
 messages for earlier firings (`Lagged`)."""
 SEVERAL = ("joined", "window")
 """Kinds of inputs whose argument is a tuple of messages."""

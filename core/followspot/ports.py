@@ -147,7 +147,7 @@ def _input(stage: type[Stage], parameter: inspect.Parameter, hints: dict[str, An
 
 
 def _giving(stage: type[Stage], returned: Any) -> tuple[Giving, Any]:
-    """What a stage gives for a firing, and what is within `Outputs`, `Deferred` or `Lagged`."""
+    """The kind of a stage's result, and the type within `Outputs`, `Deferred` or `Lagged`."""
     marks = [_GIVING[type(mark)] for mark in getattr(returned, "__metadata__", ()) if type(mark) in _GIVING]
     if not marks:
         return "one", returned

@@ -1,4 +1,4 @@
-"""What runs need of the operating system; elsewhere they are refused, with the reason."""
+"""Requirements of runs on the operating system; a run on another system is refused with the reason."""
 
 from __future__ import annotations
 

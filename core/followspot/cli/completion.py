@@ -143,7 +143,7 @@ _WORDS: Mapping[str, Callable[[str, argparse.Namespace], Words]] = {
     "STAGE=USES|STAGE.PARAMETER=VALUE": _changes,
     "PLACE": _places,
 }
-"""What gives the words that an argument takes, by its metavar."""
+"""The functions that give the words which an argument takes, by its metavar."""
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:

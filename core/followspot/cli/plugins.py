@@ -22,14 +22,14 @@ KINDS = {
     "nearest": " (nearest in time, never fires)",
     "window": " (window: all since the last firing, never fires)",
 }
-"""What is said of each kind of input."""
+"""Text about each kind of input."""
 GIVING = {
     "one": "",
     "several": " (several for one firing)",
     "later": " (deferred: comes later, in order)",
     "lagged": " (lagged: for earlier firings)",
 }
-"""What is said of outputs."""
+"""Text about each kind of output."""
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:

@@ -83,7 +83,7 @@ def wait_notices(what: Callable[[], str], first: float = _FIRST, following: floa
 
 
 def pending_of(run: RunHandle) -> str:
-    """What a request to the run waits for, with the faults of the run."""
+    """The text of a notice: what a request to the run waits for, and the faults of the run."""
     try:
         status = run.status(_ANSWER)
     except NoAnswer as error:

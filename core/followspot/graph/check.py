@@ -42,7 +42,7 @@ class Checked:
     stages: tuple[CheckedStage, ...]
     edges: tuple[CheckedEdge, ...]
     notes: tuple[str, ...] = ()
-    """What is left out in this room, tunes that match nothing, and what is allowed in live runs only."""
+    """Notes on stages that are left out, tunes that match nothing, and edges allowed in live runs only."""
     risks: tuple[Mistake, ...] = ()
     """Everything that can make two runs differ."""
     warnings: tuple[Mistake, ...] = ()

@@ -39,7 +39,7 @@ class Loaded:
     offered: frozenset[str] = frozenset()
     """Stages that an interface names among its outputs."""
     interface_targets: tuple[StageTarget, ...] = ()
-    """What the interface of the graph file names."""
+    """The targets that the interface of the graph file names."""
     left_out: Mapping[str, Mistake] = field(default_factory=dict)
     """The sub-graphs that the room has nothing for, with the reasons."""
     apart: tuple[StageDeclaration, ...] = ()

@@ -41,7 +41,7 @@ def _rows(group: str, stages: list[CheckedStage]) -> Iterator[_Row]:
 
 
 def origins(checked: Checked) -> dict[str, dict[str, ParameterOrigin]]:
-    """What gave a parameter its value, by instance and parameter; for all that are written anywhere."""
+    """The origin of each parameter that is written anywhere, by instance and parameter."""
     return {
         stage.instance.name: {
             parameter: ParameterOrigin(origin_of(node, tuned=parameter in stage.instance.tuned), is_set(node))
@@ -76,7 +76,7 @@ def _given(checked: CheckedStage) -> Iterator[_Row]:
 
 
 def origin_of(node: Node, *, tuned: bool) -> str:
-    """Where a value is written, and whether the room tunes it."""
+    """The place of a value as text, and whether the room tunes it."""
     if is_set(node):
         return "--set"
     places = [f"{found.file}:{found.line}" for found in (node.place, *node.place.outer_places)]

@@ -28,7 +28,7 @@ _PROBLEMS = {
     "string_type": "it must be text",
     "path_type": "it must be a path",
 }
-"""What pydantic says of types of Python, by its kinds of error, in the words of files."""
+"""Texts for pydantic's kinds of type errors, in words of YAML files instead of Python."""
 _LONGEST_NAME = 255
 """Longest name of a file that a file system takes, bytes."""
 _OPTION = "--"

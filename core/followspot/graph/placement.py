@@ -37,7 +37,7 @@ _AUTO = re.compile(r"auto(-(?P<aim>throughput|latency))?(:(?P<report>.+))?")
 
 @dataclass(frozen=True)
 class Placed:
-    """Where everything runs: the worker of each instance, and all workers that run something."""
+    """A placement: the worker of each instance, and all workers that run something."""
 
     worker_of: Mapping[str, str]
     workers: tuple[PlannedWorker, ...]

@@ -153,9 +153,9 @@ class Plan:
     subgraphs: tuple[SubgraphUse, ...] = ()
     """The graph files in the places of stages."""
     room_document: Node | None = field(default=None, repr=False, compare=False)
-    """What the room's file says; only the operator has it."""
+    """The document of the room file; only the operator has it."""
     origins: Mapping[str, Mapping[str, ParameterOrigin]] = field(default_factory=dict, compare=False)
-    """What gave each parameter a value that is no default, by stage and parameter; for the operator."""
+    """The origin of each parameter that is not a default, by stage and parameter; for the operator."""
     written: Written | None = field(default=None, compare=False)
     """The files that the plan was made of; None without files, or if it was changed; for the operator."""
     numbers: tuple[int, ...] = ()

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class ParameterOrigin:
-    """What gave a parameter its value. kept: `--set` or a change did, so a tune of the room leaves it."""
+    """The origin of a parameter's value. kept: `--set` or a change gave it, so a tune does not replace it."""
 
     text: str
     kept: bool = False

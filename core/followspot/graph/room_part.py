@@ -9,7 +9,7 @@ from followspot.document import Node, child
 from followspot.errors import Mistake, Place, did_you_mean
 
 _BY_CAMERA = ("hue_histogram", "area", "gray")
-"""What a target says camera by camera."""
+"""Keys of a target that have a value for each camera."""
 
 
 def part_of(room: Node, cameras: Sequence[str], mistakes: list[Mistake]) -> Node:

@@ -85,7 +85,7 @@ class Selector:
         return Mistake(self.place, text, did_you_mean(strange, known, "properties and tags"))
 
     def choices(self, room: Room) -> str:
-        """What the conditions of a selector that selects nothing could say instead."""
+        """The possible values of the conditions, as text, for a selector that selects nothing."""
         owners = room.members(self.set).values() if self.set in SETS else room.carriers
         known = {c.key: dict.fromkeys(v for o in owners for v in _values(o, c.key)) for c in self.conditions}
         unfit = [c.key for c in self.conditions if not known[c.key].keys() & set(c.values)]

@@ -154,7 +154,7 @@ class Agent:
         return next(clocks, HostClock(known=self.options.clock_offset)).read()
 
     def _ask(self, request: RunRequest) -> Any:
-        """What the run of the request answers. Raises FollowspotError if there is none of this name."""
+        """The answer of the run that the request names. Raises FollowspotError if there is none."""
         return self.agent_runs.agent_run(request.run).run.ask(request)
 
     def prepare(self, order: RunOrder) -> None:

@@ -1,4 +1,4 @@
-"""What the log says of a worker that died and is started again."""
+"""Notes in the log about workers that died and are restarted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a flight recorder is asked to keep of a run."""
+"""Options of the flight recorder of a script's run."""
 
 from __future__ import annotations
 

@@ -197,7 +197,7 @@ class Repetition:
         return seal(self._empty(spec)) if noted.delayed else None
 
     def _empty(self, spec: InputSpec) -> Message:
-        """What a delayed input gives before the first message."""
+        """The empty message that a delayed input gives before its first."""
         row = next(row for row, known in enumerate(self._inputs) if known == spec)
         port = next(port for port, number in self._checkpoint.edges if number == row)
         return self._types[port].empty()

@@ -42,7 +42,7 @@ def overruns(plan: Plan, workers: Iterable[WorkerStatus]) -> Iterator[str]:
 
 
 def largest_part(plan: Plan, origin: str, end: str, stages: Mapping[str, StageStatus]) -> Part | None:
-    """What takes the most time from a stage of the graph file to an instance; None if nothing is known.
+    """The part that takes the most time from a stage of the graph file to an instance; None if unknown.
 
     Follow the path back from its end, at each stage along the input whose messages are oldest when they are
     taken. Age beyond that of the sender's inputs and the sender's work is time in which messages waited.

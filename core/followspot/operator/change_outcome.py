@@ -87,7 +87,7 @@ class MoveOutcome:
 
 
 def changed(run: str, plan: Plan, change: Change) -> ChangeOutcome:
-    """What a change makes of a plan."""
+    """The outcome of a change to a plan."""
     old = {stage.name: stage for stage in plan.stages}
     new = change.applied(plan)
     there = {stage.name for stage in new.stages}

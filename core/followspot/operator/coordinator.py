@@ -72,7 +72,7 @@ class Coordinator:
         self._end = RunEnd(self.hosts, self._silent, restart=order.restart)
         self.change = ChangeUnderWay()
         self.plan_conflict: PlanConflict | None = None
-        """What differs between the plans of hosts, if an earlier operator died in the middle of a change."""
+        """The conflict between the plans of hosts, if an earlier operator died in the middle of a change."""
         self._sensors_ended = False
         """Whether the order that ends the sensors was sent."""
         self._begun = begun

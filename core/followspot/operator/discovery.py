@@ -100,7 +100,7 @@ def await_agents(session: zenoh.Session, names: Sequence[str], network: Network)
 
 
 def reached(network: Network) -> str:
-    """Where a network looks for agents, in words."""
+    """The places where a network looks for agents, as text."""
     found = ("any address of the local network",) * network.discover
     return network.router or ", ".join((*network.connect, *found)) or "any endpoint"
 

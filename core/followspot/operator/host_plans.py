@@ -41,7 +41,7 @@ def joined(plans: Mapping[str, Plan]) -> Plan:
 
 
 def conflict(plans: Mapping[str, Plan], plan: Plan) -> PlanConflict | None:
-    """What differs between the plans of the hosts, and the plan of the run; None if nothing does."""
+    """The conflict between the plans of the hosts and the plan of the run; None if they agree."""
     outline = _outline(plan)
     others = {name: other for name, other in plans.items() if differing_workers(_outline(other), outline)}
     if not others:
@@ -82,7 +82,7 @@ def _outline(plan: Plan) -> Plan:
 
 
 def _places(plan: Plan, stages: Sequence[str]) -> str:
-    """Where these stages are by the plan; if there are none, edges differ."""
+    """The workers of these stages by the plan, as text; without stages, that edges differ."""
     worker = {stage.name: f"in worker {stage.worker}" for stage in plan.stages}
     places = (f"{name} is {worker.get(name, 'absent')}" for name in stages)
     return " and ".join(places) or f"there are {len(plan.edges)} edges"

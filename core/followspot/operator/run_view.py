@@ -89,7 +89,7 @@ class RunView:
         )
 
     def unfinished_change(self) -> str:
-        """What a change that was interrupted left on hosts, "" while the operator leads one."""
+        """What an interrupted change has left on hosts, as text; "" while the operator leads a change."""
         if self.changing:
             return ""
         built = [name for name, status in self.hosts.items() if status.change.phase in BEFORE_TAKE_OVER]

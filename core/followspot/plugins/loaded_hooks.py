@@ -31,7 +31,7 @@ _OFFERED: Mapping[str, type] = {
     "followspot_scorers": Scorer,
     "followspot_keepers": Keeper,
 }
-"""What each hook offers."""
+"""The type of the offers of each hook."""
 
 T = TypeVar("T")
 
@@ -119,7 +119,7 @@ def _load(entry: EntryPoint) -> tuple[Sequence[object], str]:
 
 
 def _ask(manager: pluggy.PluginManager, hook: str) -> list[Any]:
-    """What the registered module offers by one hook."""
+    """The offers of the registered module by one hook."""
     return [offer for offers in getattr(manager.hook, hook)() for offer in offers]
 
 

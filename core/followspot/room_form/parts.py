@@ -1,4 +1,4 @@
-"""What cameras, sensors and targets of a room document share: limits, words, tags, sources."""
+"""Parts that cameras, sensors and targets of a room document have in common: limits, words, tags, sources."""
 
 from __future__ import annotations
 

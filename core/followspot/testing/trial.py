@@ -109,7 +109,7 @@ class Trial:
             self.called(stage, self.inputs("plausible", frame, noise(frame)))
 
     def called(self, stage: Stage, inputs: Sequence[Any]) -> Any:
-        """What `process` gives: of several results a tuple, of a deferred one the answer."""
+        """The result of `process`: of several results a tuple, of a deferred one the answer."""
         result = stage.process(*inputs)
         if self.ports.gives in ("several", "lagged") and result is not None:
             return tuple(result)

@@ -40,4 +40,4 @@ class Invalid(NamedTuple):
 
 
 Token = Message | Watermark | Invalid
-"""What a reader gives; a message advances the edge's watermark to its time + 1, plus the allowed lateness."""
+"""A token that a reader gives; a message advances the edge's watermark to its time + 1 + allowed lateness."""

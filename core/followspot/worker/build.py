@@ -159,7 +159,7 @@ class Builder:
         return runner
 
     def context(self, stage: PlannedStage, outputs: Sequence[OutputPort] = ()) -> Context:
-        """What a stage sees of its run."""
+        """The context of a stage: its view of the run."""
         return Context(
             name=stage.name,
             room=self.plan.room_of(stage),

@@ -27,7 +27,7 @@ _INTERVAL = 1_000_000_000
 
 
 class _Note(NamedTuple):
-    """What is noted before a firing takes its messages: those of joins and windows, by input."""
+    """The messages of joins and windows, by input, noted before a firing takes them."""
 
     checkpoint: bytes
     taken: Sequence[Sequence[tuple[int, int]]]

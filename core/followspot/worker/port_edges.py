@@ -59,7 +59,7 @@ class PortEdges(TapPoint):
         self.filled = False
         """Whether a message that was sent had rows."""
         self.announced = -END
-        """What readers were told last: the watermark, or `ABSENT`."""
+        """The last announcement to readers: a watermark, or `ABSENT`."""
         self.refused: Callable[[str], None] = lambda reason: None
         """Called with the reason when a message was refused."""
         self.waits_for_readers = False

@@ -1,5 +1,6 @@
 """Settings that follow from the plan alone, so that all workers have the same: types of ports, windows and
-deadlines of joins, allowed lateness."""
+deadlines of joins, allowed lateness.
+"""
 
 from __future__ import annotations
 

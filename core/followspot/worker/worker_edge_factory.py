@@ -121,7 +121,7 @@ class WorkerEdgeFactory:
         return reader
 
     def _locations(self, edges: Sequence[int]) -> list[ReaderLocation]:
-        """Where the readers of edges are, so that those in one worker share datagrams; [] if none share.
+        """The workers of the readers of edges, so that those in one worker share datagrams; [] if none share.
 
         A worker that was started again gets its edges one by one, so their readers do not share.
         """

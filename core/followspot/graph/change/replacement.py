@@ -14,7 +14,7 @@ from followspot.room import SETS
 from followspot.stage import Stage
 
 Misfit = tuple[str, str]
-"""What does not fit, and the remedy."""
+"""A reason why the stage does not fit, and the remedy."""
 
 
 def mismatches(old: PlannedStage, present: type[Stage], stage: type[Stage], plan: Plan) -> list[Misfit]:

@@ -48,7 +48,7 @@ class Change:
 
 
 def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change:
-    """What becomes of a plan. Raises InputError with every mistake.
+    """The change of a plan that the words ask for. Raises InputError with every mistake.
 
     words: STAGE=USES to swap, STAGE.KEY=VALUE to set a parameter; STAGE is a stage of the graph file or one
     of its instances, or a sub-graph, with FILE for USES; folder: that paths in the words are relative to. A
@@ -103,7 +103,7 @@ class _Wish:
     uses: str = ""
     params: dict[str, Node] = field(default_factory=dict)
     origins: dict[str, ParameterOrigin] = field(default_factory=dict)
-    """What gave each parameter that is no default its value."""
+    """The origin of each parameter that is not a default."""
 
 
 def _note_file(
@@ -209,7 +209,7 @@ def _replacement(wish: _Wish, plan: Plan, folder: Path, mistakes: list[Mistake])
 
 
 def _tunes(wish: _Wish, plan: Plan, mistakes: list[Mistake]) -> dict[str, Node]:
-    """What the room tunes of the new stage, except what `--set` or a change gave; the wish says so."""
+    """The room's tunes for the new stage, without those that `--set` or a change overrides (see the wish)."""
     found = tunes_of(room_document(plan), replace(wish.old, uses=wish.uses), mistakes)
     kept = {name for name, origin in wish.origins.items() if origin.kept} | wish.params.keys()
     tunes = {name: node for name, node in found.items() if name not in kept}

@@ -54,7 +54,7 @@ class Replaced:
 
 
 def replaced(plan: Plan, use: SubgraphUse, file: Node) -> Replaced:
-    """What becomes of a plan with another file in the place of a use.
+    """The plan with another file in the place of a use.
 
     file: its path. Raises InputError with every mistake.
     """
@@ -107,7 +107,7 @@ def _differing(plan: Plan, use: SubgraphUse, found: ComposedFile) -> list[StageC
 
 
 def _origins(plan: Plan, use: SubgraphUse, stage: CheckedStage) -> dict[str, ParameterOrigin]:
-    """What gives the parameters of a stage of the file their values."""
+    """The origins of the parameters of a stage of the file."""
     name = stage.instance.name
     was = next((old for old in plan.stages if old.name == name), None)
     before = plan.origins.get(name, {})
@@ -120,7 +120,7 @@ def _origins(plan: Plan, use: SubgraphUse, stage: CheckedStage) -> dict[str, Par
 
 
 def _origin(node: Node, use: SubgraphUse, *, tuned: bool) -> ParameterOrigin:
-    """What gives a parameter its value: the new file, the room, or the graph that uses the file."""
+    """The origin of a parameter's value: the new file, the room, or the graph that uses the file."""
     if node.place.file == WHILE_IT_RAN:
         return BY_A_CHANGE
     passed = node.place.file == GIVEN

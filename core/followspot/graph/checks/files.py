@@ -39,7 +39,7 @@ def _found(checked: CheckedStage, room: Room) -> Iterator[Mistake]:
 
 
 def _place(checked: CheckedStage, mistake: Mistake) -> Place:
-    """Where the parameter that the mistake names is written, else the first path, else the stage."""
+    """The place of the parameter that the mistake names, else of the first path, else of the stage."""
     written = checked.instance.params
     named = written.get(mistake.text.partition(": ")[0])
     if named is not None:

@@ -1,4 +1,4 @@
-"""What a graph can never do although it is valid: warnings, which do not stop a run."""
+"""Warnings about stages of a valid graph that can never give a result; they do not stop a run."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def _fed(stage: type[Stage], edges: Sequence[CheckedEdge], firing: set[str]) -> 
 
 
 def _foreseen(flow: Flow, room: Room) -> Iterator[Mistake]:
-    """What the stages themselves know of the room and of the cameras that reach them."""
+    """Warnings that the stages themselves give for the room and the cameras that reach them."""
     reach = _cameras(flow, list(room.cameras))
     for group in flow.groups.values():
         first = group[0]

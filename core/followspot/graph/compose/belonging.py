@@ -1,4 +1,4 @@
-"""What the stages of a sub-graph belong to: the members it fans out over, and the cameras it is given."""
+"""The members and cameras to which the stages of a sub-graph belong: those of its fan-out and `cameras`."""
 
 from __future__ import annotations
 

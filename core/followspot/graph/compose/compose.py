@@ -43,7 +43,7 @@ class Composed:
     complete: bool
     offered: frozenset[str] = frozenset()
     interface_targets: tuple[StageTarget, ...] = ()
-    """What the interface of the graph file itself names."""
+    """The targets that the interface of the graph file itself names."""
     left_out: Mapping[str, Mistake] = field(default_factory=dict)
     """The sub-graphs that the room has nothing for, with the reasons; feeds still name them."""
     apart: Mapping[str, Node] = field(default_factory=dict)
@@ -206,7 +206,7 @@ def _flat(name: str, node: Node, unit: Unit, mistakes: list[Mistake]) -> Node:
 
 
 def _feeds(wired: Wired, mistakes: list[Mistake]) -> Node:
-    """What feeds an input, with full names."""
+    """The feeds of an input, with full names."""
     found = [one for item in items(wired.feeds) for one in senders(wired.unit, item, mistakes)]
     if not isinstance(wired.feeds.value, tuple) and len(found) == 1:
         return replace(found[0], key=wired.feeds.key)

@@ -11,7 +11,7 @@ from followspot.graph.selector import Selector, intersection, read_selector, wit
 from followspot.room import Member
 
 Limit = Selector | Member
-"""What a sub-graph serves: certain cameras, or all that belongs to one member of a set or tag."""
+"""A limit of a sub-graph: the cameras that it serves, or the member of a set or tag."""
 
 
 def narrowed(each: Node, limits: Sequence[Limit]) -> Node:

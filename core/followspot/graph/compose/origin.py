@@ -36,7 +36,7 @@ def _values(node: Node) -> Iterator[tuple[str, str, Place]]:
 
 
 def _place(node: Node) -> Place:
-    """Where a value is written; of a feed, where its sender is written."""
+    """The place of a value; for a feed, the place of its sender."""
     first = node.value[0] if isinstance(node.value, tuple) and node.value else node
     sender = first.value.get("from") if isinstance(first.value, Mapping) else None
     return (sender or first).place

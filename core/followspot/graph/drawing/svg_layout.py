@@ -1,4 +1,4 @@
-"""Where boxes and lines of a graph's picture go, so that no line passes behind a box.
+"""Places of the boxes and lines in a graph's picture; no line passes behind a box.
 
 Columns follow the messages from left to right; each worker is a frame with rows of boxes. A line leaves its
 box on the right, turns in a gap between two columns and enters on the left. One that passes over columns, or

@@ -45,7 +45,7 @@ class HostClock:
         self._filter = ClockFilter()
         self._closed = threading.Event()
         self._lead = lead()
-        """That of the wall clock when the run was prepared: the run's times go on if it is set."""
+        """The lead of the wall clock when the run was prepared: the run's times go on if the clock is set."""
         self._step_told = 0
         self._reported = (0, 0, self._lead)
         self._thread: threading.Thread | None = None

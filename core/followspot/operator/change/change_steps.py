@@ -55,7 +55,7 @@ class HostPart:
                 return
 
     def answer(self, turn: int, phase: ChangePhase) -> Rested | None:
-        """What the workers here say once a step is done; None before. Raises FollowspotError."""
+        """The answers of this host's workers when a step is done; None before. Raises FollowspotError."""
         status = self.host.status()
         mine = (status.change.id, status.change.turn) == (self.order.id, turn)
         if mine and status.change.phase == "failed":

@@ -154,7 +154,7 @@ class _Run:
         return tuple(found)
 
     def advice(self, uses: str, into: Sequence[Counted], gave: bool) -> str:
-        """What the author of a stage advises, else where to look.
+        """The advice of the stage's author; without one, where to look.
 
         into: edges for whose messages it fires; gave: whether it gave messages, empty or refused.
         """

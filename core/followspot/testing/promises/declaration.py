@@ -55,7 +55,7 @@ def states_its_units(trial: Trial) -> Iterator[str]:
 
 
 def has_defaults_within_its_limits(trial: Trial) -> Iterator[str]:
-    """What has defaults alone can be built without parameters."""
+    """A stage whose parameters all have defaults can be built without parameters."""
     if not trial.complete:
         return
     try:

@@ -80,7 +80,7 @@ def stops_within_a_second(trial: Trial) -> Iterator[str]:
 
 
 def _refused(generator: Any) -> str:
-    """What a generator raises that is closed; empty if nothing."""
+    """The error that a generator raises when it is closed; empty if none."""
     try:
         generator.close()
     except Exception as error:

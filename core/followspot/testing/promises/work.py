@@ -156,7 +156,7 @@ def prints_nothing(trial: Trial) -> Iterator[str]:
 
 
 def does_together_what_it_does_alone(trial: Trial) -> Iterator[str]:
-    """What `process_together` returns is what `process` of each returns, bit for bit, for noise too."""
+    """`process_together` returns what `process` of each stage returns, bit for bit, for noise too."""
     together = trial.stage.process_together
     names = list(trial.room.cameras)[:2]
     if together is None or not trial.computes or len(names) < 2:
@@ -216,7 +216,7 @@ def _check_lagged(trial: Trial, items: Sequence[Any], frame: int) -> None:
 
 
 def _returned(trial: Trial) -> list[Any]:
-    """What an instance returns for three frames; nothing if it fails, which other promises report."""
+    """The results of an instance for three frames; empty if it fails, which other promises report."""
     returned: list[Any] = []
     if trial.computes:
         with contextlib.suppress(Exception), trial.at_work(seed=1) as stage:

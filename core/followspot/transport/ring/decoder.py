@@ -38,7 +38,7 @@ class Decoder:
     def __init__(self, sock: socket.socket, kind: type[Message]) -> None:
         """sock: of the reader; kind: type of the messages."""
         self.buffer = bytearray(LARGEST)
-        """Where the next datagram is put."""
+        """The buffer for the next datagram."""
         self.sequence = 0
         """Number of the next message."""
         self.first = 0

@@ -1,4 +1,4 @@
-"""What messages of a port repeat of each other: packed once by the writer, and read once by the reader.
+"""Heads of messages: the part that messages of a port share, packed and read only once.
 
 Most messages of a port differ in their arrays and in three numbers of their header. Everything else is the
 head of the datagram: name of the type, source, scalars, and name, dtype and shape of each array. A port has

@@ -1,4 +1,4 @@
-"""Where a Zenoh session listens and connects, and what protects it; this module does not import Zenoh."""
+"""The network of a Zenoh session: endpoints and certificates; this module does not import Zenoh."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ UNPROVEN = Own(OPERATOR, "anyone")
 
 @dataclass(frozen=True)
 class Network:
-    """Where a session listens, to what it connects, and what protects it.
+    """The endpoints where a session listens and to which it connects, and its protection.
 
     listen, connect: endpoints such as ``tcp/192.168.0.7:7447``; connections are retried until they succeed.
     certificates: folder as `followspot certs host` makes it, empty for none;

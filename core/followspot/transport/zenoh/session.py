@@ -27,7 +27,7 @@ _SETTINGS: dict[str, Any] = {
     "adminspace/enabled": True,  # read-only; tells which port was free
 }
 _PLACE = re.compile(r" at /\S+\.rs:\d+\.?")
-"""Where in its own source Zenoh found an error."""
+"""The place in Zenoh's own source that its error texts contain."""
 
 
 def config_of(network: Network, *, routes: bool = False) -> zenoh.Config:

@@ -21,7 +21,7 @@ KNOWN = Struct("<q")
 CREDIT = Struct("<QQQQ")
 """A reader's report: incarnations of its writer and of its own, messages consumed, tokens taken."""
 START = Struct("<QQQQ")
-"""Where a reader joins: incarnation of the writer, tokens and messages before, messages given to it."""
+"""The start of a reader: incarnation of the writer, tokens and messages before, messages given to it."""
 WINDOW = 256
 """Most tokens under way: so many watermarks fill no buffer, so that a put does not block."""
 _INCARNATION = re.compile(r"[0-9]{1,9}", re.ASCII)

@@ -21,7 +21,7 @@ from followspot.worker.scheduler import Scheduler
 
 
 class RemoteEnds:
-    """What becomes of a worker's ends of edges to other workers.
+    """Adds and removes a worker's ends of edges to other workers.
 
     builder: of the new plan, with the queues of all its edges and the writers of its new stages; stays: the
     stage runners that stay.

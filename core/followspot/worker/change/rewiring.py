@@ -25,7 +25,7 @@ from followspot.worker.wiring import RunOptions, Wiring
 
 
 class Rewiring:
-    """What becomes of a worker: the stage runners that join it, stay, or leave.
+    """The change of a worker to a new plan: stage runners that join, stay, or leave.
 
     wiring, edge_factory: of the new plan; ledger: with rows for its edges; rewired: gets the new stages once
     they have taken over.

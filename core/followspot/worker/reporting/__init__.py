@@ -1,1 +1,1 @@
-"""What a worker tells its host: progress, status of stages, and its report at the end."""
+"""Reports of a worker to its host: progress, status of stages, and the final report."""

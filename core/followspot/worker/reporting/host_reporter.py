@@ -1,4 +1,4 @@
-"""What a worker reports to its host while it runs: progress, stages, checkpoints, log records."""
+"""Reports of a running worker to its host: progress, stages, checkpoints, log records."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What happens when a stage raises: the run fails, the message is skipped, or the stage is built again."""
+"""The error policy of a stage that raises: the run fails, the message is skipped, or it is built again."""
 
 from __future__ import annotations
 

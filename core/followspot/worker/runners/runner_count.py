@@ -1,4 +1,4 @@
-"""What a stage runner counts."""
+"""The counts of a stage runner."""
 
 from __future__ import annotations
 
