@@ -113,7 +113,7 @@ class _Run:
         self._simulate()
 
     def _waits(self, inputs: Mapping[str, list[tuple[str, int]]], window: int) -> dict[str, list[_Wait]]:
-        """The waits of each instance: for itself, its inputs, and (sources) for the sinks `window` frames ago.
+        """The waits of each instance: for itself, its inputs, and the sinks `window` frames ago (sources).
 
         Adds the work of messages between workers to the cost of their ends.
         """
