@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 from followspot.document import Node, child
 from followspot.errors import Mistake, Place
-from followspot.graph.absent import absent, lack
 from followspot.graph.camera_kind import source_for
 from followspot.graph.declaration import ROOM_SOURCE, StageDeclaration
 from followspot.graph.instances import ANY, Groups, Instance, Wire
+from followspot.graph.left_out import lacking, stages_left_out
 from followspot.graph.load import Loaded
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.graph.wiring import InstanceWiring
@@ -22,9 +22,9 @@ MAX_EDGES = 50_000
 
 @dataclass(frozen=True)
 class Expanded:
-    """Every instance, in the order of the file and the room, and all that leads from one to another.
+    """Every instance, in the order of the file and the room, and the wires between them.
 
-    complete: whether the room and all its members are known; else names of instances are not.
+    complete: whether the room and all its members are known; else some names of instances are unknown.
     """
 
     name: str
@@ -37,21 +37,21 @@ class Expanded:
     left_out: Mapping[str, Mistake]
     """Optional stages without an instance, each with the reason: a mistake for a stage that needs one."""
     unserved: tuple[Instance, ...] = ()
-    """One instance of each stage that is left out, to check what is written there."""
+    """One instance of each stage that is left out, so that its entry is checked, too."""
     notes: tuple[str, ...] = ()
     offered: frozenset[str] = frozenset()
     """Stages that an interface names among its outputs."""
     tuned: frozenset[Place] = frozenset()
-    """Of the tunes of the room that set parameters of sub-graphs."""
+    """Places of the room's tunes that set parameters of sub-graphs."""
     outputs: Mapping[str, tuple[Node, ...]] = field(default_factory=dict)
     """The outputs of sub-graphs, SUBGRAPH.NAME, each with what feeds a reader of it."""
     subgraphs: tuple[SubgraphUse, ...] = ()
 
 
 def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
-    """Fan out; stages that are not declared and members that the room lacks are noted."""
+    """Fan out the stages over members of the room; note unknown stages and missing members."""
     members = {name: _members(stage, loaded, mistakes) for name, stage in loaded.stages.items()}
-    left_out = absent(loaded, members)
+    left_out = stages_left_out(loaded, members)
     count = sum(map(len, members.values()))
     if count > MAX_INSTANCES:
         return _nothing(loaded, f"the graph has {count} stages", f"at most {MAX_INSTANCES}", mistakes)
@@ -94,13 +94,13 @@ def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
 
 
 def _unserved(loaded: Loaded, left_out: Collection[str]) -> Iterator[Instance]:
-    """An instance, of a member that is not known, of each stage that is left out."""
+    """An instance, for an unknown member, of each stage that is left out."""
     for stage in (*(loaded.stages[name] for name in left_out if name in loaded.stages), *loaded.apart):
         yield _instance(stage, ANY, loaded, [])
 
 
 def _nothing(loaded: Loaded, text: str, remedy: str, mistakes: list[Mistake]) -> Expanded:
-    """No instances, because of a mistake of the whole graph."""
+    """A graph without instances, because of a mistake that concerns the whole graph, which is noted."""
     first = next(iter(loaded.stages.values())).place
     mistakes.append(Mistake(first, text, remedy))
     return Expanded(
@@ -119,7 +119,7 @@ def _members(stage: StageDeclaration, loaded: Loaded, mistakes: list[Mistake]) -
     """The members that a stage fans out over; a single None if it does not fan out."""
     if loaded.room is not None:
         empty = (served for served in (*stage.serves, *stage.sees) if not served.select(loaded.room))
-        mistakes += [lack(stage, served, loaded, loaded.room) for served in empty]
+        mistakes += [lacking(stage, served, loaded, loaded.room) for served in empty]
     if stage.each is None:
         return [None]
     if loaded.room is None or not stage.each.readable:
@@ -127,7 +127,7 @@ def _members(stage: StageDeclaration, loaded: Loaded, mistakes: list[Mistake]) -
     found = stage.each.select(loaded.room)
     if found or stage.optional:
         return found
-    mistakes.append(lack(stage, stage.each, loaded, loaded.room))
+    mistakes.append(lacking(stage, stage.each, loaded, loaded.room))
     return [ANY]
 
 

@@ -29,9 +29,9 @@ from followspot.worker.sources import Sources
 from followspot.worker.stuck import StuckError
 
 _LONGEST_SLEEP_MS = 100
-"""Longest sleep, ms: what a missed wake-up costs at most."""
+"""Longest sleep, ms: a missed wake-up delays the worker by this at most."""
 _SHORTEST_POLL_MS = 1
-"""A poll counts whole milliseconds: what is shorter is slept through."""
+"""Shortest poll, ms, because polls count whole milliseconds; the worker sleeps through a shorter wait."""
 _SWITCH_INTERVAL = 0.0005
 """Seconds that one thread may keep the interpreter; live sources and Zenoh have threads of their own."""
 _ALL = range(sys.maxsize)
@@ -88,9 +88,9 @@ class Scheduler:
             self.schedule.mark(runner.rank)
 
     def at_rest(self, rest: Rest) -> None:
-        """Act once all that the sources sent has been processed; they hold, see `SourceHold.align`.
+        """Act once all messages of the sources are processed. The sources hold, see `SourceHold.align`.
 
-        Call between two firings, in the worker's thread. Another call takes the place of the last.
+        Call between two firings, in the worker's thread. A later call replaces an earlier one.
         """
         self._rest = rest
 
@@ -174,7 +174,7 @@ class Scheduler:
         if self._rest is not None:
             self._act_at_rest(self._rest, idle=False)
         waiting = self._sources_wait()
-        if self._rounds % (len(self.runners) or 1) == 0:  # what waited here for a stage has been processed
+        if self._rounds % (len(self.runners) or 1) == 0:  # messages that waited for a stage are processed
             self.schedule.fire_overdue()
         if waiting:
             return True
@@ -195,9 +195,9 @@ class Scheduler:
     def _sources_wait(self) -> bool:
         """Whether the sources wait for the ready stages.
 
-        In a worker with live sources they wait for as many rounds as there are stages, in which a message
-        passes them all. A stage that is ready even then gets messages from other workers faster than it
-        works, perhaps for ever.
+        In a worker with live sources they wait for at most as many rounds as there are stages, so that a
+        message can pass all of them. A stage that is still ready then gets messages from other workers faster
+        than it works, and the sources might wait for ever.
         """
         self._rounds = self._rounds + 1 if self.schedule.ready else 0
         if self.sources.live and self._rounds >= len(self.runners):

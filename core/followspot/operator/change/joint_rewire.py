@@ -1,8 +1,8 @@
-"""Stages and edges that come and go in the workers of all hosts, while the sources of all hold.
+"""Changes stages and edges in the workers of all hosts while all sources hold.
 
-In a replay they hold at one capture time and everything that they sent is processed, as in one worker. So the
+In a replay the sources hold at one capture time, and all messages that they have sent are processed. So the
 result is that of one worker that changes at this capture time, and nothing is lost. In a live run each worker
-finishes what it has, and what is still on its way on an edge that goes is counted as lost.
+processes the messages that it has; messages still in flight on an edge that leaves are counted as lost.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ _POLL_INTERVAL = 0.01
 
 
 def _running_workers(hosts: Sequence[Host], old: Plan, new: Plan) -> Mapping[str, tuple[str, ...]]:
-    """The workers of each host that run; those that have ended are none.
+    """The running workers of each host.
 
-    Raises FollowspotError if one stays away, or has ended and would have to change.
+    Raises FollowspotError if a worker does not start in time, or if one that would have to change has ended.
     """
     running = {host.name: _running(host) for host in hosts}
     there = {worker for workers in running.values() for worker in workers}
@@ -75,10 +75,10 @@ def _settle_replay(steps: ChangeSteps, old: Plan, new: Plan) -> None:
 
 
 def _settle(steps: ChangeSteps, until: int, leaving: Sequence[str]) -> None:
-    """Wait until no worker has anything to do and nothing is on its way. Raises FollowspotError.
+    """Wait until no worker has anything to do and no message is in flight. Raises FollowspotError.
 
-    Each worker was at rest in two rounds, and did nothing between them: so at the end of the first round
-    nothing was on its way to any.
+    That is so after two rounds in which each worker was at rest and between which none did anything: no
+    message can have been in flight at the end of the first.
     """
     last = None
     while last != (last := steps.do("rest", "resting", until, leaving).activity):
@@ -86,7 +86,7 @@ def _settle(steps: ChangeSteps, until: int, leaving: Sequence[str]) -> None:
 
 
 def _running(host: Host) -> tuple[str, ...]:
-    """The workers of a host that run. Raises FollowspotError if one stays away."""
+    """The running workers of a host. Raises FollowspotError if a worker does not start in time."""
     deadline = time.monotonic() + _BEGIN_TIMEOUT
     while True:
         workers = host.status().workers
@@ -99,9 +99,9 @@ def _running(host: Host) -> tuple[str, ...]:
 
 
 def _leaving(old: Plan, new: Plan) -> Iterator[tuple[str, ...]]:
-    """The stages that go, in groups that do not depend on each other; those first that send to others.
+    """The leaving stages in groups, senders before their readers.
 
-    A stage that goes gives what it still has to those after it.
+    So a stage that leaves sends its remaining messages before its readers leave.
     """
     uses = {stage.name: stage.uses for stage in new.stages}
     gone = [stage.name for stage in old.stages if uses.get(stage.name) != stage.uses]

@@ -1,7 +1,7 @@
 """A change of the graph in several workers: all come to rest at one capture time, then change.
 
-In a replay no source is ahead of the others then and nothing is on its way, so the result is that of one
-worker. Live sources hold where they are, and messages that are not processed in time are counted as lost.
+In a replay no source is then ahead of the others and no message is in flight, so the result is that of one
+worker. Live sources hold at once, and messages that are not processed in time are counted as lost.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from followspot.worker.rest import REST_TIMEOUT, Rest
 from followspot.worker.scheduler import Scheduler
 
 _LIVE_REST_TIMEOUT = 1.0
-"""Seconds after which a worker of a live run changes all the same."""
+"""Seconds after which a worker of a live run changes even if it is not at rest."""
 _OPERATOR_TIMEOUT = 60.0
 """Seconds after which a worker goes on by itself: its operator has gone."""
 
@@ -26,7 +26,7 @@ _OPERATOR_TIMEOUT = 60.0
 class JointChange:
     """The part of one worker in such a change.
 
-    answer: gets what became of a step; forgotten: called when the operator has gone.
+    answer: gets the status after each step; forgotten: called if the operator sends no further step.
     """
 
     def __init__(

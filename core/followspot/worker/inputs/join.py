@@ -1,10 +1,10 @@
 """When a stage fires: the join of its inputs by capture time and watermark.
 
-A join begins with the earliest message. It is complete when every member has a message in the window, or a
-watermark beyond the window. A member whose messages lie closer together than the window gives the one nearest
-to the join, and one that has just given such messages is waited for until that one is known. The rule reads
-the streams alone and no clock, so any placement fires the same messages together. Only the deadline of a live
-join depends on the time.
+A join begins with the earliest message. It is complete when every member (input queue that is joined) has a
+message in the window, or a watermark beyond the window. A member whose messages follow each other faster than
+the window gives the message nearest to the join; the join waits until that message is known. The rule
+depends on the streams only and on no clock, so the same messages fire together in any placement. Only the
+deadline of a live join depends on the time.
 """
 
 from __future__ import annotations
@@ -118,13 +118,15 @@ class Join:
         return queue is self.only or self._in_window(queue, time)
 
     def relieve_backpressure(self, earliest: int) -> None:
-        """Let the senders of full edges go on if the stage waits for another input; else a replay could stop.
+        """Exempt messages on full edges from the depth, so that a replay cannot deadlock.
 
-        Until that input goes on, nothing fires. So messages up to the next possible firing do not count
-        against the depth, nor do those within `lag`, ns, by which streams of the graph may trail each other:
-        the largest sum, along any path, of the times that joins look ahead. Then a replay never stops,
-        whatever its rates and depths: of the sources that full edges block, the one furthest behind would
-        have to wait for another that is further behind.
+        If the stage waits for one input, the senders of its other inputs must be able to go on: the awaited
+        input may depend on them. So messages up to the next possible firing do not count against the depth,
+        nor do messages up to `lag`, ns, later. `lag` is the longest time by which streams of the graph may
+        trail each other: the largest sum, along any path, of the times that joins look ahead.
+
+        Why that is enough, whatever the rates and depths: consider the source furthest behind among those
+        that full edges block. It would have to wait for a source that is even further behind.
 
         earliest: :meth:`watermark`, ns.
         """
@@ -168,7 +170,7 @@ class Join:
         return first
 
     def _all_known(self, time: int) -> bool:
-        """Whether every member has a message, or a watermark beyond its window from `time`, ns, on."""
+        """Whether every member has a message, or a watermark beyond its window that begins at `time`, ns."""
         first_window = self._first_window
         for queue in self.members:  # asked for every firing; all() costs twice as much
             if not queue.messages:
@@ -178,24 +180,24 @@ class Join:
         return True
 
     def _all_required(self, time: int) -> bool:
-        """Whether every required member has a message in its window from `time`, ns, on."""
+        """Whether every required member has a message in its window that begins at `time`, ns."""
         for queue in self.required:  # noqa: SIM110  # likewise
             if not self._in_window(queue, time):
                 return False
         return True
 
     def _in_window(self, queue: InputQueue, time: int) -> bool:
-        """Whether a member has a message in its window from `time`, ns, on."""
+        """Whether a member has a message in its window that begins at `time`, ns."""
         window, first_window = queue.window, self._first_window
         limit = time + (window if window > first_window else first_window)
         return bool(queue.messages) and queue.messages[0].header.time <= limit
 
     def _not_nearest(self, time: int) -> InputQueue | None:
-        """A member whose next message is nearer to the join than its first, or may be; None if there is none.
+        """A member whose second message is, or may be, nearer to the join than its first; None if no such.
 
-        The time of the join is that of the latest first message. A next message can only be nearer if it
-        follows the first within twice the window. So a member whose last two messages lie further apart is
-        not waited for, nor is one that depends on the result of this firing.
+        The time of the join is that of the latest first message. A second message can only be nearer if it
+        follows the first within twice the window. So the join does not wait for a member whose last two
+        messages lie further apart, nor for one that depends on the result of this firing.
         """
         if not self._any_frequent():
             return None
@@ -215,7 +217,7 @@ class Join:
         return None
 
     def _any_frequent(self) -> bool:
-        """Whether any member sends so often that its next message may be nearer to the join; few do."""
+        """Whether any member sends so often that its second message may be nearer to the join; few do."""
         first_window = self._first_window
         for queue in self.free:
             if queue.messages:
@@ -237,7 +239,7 @@ class Join:
         self.closed = time + self.lateness
 
     def _take_first(self, members: Sequence[InputQueue], time: int) -> list[Message]:
-        """The first message of each member that has one in its window from `time`, ns, on."""
+        """The first message of each member with a message in its window that begins at `time`, ns."""
         first_window, found = self._first_window, []
         for queue in members:
             if queue.messages:

@@ -12,8 +12,8 @@ from followspot.graph.selector import Selector, tag_named
 from followspot.room import SETS, Member, Room, Target
 
 
-def lack(stage: StageDeclaration, selector: Selector, loaded: Loaded, room: Room) -> Mistake:
-    """The mistake of a stage whose selector, its own or one of its sub-graph, matches nothing in the room."""
+def lacking(stage: StageDeclaration, selector: Selector, loaded: Loaded, room: Room) -> Mistake:
+    """The mistake that a selector, of a stage or of its sub-graph, matches nothing in the room."""
     wanted = selector.set
     if loaded.room_node is None:
         text = f'stage "{stage.name}" needs {wanted}, but the graph names no room'
@@ -32,7 +32,7 @@ def lack(stage: StageDeclaration, selector: Selector, loaded: Loaded, room: Room
     return Mistake(selector.place, text, remedy)
 
 
-def absent(loaded: Loaded, members: Mapping[str, Sequence[Member | None]]) -> dict[str, Mistake]:
+def stages_left_out(loaded: Loaded, members: Mapping[str, Sequence[Member | None]]) -> dict[str, Mistake]:
     """The stages and sub-graphs that are left out, each with the reason.
 
     They are the optional ones for which the room has no member, the optional ones that only such stages feed,
