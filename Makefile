@@ -9,13 +9,13 @@ BIN := $(VENV)/bin
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "%-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
-# Each of hundreds of worker processes would compile what it imports, where the environment forbids to keep that.
+# Tests start hundreds of worker processes. If the environment forbids Python to write bytecode, each would compile its modules again.
 export PYTHONDONTWRITEBYTECODE :=
 
 $(BIN)/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "followspot needs Python >= 3.11; name one: make PYTHON=python3.12"; exit 2; }
 	@$(PYTHON) -m venv $(VENV)
-	@$(BIN)/pip install --quiet --disable-pip-version-check --upgrade pip || echo "pip stays as old as it is"  # a new one takes half the time
+	@$(BIN)/pip install --quiet --disable-pip-version-check --upgrade pip || echo "pip could not be upgraded"  # a new pip takes half the time
 
 $(VENV)/demo: pyproject.toml | $(BIN)/python
 	@$(BIN)/pip install --quiet --disable-pip-version-check --editable .
@@ -41,12 +41,13 @@ bundle: $(VENV)/page  ## the page's own files, for --dashboard with any graph
 data: $(VENV)/demo  ## list the public data of experiments; NAMES="..." fetches some
 	@$(BIN)/python tools/get_data.py $(NAMES)
 
-# A file on each core, and one more, for many tests wait; neither threads of BLAS, which would wait for each other,
-# nor deadlines on a busy machine.
+# One test process for each core and one more, because many tests wait. BLAS gets one thread, because threads of several
+# processes would wait for each other. The hypothesis profile ci sets no deadlines, which fail on a busy machine.
 WORKERS := $(shell expr $$(nproc 2>/dev/null || echo 3) + 1)
 PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses $(WORKERS) --maxprocesses 4 --dist loadfile --no-loadscope-reorder --hypothesis-profile ci
 
-# Plain assertions are compiled once for all workers. What fails runs again, to show the values that differ. Skips say why.
+# Plain assertions are compiled once for all test processes. Failed tests run again with rewritten assertions, which show the
+# values that differ. -rs prints the reasons of skipped tests.
 test: $(VENV)/dev  ## the tests
 	@$(PYTEST) --assert=plain -rs -m 'not thorough' || { $(PYTEST) -m 'not thorough' --last-failed --last-failed-no-failures none; false; }
 
@@ -57,7 +58,7 @@ $(VENV)/mutants: $(VENV)/dev
 	@$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[mutants]'
 	@touch $@
 
-# SAMPLE=200 SEED=1 MODULES="core/followspot/worker ..." TESTS=tests: see tools/mutants.py. Ctrl-C, and go on with the same.
+# SAMPLE=200 SEED=1 MODULES="core/followspot/worker ..." TESTS=tests: see tools/mutants.py. After Ctrl-C the same command goes on.
 mutants: $(VENV)/mutants  ## change the code at random places: does a test notice?
 	@nice -n 15 $(BIN)/python tools/mutants.py $(if $(SAMPLE),--sample $(SAMPLE)) $(if $(SEED),--seed $(SEED)) $(if $(MODULES),--modules $(MODULES)) $(if $(TESTS),--tests $(TESTS)) $(if $(AGAIN),--again)
 
