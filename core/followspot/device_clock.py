@@ -1,11 +1,11 @@
-"""The time of a device's own clock in that of this computer, from when its messages arrive."""
+"""The time of a device's own clock in that of this host, from when its messages arrive."""
 
 from __future__ import annotations
 
 WINDOW = 10_000_000_000
 """Time after which an old delay is forgotten, ns: clocks of devices drift by less than 1 ms in it."""
 RESTART = 1_000_000_000
-"""A device whose time jumps back, or ahead of this computer's, by more than this, ns, was restarted."""
+"""A device whose time jumps back, or ahead of this host's, by more than this, ns, was restarted."""
 LEAST = 1000
 """Smallest interval of capture times, ns."""
 
@@ -30,7 +30,7 @@ class DeviceClock:
         self._before: int | None = None
 
     def capture_time(self, device: int | None, arrival: int) -> int | None:
-        """Capture time of a message by this computer's clock; None if it is not later than the last one.
+        """Capture time of a message by this host's clock; None if it is not later than the last one.
 
         device: None for one that does not say; arrival: both ns.
         """

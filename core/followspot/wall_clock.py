@@ -1,4 +1,4 @@
-"""Whether the wall clock of this computer was set, by its lead over the monotonic clock, which cannot be."""
+"""Whether the wall clock of this host was set, by its lead over the monotonic clock, which cannot be."""
 
 from __future__ import annotations
 

@@ -19,17 +19,17 @@ _loaded = ""
 
 
 class LslParams(StageParams):
-    """The computers that can read a stream, and the networks on which streams are sought."""
+    """The hosts that can read a stream, and the networks on which streams are sought."""
 
     host: InputAddress = Field(
         "127.0.0.1",
         description="own address to listen at; liblsl cannot listen on loopback alone, so the stage is "
-        "refused unless this is 0.0.0.0, for all networks; then every computer that reaches this one may "
+        "refused unless this is 0.0.0.0, for all networks; then every host that reaches this one may "
         "read the stream",
     )
     scope: Literal["machine", "link", "site"] = Field(
         "machine",
-        description="where streams are sought and announced: this computer, its network, or the site; the "
+        description="where streams are sought and announced: this host, its network, or the site; the "
         "same for all stages of a worker",
     )
 
@@ -38,9 +38,9 @@ def load(params: LslParams) -> Any:
     """The module pylsl. Raises InputError unless `host` permits it, FollowspotError if it cannot be had."""
     global _loaded
     if params.host != EVERYWHERE:
-        text = f"liblsl listens on all networks of this computer, not on {params.host} alone"
+        text = f"liblsl listens on all networks of this host, not on {params.host} alone"
         raise InputError.of(
-            text, f"set host: {EVERYWHERE} if every computer that reaches this one may read the streams"
+            text, f"set host: {EVERYWHERE} if every host that reaches this one may read the streams"
         )
     wanted = configuration(params.scope)
     if _loaded == wanted:
@@ -86,6 +86,6 @@ def _imported(text: str) -> Any:
 
 
 def wall_clock_offset(pylsl: Any) -> int:
-    """What is added to liblsl's clock to get this computer's, ns."""
+    """What is added to liblsl's clock to get this host's, ns."""
     now: float = pylsl.local_clock()
     return time.time_ns() - round(now * 1e9)

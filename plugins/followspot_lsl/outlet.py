@@ -32,7 +32,7 @@ class Outlet(Stage):
         times: Literal["capture", "sending"] = Field(
             "capture",
             description="time of a sample: when the cameras took it, or when it is sent; recordings and "
-            "simulated rooms have other clocks than this computer: take sending for them",
+            "simulated rooms have other clocks than this host: take sending for them",
         )
 
     params: Params

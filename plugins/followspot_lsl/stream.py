@@ -110,7 +110,7 @@ def labels_of(info: Any) -> tuple[str, ...]:
 
 
 def message_of(name: str, channels: tuple[str, ...], times: Array, samples: Array, offset: int) -> Samples:
-    """times: (N,) s by liblsl's clock; samples: (N, C); offset: to this computer's clock, ns."""
+    """times: (N,) s by liblsl's clock; samples: (N, C); offset: to this host's clock, ns."""
     nanoseconds = np.rint(times * 1e9).astype("i8") + offset
     count = len(channels)
     channel = np.tile(np.arange(count, dtype="i4"), len(times))

@@ -32,7 +32,7 @@ class Datagrams:
             self.socket.close()
             why = error.strerror if isinstance(error, OSError) else error
             text = f"cannot send to {host} from {interface}: {why}"
-            remedy = "host: a name or an address; interface: this computer's own address in that network"
+            remedy = "host: a name or an address; interface: this host's own address in that network"
             raise InputError([Mistake(None, text, remedy)]) from None
 
     def send(self, packet: bytes) -> None:

@@ -1,6 +1,6 @@
 """What chrony and ptp4l find between two hosts is what `followspot doctor` finds, and hosts in step are ok.
 
-Neither changes a clock of this computer. All namespaces have its clock, so a library shifts that of the
+Neither changes a clock of this host. All namespaces have its clock, so a library shifts that of the
 programs of one host, chrony's and the agent's alike.
 """
 

@@ -107,7 +107,7 @@ def room_with(folder: Path, sources: dict[str, dict[str, Any] | None]) -> Path:
 
 
 def take_one(server: socket.socket, ports: Iterable[int]) -> None:
-    """Bind to the first port that no other program of this computer has."""
+    """Bind to the first port that no other program of this host has."""
     for port in ports:
         try:
             server.bind(("127.0.0.1", port))

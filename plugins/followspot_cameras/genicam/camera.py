@@ -56,7 +56,7 @@ class Picture(NamedTuple):
 
     data: (B,) uint8, valid until the next picture; size: width and height, px; format: its PFNC name;
     identifier: the camera's number of it; camera_time: by the camera's clock, ns, None if it says none;
-    arrival: by this computer's steady clock, ns; missing_packets: of those that it was sent in; padding:
+    arrival: by this host's steady clock, ns; missing_packets: of those that it was sent in; padding:
     bytes after each line of pixels.
     """
 

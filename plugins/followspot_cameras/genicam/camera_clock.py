@@ -1,4 +1,4 @@
-"""The time of a camera's own clock in that of this computer, from timed readings of the camera's clock."""
+"""The time of a camera's own clock in that of this host, from timed readings of the camera's clock."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ that one of the clocks was set."""
 
 
 class Reading(NamedTuple):
-    """A reading of the camera's clock, ns, and this computer's steady clock before and after it, ns."""
+    """A reading of the camera's clock, ns, and this host's steady clock before and after it, ns."""
 
     camera: int
     before: int
@@ -32,7 +32,7 @@ class Reading(NamedTuple):
 
     @property
     def middle(self) -> int:
-        """Time of this computer halfway, ns."""
+        """Time of this host halfway, ns."""
         return (self.before + self.after) // 2
 
 
@@ -46,9 +46,9 @@ class CameraClock:
     def __init__(self) -> None:
         self._kept: deque[Reading] = deque(maxlen=KEPT)
         self._origin = (0, 0)
-        """Of the line: camera time and time of this computer, ns."""
+        """Of the line: camera time and time of this host, ns."""
         self._rate = 1.0
-        """Seconds of this computer in one of the camera."""
+        """Seconds of this host in one of the camera."""
         self.settings = 0
         """How often one of the clocks was set."""
 
@@ -64,7 +64,7 @@ class CameraClock:
 
     @property
     def drift(self) -> float:
-        """Rate of the camera's clock less that of this computer, over it (1e-6: a microsecond a second)."""
+        """Rate of the camera's clock less that of this host, over it (1e-6: a microsecond a second)."""
         return 1.0 / self._rate - 1.0
 
     def add(self, reading: Reading) -> None:
@@ -79,7 +79,7 @@ class CameraClock:
         self._fit()
 
     def steady_time(self, camera: int) -> int:
-        """Time of this computer's steady clock at a time of the camera, both ns."""
+        """Time of this host's steady clock at a time of the camera, both ns."""
         there, here = self._origin
         passed = camera - there
         return here + passed + round(passed * (self._rate - 1.0))

@@ -1,4 +1,4 @@
-"""Capture times of pictures in this computer's clock, from the camera's own time stamps."""
+"""Capture times of pictures in this host's clock, from the camera's own time stamps."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from followspot.device_clock import DeviceClock
 from followspot_cameras.genicam.camera_clock import CameraClock, Reading
 
 By = Literal["", "camera", "shared", "delay", "arrival"]
-"""How times are told: by the camera's clock, which is read; by the camera's clock, which is this computer's
-(PTP, or a camera on this computer); by its time stamps and the least delay on the way; by arrival. "" before
+"""How times are told: by the camera's clock, which is read; by the camera's clock, which is this host's
+(PTP, or a camera on this host); by its time stamps and the least delay on the way; by arrival. "" before
 the first picture."""
 ALLOWANCE = 2_000_000
 """A picture that would be captured before the camera was told to start, or after it came, by more than this,
 ns, was not stamped by the clock that the camera tells."""
 SHARED = 1_000_000_000
-"""A picture that is at most this old, ns, by its time stamp and this computer's clock shows that the camera's
+"""A picture that is at most this old, ns, by its time stamp and this host's clock shows that the camera's
 clock is the same. A clock that was never set is not so near by chance."""
 INTERVAL = 1_000_000_000
 """Between readings of the clock, ns."""
@@ -45,7 +45,7 @@ class CaptureTimes:
 
     @property
     def exact(self) -> bool:
-        """Whether the last time is the camera's own, in this computer's clock."""
+        """Whether the last time is the camera's own, in this host's clock."""
         return self.by in ("camera", "shared")
 
     def update(self, now: int) -> None:

@@ -103,7 +103,7 @@ class ActionCommands:
             heard = 0
             problem = (
                 f"its action commands cannot be sent to {self._receiver} ({error}); "
-                "`interface` names this computer's address in the network of the cameras"
+                "`interface` names this host's address in the network of the cameras"
             )
         if first and not heard:
             self._say(problem)

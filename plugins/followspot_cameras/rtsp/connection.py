@@ -43,7 +43,7 @@ class Response(NamedTuple):
 class RtspConnection:
     """Requests and packets on one connection. url: with user and password if the server wants them.
 
-    own_address: of this computer, as it faces the server; peer: the server's address.
+    own_address: of this host, as it faces the server; peer: the server's address.
     Every method raises ConnectionLost.
     """
 

@@ -1,4 +1,4 @@
-"""Capture times of RTP time stamps in this computer's clock.
+"""Capture times of RTP time stamps in this host's clock.
 
 A sender report says what the sender's clock reads at an RTP time stamp, and is sent at that moment. So its
 arrival tells how far the sender's clock is off, but for the delay on the way; pictures come much later,
@@ -48,7 +48,7 @@ class SenderClock:
         return (now.offset - then.offset) / passed if passed >= LONG_ENOUGH else 0.0
 
     def add(self, report: SenderReport, arrival: int) -> None:
-        """Take a report. arrival: by this computer's clock, ns."""
+        """Take a report. arrival: by this host's clock, ns."""
         told = _Offset(report.clock, arrival - report.clock)
         if self._newest and abs(told.offset - self.offset) > SET:
             self._newest.clear()
@@ -69,7 +69,7 @@ class SenderClock:
 
 
 class _Offset(NamedTuple):
-    """Of a report: the sender's clock, and what this computer's is ahead of it, ns."""
+    """Of a report: the sender's clock, and what this host's is ahead of it, ns."""
 
     clock: int
     offset: int

@@ -92,12 +92,12 @@ class Rtsp(LiveCamera):
         return public_address(self.params.url)
 
     def process(self) -> Source[Frame]:
-        """Pictures as they come, with capture times by this computer's clock."""
+        """Pictures as they come, with capture times by this host's clock."""
         self._times = ReportTimes(to_ns(self.params.wait_for_report), self.say)
         yield from super().process()
 
     def session(self) -> Iterator[Frame]:
-        """Pictures of one connection, with capture times by this computer's clock. Raises ConnectionLost."""
+        """Pictures of one connection, with capture times by this host's clock. Raises ConnectionLost."""
         p = self.params
         with (
             closing(RtspConnection(p.url, p.open_timeout, p.read_timeout)) as connection,

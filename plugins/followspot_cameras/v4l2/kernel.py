@@ -34,7 +34,7 @@ class Kernel(Protocol):
 
 
 class Linux:
-    """The kernel of this computer."""
+    """The kernel of this host."""
 
     def open(self, path: str) -> int:
         """The file of a device; its requests do not wait."""

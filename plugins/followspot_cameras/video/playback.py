@@ -69,7 +69,7 @@ class Playback(Video):
         return None if self.params.loop else super().length()
 
     def state(self) -> dict[str, Any] | None:
-        """When it began, by which computer's monotonic clock; how long it has played by now; its speed."""
+        """When it began, by which host's monotonic clock; how long it has played by now; its speed."""
         if self._began is None:
             return None
         here = {"began": self._began, "computer": _BOOT_ID.read_text()}
@@ -78,7 +78,7 @@ class Playback(Video):
     def restore(self, state: Mapping[str, Any]) -> None:
         """Go on where the recording is by now; at another speed from there on.
 
-        All processes of a computer have one monotonic clock. Another computer goes by the wall clock, or goes
+        All processes of a host have one monotonic clock. Another host goes by the wall clock, or goes
         on where the recording was if that clock cannot be right.
         """
         now, away = time.monotonic(), time.time() - state["now"]

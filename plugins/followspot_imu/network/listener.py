@@ -31,7 +31,7 @@ def opened(host: str, port: int) -> socket.socket:
     except (OSError, UnicodeError) as error:
         own.close()
         text = f"cannot listen at {host}:{port}: {error}"
-        remedy = "host: an address of this computer, 0.0.0.0 for all; port: one that no other sensor uses"
+        remedy = "host: an address of this host, 0.0.0.0 for all; port: one that no other sensor uses"
         raise InputError([Mistake(None, text, remedy)]) from None
     return own
 

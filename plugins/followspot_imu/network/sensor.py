@@ -46,7 +46,7 @@ class NetworkSensor(Stage, ABC):
         """The port, the axes, and the size of messages."""
 
         host: InputAddress = Field(
-            "127.0.0.1", description="own address to listen at; 0.0.0.0: all networks of this computer"
+            "127.0.0.1", description="own address to listen at; 0.0.0.0: all networks of this host"
         )
         port: int = Field(8000, ge=1, le=65535, unit="1", description="UDP port; each sensor has its own")
         sender: str = Field(
@@ -75,7 +75,7 @@ class NetworkSensor(Stage, ABC):
         return Tally(self.sensor.name, self.context.warn)
 
     def process(self) -> Source[Inertial]:
-        """Readings with capture times by this computer's clock. Raises InputError if it cannot listen."""
+        """Readings with capture times by this host's clock. Raises InputError if it cannot listen."""
         p = self.params
         self._clock, self._pending = DeviceClock(), Collection(p)
         self._losses = Losses(self.sensor.rate)

@@ -20,7 +20,7 @@ class Ximu3(NetworkSensor):
     """Readings of an x-IMU3 over UDP, from its inertial and magnetometer messages, ASCII or binary.
 
     In the settings of the device, its UDP send port is this stage's `port`, and its UDP IP address this
-    computer. The device says when it read, and so readings that were lost on the way are counted.
+    host. The device says when it read, and so readings that were lost on the way are counted.
     """
 
     class Params(NetworkSensor.Params):

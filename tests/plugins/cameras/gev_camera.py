@@ -168,7 +168,7 @@ class GevCamera(Camera):
                 if not self._triggers.acquire(timeout=0.05):
                     continue
             else:
-                due = max(due + self._period, time.monotonic())  # a busy computer makes no bursts
+                due = max(due + self._period, time.monotonic())  # a busy host makes no bursts
                 self._ended.wait(max(0.0, due - time.monotonic()))
             number = number % 65_535 + 1
             now = time.time_ns()

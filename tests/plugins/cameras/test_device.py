@@ -1,4 +1,4 @@
-"""Cameras of this computer through V4L2: numbers and times of the driver, formats and controls by name."""
+"""Cameras of this host through V4L2: numbers and times of the driver, formats and controls by name."""
 
 from __future__ import annotations
 

@@ -64,7 +64,7 @@ def trial(
 def test_capture_times_are_those_of_the_camera_and_losses_are_told_to_the_number(
     hosts: Hosts, environment: dict[str, str], camera: str, backend: str
 ) -> None:
-    """Aravis' camera stamps by its computer's clock, and loses nothing to order (a busy computer may).
+    """Aravis' camera stamps by its computer's clock, and loses nothing to order (a busy host may).
     viva-genicam's stamps by a clock that begins with the pictures and that nobody can ask, so all of its
     times may be off by the same.
     """

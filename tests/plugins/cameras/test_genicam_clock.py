@@ -1,4 +1,4 @@
-"""A camera that stamps by the clock that it tells, and one whose clock is this computer's (PTP)."""
+"""A camera that stamps by the clock that it tells, and one whose clock is this host's (PTP)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MS, S = 1_000_000, 1_000_000_000
 
 
 def test_pictures_have_the_times_at_which_the_camera_took_them() -> None:
-    """Its clock is 5000 s off and drifts; on a busy computer, readings without delay come sooner or later."""
+    """Its clock is 5000 s off and drifts; on a busy host, readings without delay come sooner or later."""
     pytest.importorskip("viva_genicam", reason="viva-genicam is not installed")
     from followspot_cameras.genicam.stage import Genicam
 
@@ -45,7 +45,7 @@ def test_pictures_have_the_times_at_which_the_camera_took_them() -> None:
 
 def told_from(stamps: list[int], now: int, clock: int) -> tuple[list[str], list[int]]:
     """How the times of pictures are told, and how long before their arrival they are, ns, of a camera whose
-    clock reads `clock` at `now` of this computer; a picture comes 20 ms after its time.
+    clock reads `clock` at `now` of this host; a picture comes 20 ms after its time.
     """
     times = CaptureTimes(lambda: Reading(clock, now, now))
     times.update(now)

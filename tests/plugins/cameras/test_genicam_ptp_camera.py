@@ -37,7 +37,7 @@ def camera(state: str = "Slave", offset: int = -120, enabled: int = 1) -> Iterat
 
 
 def listed(capsys: pytest.CaptureFixture[str]) -> dict[str, object]:
-    """The camera as it is listed; on a busy computer its answer may come too late for one search."""
+    """The camera as it is listed; on a busy host its answer may come too late for one search."""
     for _ in range(100):
         if cameras("viva-genicam", "127.0.0.1", 0.3, None, as_json=True) == 0:
             break

@@ -1,4 +1,4 @@
-"""The Lab Streaming Layer between two processes, with liblsl itself, discovery on this computer alone."""
+"""The Lab Streaming Layer between two processes, with liblsl itself, discovery on this host alone."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def test_what_a_regular_stream_leaves_out_is_counted() -> None:
 @pytest.mark.parametrize("stage", [Stream, Outlet])
 def test_it_is_refused_unless_all_networks_are_permitted(stage: type[Stream | Outlet]) -> None:
     with pytest.raises(
-        InputError, match=r"liblsl listens on all networks of this computer, not on 127\.0\.0\.1"
+        InputError, match=r"liblsl listens on all networks of this host, not on 127\.0\.0\.1"
     ) as told:
         stage(Context()).setup()
     assert "host: 0.0.0.0" in str(told.value)

@@ -16,7 +16,7 @@ Check = tuple[str, Callable[[], Iterator[Finding]]]
 
 @dataclass(frozen=True)
 class Subject:
-    """Subjects beside this computer."""
+    """Subjects beside this host."""
 
     room: Path | None = None
     graph: str | None = None

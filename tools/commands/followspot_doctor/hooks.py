@@ -36,9 +36,9 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    """Find what would keep a graph from running on this computer, and say how to repair it.
+    """Find what would keep a graph from running on this host, and say how to repair it.
 
-    The command examines this computer (memory, open files, shared memory, disk, clock), its network
+    The command examines this host (memory, open files, shared memory, disk, clock), its network
     (loopback, multicast, ports), libraries and plugins. With --room it takes a picture from each camera;
     with --cameras it watches the live ones together and says how far apart they take their pictures.
     With --connect it asks the agents of other hosts for their clocks, with --certificates it examines the

@@ -30,5 +30,5 @@ def is_address(name: str) -> bool:
 
 
 def is_loopback(host: str) -> bool:
-    """True if only this computer reaches a host."""
+    """True if only this host reaches a host."""
     return host == "localhost" or (is_address(host) and ipaddress.ip_address(host).is_loopback)

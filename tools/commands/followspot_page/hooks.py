@@ -104,7 +104,7 @@ def _add_address(parser: argparse.ArgumentParser | argparse._ArgumentGroup) -> N
     parser.add_argument(
         "--dashboard-open",
         action="store_true",
-        help="let every computer that reaches the address open the page, without a password",
+        help="let every host that reaches the address open the page, without a password",
     )
 
 

@@ -35,7 +35,7 @@ def order_of(args: argparse.Namespace, pid: int | None = None) -> PageOrder:
         (HOST, PORT) if args.dashboard_at is None else read_address("--dashboard-at", args.dashboard_at)
     )
     if not (is_loopback(host) or args.dashboard_open):
-        text = f"--dashboard-at: other computers reach {host}, and the page has no password"
+        text = f"--dashboard-at: other hosts reach {host}, and the page has no password"
         raise InputError.of(text, "say --dashboard-open if everyone there may see the cameras")
     firm = args.dashboard_at is not None
     return PageOrder(os.getpid() if pid is None else pid, host, port, firm, args.dashboard_rate)

@@ -36,7 +36,7 @@ from followspot_watch.run_monitor import RunMonitor
 
 MAX_BROWSERS = 32
 MAX_OF_ADDRESS = 12
-"""Largest number from one other computer."""
+"""Largest number from one other host."""
 
 
 class Page:
@@ -47,7 +47,7 @@ class Page:
         self.plan = plan
         self.ask: RunHandle | None = None
         """The run that browsers may change; None if the page only shows it."""
-        self.shut = "this page only shows: it is open to other computers"
+        self.shut = "this page only shows: it is open to other hosts"
         """Why browsers may not change the run."""
         self.gate = gate
         self.remote: RemotePreviews | None = None
@@ -190,7 +190,7 @@ class Page:
         if self.browsers >= MAX_BROWSERS:
             return f"{MAX_BROWSERS} browsers show this page, which is all it serves; close one of them"
         if self._browsers[address] >= of_it:
-            return f"{of_it} browsers of this computer show this page, which is all it serves; close one"
+            return f"{of_it} browsers of this host show this page, which is all it serves; close one"
         return ""
 
     @property

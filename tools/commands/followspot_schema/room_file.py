@@ -90,7 +90,7 @@ def _camera(pictures: Mapping[str, type[Stage]]) -> Schema:
             "rotation": matrix("R of x_cam = R X + t"),
             "translation": numbers(3, "t of x_cam = R X + t, m"),
             "source": stage_use("the stage that gives its pictures", pictures),
-            "host": {"type": "string", "description": "the computer that it is connected to"},
+            "host": {"type": "string", "description": "the host that it is connected to"},
             "clock_offset": {
                 "type": "number",
                 "minimum": -1,
@@ -118,7 +118,7 @@ def _sensor(others: Mapping[str, type[Stage]]) -> Schema:
                 "minProperties": 1,
                 "maxProperties": 1,
             },
-            "host": {"type": "string", "description": "the computer that it is connected to"},
+            "host": {"type": "string", "description": "the host that it is connected to"},
             "tags": _tags(),
         },
         ["kind"],

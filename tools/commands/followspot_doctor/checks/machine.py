@@ -82,10 +82,10 @@ def output_folder(out: Path) -> Iterator[Finding]:
 
 
 def clock() -> Iterator[Finding]:
-    """Check that a time service steers the clock; cameras on several computers need that."""
+    """Check that a time service steers the clock; cameras on several hosts need that."""
     state = ctypes.CDLL(None, use_errno=True).adjtimex(ctypes.create_string_buffer(512))
     if state == NOT_SYNCHRONISED:
-        remedy = "matters with cameras on several computers: install chrony, or ptp4l"
+        remedy = "matters with cameras on several hosts: install chrony, or ptp4l"
         yield doubtful("clock", "no time service keeps it", remedy)
     else:
         yield fine(

@@ -1,4 +1,4 @@
-"""The network as seen from one computer: loopback, multicast, ports, Zenoh."""
+"""The network as seen from one host: loopback, multicast, ports, Zenoh."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def timing(path: str, seconds: float = SECONDS) -> Iterator[Finding]:
     room = by_clocks(room)
     cameras = [camera for camera in room.cameras.values() if _is_live(camera)]
     if len(cameras) < 2:
-        yield fine(SUBJECT, f"{len(cameras)} live cameras on this computer: nothing to compare")
+        yield fine(SUBJECT, f"{len(cameras)} live cameras on this host: nothing to compare")
         return
     watch = Watch(len(cameras), seconds)
     with ThreadPoolExecutor(MOST) as pool:
@@ -87,7 +87,7 @@ def _judged(name: str, one: Timing, others: str) -> Finding:
 
 
 def _is_live(camera: Camera) -> bool:
-    """Whether the camera hangs on this computer and delivers in its own time."""
+    """Whether the camera hangs on this host and delivers in its own time."""
     try:
         return camera.source is not None and not camera.host and load_stage(camera.source.uses).live
     except PluginError:
