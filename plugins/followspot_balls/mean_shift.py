@@ -24,9 +24,9 @@ FAINT = 1e-200
 class MeanShift(Fusion):
     """Seek the mode of each target's candidates, from the forecast or from the densest candidate.
 
-    The place is the mean of the candidates in the mode. There they weigh by their precision, too: fragments,
-    and blobs merged with other light, tell places less exactly than whole balls do. In a mode as wide as that
-    of a lost target they do not, for other things may show as whole in it as a covered ball.
+    The position is the mean of the candidates in the mode, weighted by the kernel and by the precision of the
+    candidates: fragments, and blobs merged with other light, are less precise than whole balls. The wide mode
+    of a lost target is not weighted by precision, because other things in it may look as whole as the ball.
     """
 
     class Params(Fusion.Params):

@@ -1,4 +1,4 @@
-"""Measurements that may be of something else than their target: probabilistic data association."""
+"""Probabilistic data association: a measurement may be of something else than its target."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from followspot.messages import Array
 def association_probability(squared: Array, gate: float) -> Array:
     """The probability that unsure measurements are of their targets: (M,), 0.5 to 1.
 
-    What else there is has the same density everywhere: that which the target has at the gate. Beyond it the
-    target bounced, or the measurement is of something else, which are equally likely.
+    Clutter is assumed to have the same density everywhere, equal to that of the target at the gate. Beyond
+    the gate it is equally likely that the target bounced and that the measurement is of something else.
     squared: (M,), n^T S^-1 n of the innovations n; gate: sigmas.
     """
     return np.asarray(1 / (1 + np.exp(np.minimum(squared - gate * gate, 0.0) / 2)))

@@ -105,7 +105,7 @@ def within(xyz: Array, center: Array, distance: Array | float) -> Array:
 def uncertain(positions: Positions, rules: ConfirmationRules) -> Array:
     """Positions whose sigma exceeds `maximum_step`, because other places are nearly as likely: (M,) bool.
 
-    What twice as many candidates agree on as are needed is no chance, whatever else there is.
+    A position on which twice as many candidates agree as are needed is certain all the same.
     """
     variance = positions.covariance.diagonal(axis1=1, axis2=2).max(axis=1)
     return np.asarray((variance > rules.maximum_step**2) & (positions.support < 2 * rules.support))

@@ -62,7 +62,8 @@ class DepartureTest:
 def departure_variance(seconds: Array) -> Array:
     """Variance along each axis, m^2, of where targets are whose tracks may have left them, of any shape.
 
-    The filter takes errors of successive frames as independent, but what leads a track away does so in all.
+    The filter assumes independent errors in successive frames, but the cause that leads a track away acts in
+    all of them.
     seconds: for which few candidates have shown each.
     """
     return np.asarray(-np.expm1(-DEPARTURE_RATE * seconds) * DEPARTURE_SIGMA**2)

@@ -71,7 +71,7 @@ def search_status(life: LifeCycle, local_frames: int, marked: Array, doubted: Ar
 def with_weak_counted(life: LifeCycle, measured: Array, agreed: Array) -> LifeCycle:
     """The life cycle with the counters of weak frames one frame later.
 
-    What one view alone shows from the beginning is not weak: no more can be expected of it.
+    A target that one view alone has shown from the beginning is not weak: more support cannot be expected.
     measured, agreed: (T,) bool, targets with a measurement, and with one by as many candidates as confirm it.
     """
     return life._replace(weak=np.where(agreed, 0, life.weak + (measured | (life.weak > 0))))

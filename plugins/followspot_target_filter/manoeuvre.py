@@ -59,7 +59,7 @@ def jump(seconds: float) -> Array:
 def sudden_covariance(
     innovation: Array, squared: Array, place: Array, seconds: float, bounces: Bounces
 ) -> Array:
-    """What the covariance of position and velocity gains by a sudden innovation n: (M, 6, 6), m and m/s.
+    """The increase of the covariance of position and velocity by a sudden innovation n: (M, 6, 6), m and m/s.
 
     It grows until n is one sigma. At a bounce the velocity changed along n by an unknown amount at an unknown
     time of the last step. Where the gate of the forecast is farther off than a bounce moves a target (root
@@ -77,9 +77,9 @@ def sudden_covariance(
 
 
 def slowing_covariance(state: Array, factor: float) -> Array:
-    """What the covariance gains as motions are multiplied by a factor of at most 1, (M, D, D).
+    """The increase of the covariance if motions are multiplied by a factor of at most 1, (M, D, D).
 
-    A target that nothing shows may as well go on, so the second moment of its motion, P + w w^T, stays.
+    A target without measurements may go on unslowed, so the second moment of its motion, P + w w^T, stays.
     state: (M, D), the place in m, then its derivatives w by time.
     """
     motion = np.array(state)

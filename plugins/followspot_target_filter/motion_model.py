@@ -1,4 +1,4 @@
-"""What a filter of targets needs of a motion model, so that models can be swapped."""
+"""The interface of motion models, so that a filter of targets can swap them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from followspot.messages import Array
 
 
 class Estimate(NamedTuple):
-    """Where T targets are and how they move."""
+    """Positions and velocities of T targets, with the covariances of the positions."""
 
     xyz: Array
     """(T, 3) m."""
@@ -36,7 +36,7 @@ class MotionModel(Protocol):
 
     @property
     def estimate(self) -> Estimate:
-        """The targets now; the rows of targets that were never initiated say nothing."""
+        """The targets now; the rows of targets that were never initiated have no meaning."""
 
     def predict(self, seconds: float) -> None:
         """Move all targets on by a step."""
@@ -55,7 +55,7 @@ class MotionModel(Protocol):
         """
 
     def slow(self, target: Array, factor: float) -> None:
-        """Multiply the velocity of some targets, which may go on unslowed."""
+        """Multiply the velocity of some targets; the covariance grows, for they may go on unslowed."""
 
     def stop(self, target: Array, xyz: Array) -> None:
         """Put some targets to rest at places."""

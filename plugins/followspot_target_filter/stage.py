@@ -179,7 +179,7 @@ class TargetFilter(Stage, ABC):
     def remember(self, target: Array, new: Array, measured: Array) -> None:
         """Store the last two estimates of targets with positions, and slow down coasting targets.
 
-        What one view predicts is no measurement. measured: (T,) bool.
+        measured: (T,) bool; a position that was predicted from one view does not count as measured.
         """
         self.before[target] = self.last.take(target, axis=0)
         here, status = self.motion.estimate.xyz, self.life.status
