@@ -1,7 +1,7 @@
 """The interface of a host for the operator: the order of a run, and the status of its workers.
 
-Both are plain data. A status is complete, not a difference: an operator that missed one, or joined late,
-needs no other.
+Both are plain data. A status is complete, not a difference to the one before, so an operator that missed some
+needs only the newest.
 """
 
 from __future__ import annotations
@@ -26,30 +26,33 @@ WorkerPhase = Literal["starting", "ready", "running", "absent", "over"]
 
 @dataclass(frozen=True)
 class RunOrder:
-    """Everything that a host needs to prepare a run.
-
-    run: unique name; plan: as `plan_to_data` gives it; frames: of each camera, None for all; out: folder
-    for outputs, None if the host chooses one; restart: whether hosts restart workers that die; detached:
-    whether the run goes on without an operator; incarnations: of workers that ran under an earlier agent;
-    fired: frames that they did there; age_s: how long the run went on there, s; over: workers of any host
-    that have ended for good; reference: the run's reference host, which stays the same when hosts join or
-    leave, "" if the run began without agents; operator: its process; code: digests of the packages and
-    files that have the stages of the host, as the operator has them.
-    """
+    """Everything that a host needs to prepare a run."""
 
     run: str
+    """Unique name of the run."""
     plan: dict[str, Any]
+    """As `plan_to_data` gives it."""
     frames: Count | None = None
+    """Number of frames of each camera, None for all."""
     out: str | None = None
+    """Folder for outputs, None if the host chooses one."""
     restart: bool = False
+    """Whether hosts restart workers that die."""
     detached: bool = False
+    """Whether the run goes on without an operator."""
     incarnations: dict[str, Incarnation] = field(default_factory=dict)
+    """Of workers that ran under an earlier agent, by name."""
     fired: dict[str, Count] = field(default_factory=dict)
+    """Frames that these workers did under the earlier agent, by name."""
     age_s: Age = 0.0
+    """How long the run went on under the earlier agent, s."""
     over: tuple[str, ...] = ()
+    """Workers of any host that have ended for good."""
     reference: str = ""
+    """The run's reference host, which stays when hosts join or leave; "" if the run began without agents."""
     operator: ProcessIdentity = ProcessIdentity()
     code: dict[str, str] = field(default_factory=dict)
+    """Digests of the operator's packages and files with the stages of this host, by name."""
 
     def here(self, plan: dict[str, Any], out: str) -> RunOrder:
         """The order with the plan and the folder of this host."""
@@ -58,28 +61,28 @@ class RunOrder:
 
 @dataclass(frozen=True)
 class WorkerStatus:
-    """The status of one worker.
-
-    phase: see `WorkerPhase`; fired: frames done, also before restarts; expected: frames to be done, None if
-    unknown; restarts: how often the worker was restarted; report: None until it has ended; stages, paths:
-    their newest statuses; age_s: time since its last message, s, None if there was none; host: its host, ""
-    for the operator's own.
-    """
+    """The status of one worker."""
 
     name: str
     phase: WorkerPhase
     fired: Count = 0
+    """Frames done, also before restarts."""
     time: Nanoseconds = -1
     """Newest capture time that a source sent, ns; -1 before the first."""
     expected: Count | None = None
+    """Frames to be done, None if unknown."""
     restarts: Incarnation = 0
+    """How often the worker was restarted."""
     report: WorkerReport | None = None
+    """None until the worker has ended."""
     stages: tuple[StageStatus, ...] = ()
     paths: tuple[PathStatus, ...] = ()
     age_s: Age | None = None
+    """Time since the worker's last message, s; None if there was none."""
     host: str = ""
+    """The worker's host, "" for the operator's own."""
     stages_age_s: Age | None = None
-    """Time since the worker sent `stages`, s; it sends them less often than its sign of life."""
+    """Time since the worker sent `stages`, s; it sends them less often than heartbeats."""
     last_times: dict[str, Nanoseconds] = field(default_factory=dict)
     """Capture times, ns, of the last frames of a limited run, by source, as far as sources know them."""
 
@@ -92,22 +95,24 @@ class WorkerStatus:
 
 @dataclass(frozen=True)
 class HostStatus:
-    """The status of a run on one host.
-
-    workers: of this host; counts: the ledger's columns of all edges of the plan, one edge after the other;
-    news: faults and their repairs, a line each, oldest first; out: folder of outputs; change: status of the
-    newest hot swap; clock: offset from the reference clock; logged: number of the newest log record; age_s:
-    time since the host gave this status, s, None before its first.
-    """
+    """The status of a run on one host."""
 
     workers: tuple[WorkerStatus, ...]
+    """The workers of this host."""
     counts: tuple[Count, ...]
+    """The ledger's columns of all edges of the plan, one edge after the other."""
     news: tuple[str, ...] = ()
+    """Faults and their repairs, a line each, oldest first."""
     out: str = ""
+    """Folder of outputs."""
     change: ChangeStatus = ChangeStatus()
+    """The status of the newest hot swap."""
     clock: ClockStatus = ClockStatus()
+    """The offset from the reference clock."""
     logged: Last = -1
+    """Number of the newest log record."""
     age_s: Age | None = None
+    """Time since the host gave this status, s; None before its first."""
 
     def all(self, *phases: WorkerPhase) -> bool:
         """True if every worker is in one of these phases."""

@@ -12,19 +12,18 @@ MOVE_TIMEOUT = 60.0
 
 
 class MoveOrder(RunRequest):
-    """One step of a move on a host.
-
-    leaving: workers of any host that send checkpoints of their stages and exit; plan: the new plan in JSON
-    types, None while workers only leave; states: checkpoints of the moved stages, by stage; fired: frames
-    that the sinks of a worker did before, by worker; trial: only check whether the host would accept the
-    plan; back: a step of the way back after a move that failed: a host that does not answer now does it as
-    soon as it answers.
-    """
+    """One step of a move on a host."""
 
     leaving: tuple[str, ...] = ()
+    """Workers of any host that send checkpoints of their stages and exit."""
     plan: dict[str, Any] | None = None
+    """The new plan in JSON types, None while workers only leave."""
     states: dict[str, Any] = {}  # noqa: RUF012  # pydantic copies it, and requests are frozen
+    """Checkpoints of the moved stages, by stage."""
     fired: dict[str, Count] = {}  # noqa: RUF012
+    """Frames that the sinks of a worker did before, by worker."""
     trial: bool = False
+    """Only check whether the host would accept the plan."""
     back: bool = False
+    """Whether a failed move is undone: a silent host then does the step as soon as it answers."""
     roles: ClassVar[tuple[Role, ...]] = ("host",)

@@ -21,41 +21,46 @@ BEFORE_TAKE_OVER: tuple[ChangePhase, ...] = ("built", "held", "resting")
 
 
 class ChangeOrder(RunRequest):
-    """One step of a change. id: of the change; stages: the replacements; fresh: whether they start without
-    the state of the old stages; subgraphs: of the plan after the change, for the hosts.
+    """One step of a change.
 
-    plan: the plan after a change in which stages and edges come or go, else None; workers: of the host, those
-    that take part in it.
-
-    Several workers come to rest together: in "hold" their sources stop at once; in "rest" these
-    go on to `until`, ns, the stages `leaving` give what they still have, and each worker answers once it has
-    nothing more to do; all take over, and all go on. A live run has no "hold". turn: counts the steps.
+    A swap of stages has the steps "build" and "take_over". A change of stages and edges in several workers
+    also brings them to rest: in "hold" their sources stop at once (not in a live run); in "rest" the sources
+    go on to `until`, the stages `leaving` send their remaining messages, and each worker answers once it has
+    nothing more to do. After "take_over" all workers "go_on". "discard" undoes a change that failed.
     """
 
     id: str
+    """Of the change."""
     step: Step
     stages: tuple[PlannedStage, ...]
+    """The replacements."""
     fresh: bool = False
+    """Whether replacements start without the state of the old stages."""
     subgraphs: tuple[SubgraphUse, ...] | None = None
+    """The sub-graphs of the plan after the change, for the hosts."""
     workers: tuple[str, ...] = ()
+    """The workers of the host that take part in a change of stages and edges."""
     turn: Count = 0
+    """Number of the step."""
     until: Nanoseconds = -1
+    """Capture time up to which the sources send in "rest", ns."""
     leaving: tuple[str, ...] = ()
+    """Stages that send their remaining messages in "rest"."""
     plan: dict[str, Any] | None = None
+    """The plan after a change of stages and edges; None if only stages are swapped."""
     roles: ClassVar[tuple[Role, ...]] = ("host", "worker")
 
 
 @dataclass(frozen=True)
 class Rested:
-    """The state of workers at rest.
-
-    time: newest capture time that a source has sent, ns; window: the widest in which an input of a stage that
-    comes or goes matches messages, ns; activity: firings and receipts so far.
-    """
+    """The state of workers at rest."""
 
     time: Nanoseconds = -1
+    """Newest capture time that a source has sent, ns."""
     window: Nanoseconds = 0
+    """Widest window in which an input of a stage that comes or goes matches messages, ns."""
     activity: Count = 0
+    """Firings and received messages so far."""
 
     @staticmethod
     def of(parts: Collection[Rested]) -> Rested:
@@ -69,12 +74,12 @@ class Rested:
 
 @dataclass(frozen=True)
 class ChangeStatus:
-    """The status of the newest change, in a worker or on a host. error: why it failed, else ""; turn: of the
-    step.
-    """
+    """The status of the newest change, in a worker or on a host."""
 
     id: str = ""
     phase: ChangePhase = "done"
     error: str = ""
+    """Why the change failed; "" if it did not."""
     turn: Count = 0
+    """Number of the step."""
     rested: Rested = Rested()

@@ -13,7 +13,7 @@ from followspot.transport.token import ABSENT, END, Invalid, Token, Watermark
 from followspot.worker.ledger import DELIVERED, DROPPED, INVALID, UNMATCHED
 
 UNCHANGED = -END
-"""A watermark that is never news: the reading stage goes on waiting."""
+"""A watermark that never advances the watermark of an edge, so the reading stage goes on waiting."""
 _BEFORE_ALL = -END
 """Earlier than any capture time."""
 _EVERY, _AGES = 8, 128
@@ -23,9 +23,9 @@ _EVERY, _AGES = 8, 128
 class InputQueue:
     """One edge as its reader sees it.
 
-    lateness: ns after its own time within which a message of this edge announces that nothing else comes, 0
-    for a plain source, else the windows of the joins upstream; wake: schedules the reading stage; reopened:
-    schedules a writer in the same worker when a full queue has room again.
+    lateness: a message announces that no other message of this edge has a capture time up to its own plus
+    this time, ns; 0 for a plain source, else the sum of the windows of the joins upstream; wake: schedules
+    the reading stage; reopened: schedules a writer in the same worker when a full queue has room again.
     """
 
     __slots__ = (
@@ -63,10 +63,10 @@ class InputQueue:
         keep: int | None = None,
         window: int = 0,
     ) -> None:
-        """words, row: the edge's counts in the ledger; depth: messages with which the queue is full.
+        """words, row: the edge's counts in the ledger; depth: number of messages of a full queue.
 
-        keep: messages beyond which the oldest is dropped, None to drop none; window: how much later than the
-        first of a join a message of this edge may be, ns.
+        keep: number of messages beyond which the oldest is dropped, None to drop none; window: how much later
+        than the first message of a join a message of this edge may be, ns.
         """
         self.name = name
         self.words = words
@@ -76,7 +76,7 @@ class InputQueue:
         self.lateness = lateness
         self.window = window
         self.answers = False
-        """Whether messages may depend on what the reading stage gives, so that it must not wait for more."""
+        """Whether messages may depend on outputs of the reading stage, which then must not wait for more."""
         self.left_at = _BEFORE_ALL
         """Capture time, ns, of the newest message that a join took or discarded."""
         self.messages: deque[Message] = deque()
