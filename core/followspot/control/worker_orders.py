@@ -17,8 +17,8 @@ from followspot.transport.zenoh.network import Network
 
 Side = Literal["sending", "receiving"]
 Correction = tuple[Nanoseconds, Nanoseconds, Nanoseconds]
-"""Offsets to add to capture times and to the monotonic clock of a host, and the lead of its wall clock over
-the monotonic one with which the first of them is right, ns."""
+"""Three times, ns: the offset to add to a host's capture times, the offset to add to its monotonic clock, and
+the lead of its wall clock over its monotonic clock for which the first offset is valid."""
 
 
 class WorkerOrder(Request):
@@ -28,28 +28,32 @@ class WorkerOrder(Request):
 
 
 class BuildWorker(WorkerOrder):
-    """Build the stages and wait for `StartRun`. Beside it: the memory of the ledger.
-
-    worker: name; plan: of the run, in JSON types; out: folder for outputs; frames: of each camera, None
-    for all; incarnation: how often the worker was started before; restart: whether workers that die are
-    started again; over: workers that have ended; states: checkpoints to carry on from, by stage.
-    """
+    """Build the stages and wait for `StartRun`. The memory of the ledger travels beside it."""
 
     worker: str
+    """Name of the worker."""
     plan: dict[str, Any]
+    """The plan of the run, in JSON types."""
     out: str
+    """Folder for outputs."""
     frames: Count | None
+    """Number of frames of each camera, None for all."""
     run: str
+    """Name of the run."""
     network: Network
     incarnation: Incarnation
+    """How often the worker was started before."""
     restart: bool
+    """Whether the host restarts workers that die."""
     over: tuple[str, ...]
+    """Workers that have ended."""
     states: dict[str, Any]
+    """Checkpoints from which stages carry on, by stage."""
     clock: Correction
 
 
 class TakeRing(WorkerOrder):
-    """Take one end of the ring of an edge. edge: its number in the plan. Beside it: a socket."""
+    """Take one end of the ring of an edge, a socket that travels beside the order. edge: number in the plan."""
 
     edge: int
     side: Side
@@ -66,23 +70,25 @@ class SetClock(WorkerOrder):
 
 
 class LeaveRun(WorkerOrder):
-    """Send the host a checkpoint of every stage and exit, though the streams have not ended."""
+    """Send the host a checkpoint of every stage and exit, although the streams have not ended."""
 
 
 class HoldSources(Relayed):
     """Hold all sources of a replay; stages process the messages already sent.
 
-    id: of the order; an order with the same id changes only `until`; held: False lets the sources go on;
-    source: a source that sends `count` more messages before it holds, "" for none; until: capture time that
-    the other sources reach before they hold, ns. In the worker of `source` the others follow its newest
-    capture time without a further order.
+    A step names a source that sends more messages before it holds, and a capture time that the other sources
+    reach. In the worker of the named source the others follow its newest capture time without another order.
     """
 
     id: str
+    """Of the order; an order with the same id changes only `until`."""
     held: bool = True
+    """False lets the sources go on."""
     source: str = ""
+    """The source that sends `count` more messages before it holds, "" for none."""
     count: Count = 0
     until: Nanoseconds = -1
+    """Capture time that the other sources reach before they hold, ns."""
 
     def check(self, plan: Plan, *, remote: bool) -> None:
         """Raise FollowspotError if the run is live or has no such source."""

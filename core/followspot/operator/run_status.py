@@ -18,35 +18,39 @@ OLD = 1.0
 
 @dataclass(frozen=True)
 class SeenHost:
-    """A remote host. age_s: age of its last answer, None if it never answered; absent: it is silent."""
+    """A remote host as the operator sees it."""
 
     name: str
     age_s: Age | None
+    """Age of its last answer, s; None if it never answered."""
     absent: bool
+    """Whether it does not answer now."""
 
 
 @dataclass(frozen=True)
 class RunStatus:
-    """The status of a run at one moment.
-
-    workers: all workers of the plan, with their ages; counts: the ledger's columns of all edges of the plan,
-    one edge after the other; fired: frames done; expected: frames to be done, None if no source knows; news:
-    events of the run, a line each; clocks: of the hosts that follow a reference clock, "" for the operator's
-    own; hosts: the remote hosts; late: a line for each path that misses its budget; change_awaits: what the
-    change under way waits for, "" if nothing; unfinished_change: what a change
-    that was interrupted left on hosts, and the remedy, "" if nothing.
-    """
+    """The status of a run at one moment."""
 
     workers: tuple[WorkerStatus, ...]
+    """All workers of the plan, with their ages."""
     counts: tuple[Count, ...]
+    """The ledger's columns of all edges of the plan, one edge after the other; see `edges`."""
     fired: Count
+    """Frames done."""
     expected: Count | None
+    """Frames to be done, None if no source knows."""
     news: tuple[str, ...] = ()
+    """Events of the run, a line each."""
     clocks: Mapping[str, ClockStatus] = field(default_factory=dict)
+    """Clocks of the hosts that follow a reference clock, by host, "" for the operator's own."""
     hosts: tuple[SeenHost, ...] = ()
+    """The remote hosts."""
     late: tuple[str, ...] = ()
+    """A line for each path that misses its budget."""
     change_awaits: str = ""
+    """What the change under way waits for, "" if nothing."""
     unfinished_change: str = ""
+    """What an interrupted change has left on hosts, and the remedy; "" if nothing."""
 
     def later(self, seconds: float) -> RunStatus:
         """The status as it is `seconds` later."""
@@ -55,9 +59,10 @@ class RunStatus:
         return replace(self, workers=tuple(workers), hosts=tuple(hosts))
 
     def faults(self) -> tuple[str, ...]:
-        """A line for each absent or old host or worker, each edge that stalls, path that misses its budget.
+        """A line for each fault: absent or old hosts and workers, stalled edges, missed budgets.
 
-        The first says what an interrupted change left. A faulty host's workers have no line of their own.
+        If an interrupted change has left something, the first line says so. Workers of a faulty host have no
+        line of their own.
         """
         return (*filter(None, [self.unfinished_change]), *faults(self.hosts, self.workers), *self.late)
 

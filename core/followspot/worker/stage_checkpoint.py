@@ -27,37 +27,40 @@ _MOST_HELD = 1 << 20
 
 
 class InputRecord(pydantic.BaseModel, frozen=True):
-    """One input of the stage.
-
-    joined: its argument is a tuple; delayed: it gives an empty message before the first.
-    """
+    """One input of the stage."""
 
     role: InputRole
     joined: bool
+    """Whether its argument is a tuple."""
     delayed: bool = False
+    """Whether it gives an empty message before the first."""
 
 
 class Checkpoint(pydantic.BaseModel, frozen=True, ser_json_inf_nan="constants"):
-    """A stage between two firings.
-
-    uses, params: what it is; inputs: in the order of `process`; edges: port that sends, and row of the input;
-    remembers: whether the class has `state`; state, random: of the stage and of its random generator, in JSON
-    types; problem: why the state cannot be saved; held: messages that wait at inputs or that sampled inputs
-    hold, packed, in base64, each with the row of its edge; after: capture time before which nothing more is
-    sent, ns, by output; owed: headers of earlier firings whose messages are yet to come (source, number, ns).
-    """
+    """A stage between two firings."""
 
     uses: str
+    """The plugin stage."""
     params: dict[str, Any]
     inputs: tuple[InputRecord, ...]
+    """Its inputs in the order of `process`."""
     edges: tuple[tuple[str, int], ...]
+    """For each edge into the stage, the sending port and the row of the input in `inputs`."""
     remembers: bool
+    """Whether the class has `state`."""
     state: Any = None
+    """The stage's state in JSON types."""
     random: Any = None
+    """The state of its random generator in JSON types; None if the stage has not used it."""
     problem: str = ""
+    """Why the state cannot be saved, "" if it is saved."""
     held: tuple[tuple[int, str], ...] = ()
+    """Messages that wait at inputs or that sampled inputs hold: row in `edges`, and the packed message in
+    base64."""
     after: dict[str, int] = {}
+    """Capture time before which nothing more is sent, ns, by output."""
     owed: tuple[tuple[str, int, int], ...] = ()
+    """Headers of earlier firings whose messages are yet to come: source, number, capture time in ns."""
 
     @pydantic.model_validator(mode="after")
     def _check_edges(self) -> Self:
