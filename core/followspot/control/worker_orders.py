@@ -53,7 +53,7 @@ class BuildWorker(WorkerOrder):
 
 
 class TakeRing(WorkerOrder):
-    """Take one end of the ring of an edge, a socket that travels beside the order. edge: number in the plan."""
+    """Take one end of the ring of an edge: a socket beside the order. edge: its number in the plan."""
 
     edge: int
     side: Side
