@@ -106,7 +106,7 @@ class Row:
         return words.index(cell)
 
     def mistake(self, column: str, wanted: str) -> InputError:
-        """The mistake: the text of the cell, and what is expected."""
+        """The mistake with the text of the cell and the wanted one."""
         index = self.columns[column]
         before = sum(len(cell) + 1 for cell in self.cells[:index])
         place = Place(self.file, self.line, before + 1, max(1, len(self.cells[index])))

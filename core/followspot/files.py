@@ -66,7 +66,7 @@ def require_regular(path: str | Path, most: int | None = None) -> None:
 
 
 def removed(file: int) -> bool:
-    """Whether an open file was removed: what is written to it goes nowhere. file: its descriptor."""
+    """Whether an open file was removed, so that data written to it is lost. file: its descriptor."""
     return os.fstat(file).st_nlink == 0
 
 

@@ -1,4 +1,4 @@
-"""Scores of a run against the ground truth of its room: what a package that computes them offers.
+"""The interface of packages that score a run against the ground truth of its room.
 
 A package offers a `followspot.plugins.hooks.Scorer` for each kind of ground truth.
 """

@@ -85,7 +85,7 @@ def _exit_code(args: argparse.Namespace) -> int:
 
 
 def _reader_has_gone() -> bool:
-    """Whether what is printed cannot be read any more, as behind `| head`."""
+    """Whether standard output has no reader any more, for example behind `| head`."""
     output = select.poll()
     try:
         output.register(sys.stdout.fileno(), select.POLLOUT)

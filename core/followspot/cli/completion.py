@@ -29,7 +29,7 @@ def complete(parser: argparse.ArgumentParser) -> None:
 def _completions(
     prefix: str, action: argparse.Action, parsed_args: argparse.Namespace, **_: Any
 ) -> Collection[str] | Mapping[str, str]:
-    """Words that the argument can take, with what they mean if that is known."""
+    """Words that the argument can take, with their meanings if these are known."""
     from argcomplete.completers import FilesCompleter
 
     metavar = action.metavar if isinstance(action.metavar, str) else ""

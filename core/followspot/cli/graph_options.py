@@ -102,7 +102,7 @@ def plan_of(args: argparse.Namespace, *, strict: bool = False) -> Plan:
 
 
 def checked_of(args: argparse.Namespace) -> Checked:
-    """The checked graph that the options describe, with the places of what is written; see `plan_of`."""
+    """The checked graph that the options describe, with places in its files; see `plan_of`."""
     from followspot.graph.compile import checked_graph
 
     return checked_graph(

@@ -25,7 +25,7 @@ _LEAST = 1.0
 
 
 class ProgressBar:
-    """Shows frames done, the rate, the time left, faults, and what a stopped run still finishes.
+    """Shows frames done, the rate, the time left, faults, and the sinks that a stopped run still waits for.
 
     Its `show` is what a run calls.
     """

@@ -1,4 +1,4 @@
-"""Lines on standard error that say what a command waits for, for commands that change a run."""
+"""Notices on standard error about what a command waits for, for commands that change a run."""
 
 from __future__ import annotations
 

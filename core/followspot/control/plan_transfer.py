@@ -36,7 +36,7 @@ def packed(plan: Plan, host: str, media: Path) -> dict[str, Any]:
 
 
 def _is_numeric(value: object) -> bool:
-    """True for numbers and what is made of them: a text may be a path or an address of another host."""
+    """True for numbers, and lists and mappings of them; a text may be a path or address of another host."""
     if isinstance(value, Mapping):
         return all(map(_is_numeric, value.values()))
     return all(map(_is_numeric, value)) if isinstance(value, list | tuple) else not isinstance(value, str)

@@ -22,5 +22,5 @@ class Relayed(RunRequest):
         return self
 
     def standing(self, before: Sequence[Relayed]) -> list[Relayed]:
-        """The orders for workers that start later. before: those that stood before this order."""
+        """The orders for workers that start later. before: the standing orders before this one."""
         return [*(order for order in before if order != self), self]

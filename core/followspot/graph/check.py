@@ -105,7 +105,7 @@ def _check_sampled_cycles(
 
 
 def _check_unserved(expanded: Expanded, classes: Mapping[str, type[Stage]], mistakes: list[Mistake]) -> None:
-    """Note what is wrong with stages that are left out, whatever the room has."""
+    """Note mistakes of stages that are left out, which do not depend on the room."""
     absent: dict[str, type[Stage]] = {}
     for instance in expanded.unserved:
         stage = _class(instance.uses, instance.uses_place, mistakes) if instance.uses else None
@@ -176,7 +176,7 @@ def _check_outputs(stages: Sequence[CheckedStage], mistakes: list[Mistake]) -> N
 
 
 def _beside(place: Place, other: Place) -> Place:
-    """The place, together with what is at the other one and not here: the line, or the use of its file."""
+    """The place together with the other one, if that has another line or another use of the file."""
     here = {(one.file, one.line) for one in (place, *place.outer_places)}
     apart = (one for one in (other, *other.outer_places) if (one.file, one.line) not in here)
     return next((place.beside(one) for one in apart), place)

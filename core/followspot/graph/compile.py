@@ -93,7 +93,7 @@ def checked_graph(
 
 
 def _stages(ports: Sequence[str]) -> set[str]:
-    """The stages of ports, with those that they are instances of."""
+    """The stages of ports: instances, and their stages in the graph file."""
     names = {port.partition(".")[0] for port in ports}
     return names | {name.rpartition("/")[0] for name in names}
 

@@ -111,7 +111,7 @@ def _check_twice(edges: Sequence[CheckedEdge], mistakes: list[Mistake]) -> None:
 
 
 def _check_settings(wire: Wire, port: InputSpec, mistakes: list[Mistake]) -> None:
-    """A delay is for a plain input or a `Latest`, a tolerance for what is matched by capture time."""
+    """Note a delay of inputs other than plain and `Latest`, and a tolerance of inputs without matching."""
     feed, end = wire.feed, wire.target.declared.name
     kind = port.kind.capitalize()
     if feed.delay and port.kind in ("nearest", "window"):

@@ -100,7 +100,7 @@ def _auto(measured: Measured, aim: str | None) -> Placed:
 def _measured(
     expanded: Expanded, report: str | None, where: Place, mistakes: list[Mistake]
 ) -> Measured | None:
-    """The graph with its measured work; notes mistakes. where: what asks for it."""
+    """The graph with its measured work; notes mistakes. where: the place that asks for it."""
     if report is None:
         text = "auto needs the measured work of the stages"
         mistakes.append(Mistake(where, text, f"{MEASURE}, then --placement auto:report.json"))

@@ -20,7 +20,7 @@ class InstanceWiring:
     def __init__(
         self, groups: Groups, left_out: Collection[str], room: Room, mistakes: list[Mistake]
     ) -> None:
-        """left_out: optional stages and sub-graphs without instances; mistakes: receives what is wrong."""
+        """left_out: optional stages and sub-graphs without instances; mistakes: receives mistakes."""
         self._groups, self._left_out, self._room, self._mistakes = groups, left_out, room, mistakes
         self._rank = ranks(room)
         self._around: dict[str, tuple[Member, ...]] = {}

@@ -1,4 +1,4 @@
-"""All runs that an agent has; ends those whose operator has timed out, and forgets those that are over."""
+"""All runs of an agent. Ends runs whose operator has timed out, and forgets runs that are over."""
 
 from __future__ import annotations
 

@@ -76,7 +76,7 @@ class ForkServer:
             status.sendall(EXIT_CODE.pack(code))
 
     def _forget(self) -> None:
-        """Close what the server needs, in a worker."""
+        """Close the descriptors of the server, in a worker."""
         self.orders.close()
         for process, (_, status) in self._workers.items():
             os.close(process)

@@ -36,7 +36,7 @@ class HostSwaps:
         """Incarnation of each worker that builds, or has built, what is new."""
 
     def carry_out(self, order: ChangeOrder) -> None:
-        """One step of a hot swap, unless it is the one that is being done. Safe beside `attend`.
+        """Do one step of a hot swap, unless it is being done already. Safe beside `attend`.
 
         Raises FollowspotError if another change is under way, the run has ended or a worker is not running.
         """
@@ -64,12 +64,12 @@ class HostSwaps:
             self._leave_out(name)
 
     def _takes_part(self, name: str) -> bool:
-        """True if a worker runs that has built what is new, or is to build it."""
+        """True if the worker runs, and has built replacements or is ordered to build them."""
         worker = self._pool.workers[name]
         return worker.phase == "running" and worker.incarnation == self._incarnations.get(name)
 
     def _leave_out(self, name: str) -> None:
-        """Do not wait for a worker that died after the build; it restarts with what the others take over."""
+        """Do not wait for a worker that died after the build; it restarts with the new stages."""
         if self._change.died(name):
             self._adopt(self._change.orders[name])
             worker = self._pool.workers[name]
@@ -89,7 +89,7 @@ class HostSwaps:
                 self._adopt(self._change.orders[worker.name])
 
     def _adopt(self, order: ChangeOrder) -> None:
-        """Let workers that start from now on begin with what has taken over."""
+        """Give workers that start from now on the stages that have taken over."""
         if order.plan is not None:
             self._pool.adopt(order.plan)
         elif order.stages:

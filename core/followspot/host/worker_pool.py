@@ -170,7 +170,7 @@ class WorkerPool:
         self._hand_over(self._rings.added(plan_from_data(dict(plan)), set(self.names())))
 
     def adopt(self, plan: Mapping[str, Any]) -> None:
-        """Take a new plan whose stages are in the same workers, or new in one that has them already."""
+        """Take a new plan in which stages stay in their workers, and new stages join running workers."""
         self._plan_data, self.plan = dict(plan), plan_from_data(dict(plan))
         there = {stage.name for stage in self.plan.stages}
         self.states = {name: state for name, state in self.states.items() if name in there}

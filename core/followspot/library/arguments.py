@@ -27,7 +27,7 @@ class PortOf:
         return replace(self, delay=firings)
 
     def queued(self, depth: int, policy: Literal["block", "drop_oldest", "latest"] | None = None) -> PortOf:
-        """The port with an edge of this depth, messages, and what a live run does if it is full."""
+        """The port with an edge of this depth (messages) and this policy for a full edge in a live run."""
         return replace(self, depth=depth, policy=policy)
 
     def to_data(self) -> Any:

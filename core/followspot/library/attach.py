@@ -1,4 +1,4 @@
-"""Leave a run to its agents, and become its operator again: what the commands for that import."""
+"""Functions for commands that leave a run to its agents, and that become its operator again."""
 
 from __future__ import annotations
 

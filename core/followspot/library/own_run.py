@@ -134,7 +134,7 @@ class OwnRun(ScriptHandle):
         return self._whole
 
     def _await_recorder(self) -> None:
-        """Wait until the flight recorder holds what the run sends."""
+        """Wait until the flight recorder has begun to hold messages."""
         deadline = time.monotonic() + _BEGIN
         with suppress(FollowspotError):  # the run has ended
             while self.kept() is None and time.monotonic() < deadline:

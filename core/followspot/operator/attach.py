@@ -180,7 +180,7 @@ def attached(network: Network, wanted: str | None, here: Sequence[Listed] = ()) 
 
 
 def _listing(here: Sequence[Listed], runs: Sequence[FoundRun], wanted: str | None) -> Sequence[Listed]:
-    """All runs, each once; those that have ended only if `wanted` names none that goes on."""
+    """All runs, each once; ended runs only if `wanted` names no run that goes on."""
     going = [run for run in runs if not run.over]
     known = {run.run for run in here}
     present = going if any(names(run, wanted) for run in going) else runs

@@ -1,4 +1,4 @@
-"""The change that a run makes at the moment, and what it waits for."""
+"""The change that is under way in a run, and what it waits for."""
 
 from __future__ import annotations
 
@@ -49,5 +49,5 @@ class ChangeUnderWay:
         return self._lock.locked()
 
     def wait_for(self, what: str) -> None:
-        """Keep what the change waits for: an `OnWait`."""
+        """Note what the change waits for; this is an `OnWait`."""
         self.waits_for = what

@@ -45,7 +45,7 @@ def made(folder: Path) -> Path:
 
 @contextmanager
 def _refused(folder: Path, what: str) -> Iterator[None]:
-    """Raise FollowspotError with a remedy if the system refuses what is done to a folder."""
+    """Raise FollowspotError with a remedy if the system refuses an operation on a folder in this block."""
     try:
         yield
     except OSError as error:

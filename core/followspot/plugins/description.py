@@ -57,7 +57,7 @@ def _parameter(name: str, info: Any) -> dict[str, Any]:
 
 
 def _default(info: Any) -> Any:
-    """The default; None for one that is made of the other parameters."""
+    """The default; None if it is computed from other parameters."""
     return None if info.default_factory_takes_validated_data else info.get_default(call_default_factory=True)
 
 

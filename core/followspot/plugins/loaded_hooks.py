@@ -101,7 +101,7 @@ def load_plan_options() -> Sequence[PlanOptions]:
 
 
 def _load(entry: EntryPoint) -> tuple[Sequence[object], str]:
-    """Import, register and ask one module: what it offers, and the problem with it, "" if there is none."""
+    """Import and register one hook module: its offers, and the problem with it, "" if there is none."""
     manager = pluggy.PluginManager(PROJECT)
     manager.add_hookspecs(Hooks)
     try:

@@ -118,7 +118,7 @@ def _check_signature(stage: type[Stage], path: str) -> None:
 
 
 def _line_of(stage: type[Stage], path: str) -> int:
-    """Line of the file at which the stage says what it takes and gives, or begins."""
+    """Line of the file with the stage's `process`, else with its class."""
     code = getattr(getattr(stage, "process", None), "__code__", None)
     if code is not None and code.co_filename == path:
         return int(code.co_firstlineno)

@@ -130,7 +130,7 @@ class RemoteReceiver:
 
 
 class Gaps:
-    """Counts the messages that are missing between those that came."""
+    """Counts the messages that are missing between received ones."""
 
     def __init__(self) -> None:
         self._expected: dict[str, int] = {}

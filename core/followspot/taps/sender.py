@@ -16,7 +16,7 @@ _CLOSING = 3.0
 
 
 class TapSender:
-    """Sends what the taps of one worker have for one receiver."""
+    """Sends the messages of all taps of one worker to one receiver."""
 
     def __init__(self, path: Path) -> None:
         """path: socket that the receiver listens on. Raises OSError if none listens."""

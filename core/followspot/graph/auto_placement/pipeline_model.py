@@ -139,7 +139,7 @@ class _Run:
         ]
 
     def _simulate(self) -> None:
-        """Start what is ready, oldest first, while cores and workers are free; then go to the next event."""
+        """Start ready firings, oldest first, while cores and workers are free; then go to the next event."""
         rank, remote = self.model.order, self.model.remote
         free, busy = self.model.cores, set[str]()
         ready = [(n, rank[name], name) for (name, n), missing in self.missing.items() if not missing]

@@ -141,7 +141,7 @@ def choose(model: PipelineModel, units: Sequence[PlacementUnit], aim: Aim) -> Ch
 
 
 def explained(choice: Choice, aim: Aim, cores: int, source: str) -> tuple[str, ...]:
-    """Lines for the user: what was chosen, by which figures, and what one worker would do."""
+    """Lines for the user: the chosen workers, the expected timing, and that of a single worker."""
     count = len(choice.workers)
     workers = "one worker" if count == 1 else f"{count} workers"
     here, alone = choice.here, choice.alone

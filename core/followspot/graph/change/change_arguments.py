@@ -1,4 +1,4 @@
-"""The words of `followspot swap` and `followspot set`, and the places of mistakes in what the user typed."""
+"""The arguments of `followspot swap` and `followspot set`, and the places of mistakes in them."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def leaving(
 def _fitting(
     behind: Sequence[str], edge: PlannedEdge, start: PlannedStage, stages: Mapping[str, PlannedStage]
 ) -> Iterator[str]:
-    """The ports behind an output that give what the reader takes, for the member of the old sender."""
+    """The ports behind an output whose type the reader takes, for the member of the old sender."""
     read = ports(load_stage(stages[edge.to_stage].uses)).input(edge.to_port)
     before = _output(start, edge.from_port)
     for port in behind:

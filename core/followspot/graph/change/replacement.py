@@ -75,7 +75,7 @@ def _fed(old: PlannedStage, plan: Plan) -> dict[str, list[type[Message]]]:
 
 
 def _like(port: InputSpec, new: InputSpec, edges: int) -> bool:
-    """True if the inputs take messages alike; of a single edge, a join takes what a plain input takes."""
+    """True if the inputs take messages alike; with one edge, `Joined` takes the same as a plain input."""
     return port.kind == new.kind or (edges == 1 and {port.kind, new.kind} == {"plain", "joined"})
 
 

@@ -76,7 +76,7 @@ def _stages(
 def _edges(
     plan: Plan, use: SubgraphUse, found: ComposedFile, stages: Mapping[str, PlannedStage], place: Place
 ) -> list[PlannedEdge]:
-    """The edges of the new plan; those that were there before are the same."""
+    """The edges of the new plan; edges that stay are the same objects."""
     placed = Placed({stage.name: stage.worker for stage in stages.values()}, plan.workers)
     before = {edge.name + f" {edge.delay}": edge for edge in plan.edges}
     inside = []

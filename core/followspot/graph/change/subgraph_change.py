@@ -77,7 +77,7 @@ def replaced(plan: Plan, use: SubgraphUse, file: Node) -> Replaced:
 
 
 def _passing_on(outer: SubgraphUse, use: SubgraphUse, found: ComposedFile) -> SubgraphUse:
-    """A use of a file with what its parameters set in the new file, if the replaced use is inside."""
+    """A use of a file whose parameters also set those of the new file, if the replaced use is inside it."""
     new = next((one for one in found.subgraphs if one.name == use.name), None)
     if new is None or not outer.holds(use.name):
         return outer

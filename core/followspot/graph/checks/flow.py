@@ -24,13 +24,13 @@ class Flow:
 
     @cached_property
     def after(self) -> Successors:
-        """The instances that each feeds, except those that it feeds sampled or delayed."""
+        """The instances that each instance feeds, without sampled and delayed edges."""
         ends = [(e.wire.source.name, e.wire.target.name) for e in self.edges if not e.held]
         return successors(self.stages, ends)
 
     @cached_property
     def order(self) -> Sequence[str]:
-        """All instances, each after those that feed it."""
+        """All instances in topological order."""
         return topological(self.after)
 
     @cached_property

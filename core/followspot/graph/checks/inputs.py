@@ -1,4 +1,4 @@
-"""Whether the inputs and settings that a graph gives to a stage are those that the stage has."""
+"""Checks that a stage has the inputs and settings that the graph gives it."""
 
 from __future__ import annotations
 

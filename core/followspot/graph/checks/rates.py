@@ -1,4 +1,4 @@
-"""Joins of streams whose rates differ: what of the faster one finds no partner."""
+"""Joins of streams with different rates: most messages of the faster stream find no partner."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ def shared_containers(flow: Flow) -> Iterator[Mistake]:
 
 
 def _containers(stage: type[Stage]) -> Iterator[tuple[str, str]]:
-    """Name and type of each empty container of the class and those that it extends."""
+    """Name and type of each empty container of the class and of its base classes."""
     for part in takewhile(lambda part: part is not Stage, stage.__mro__):
         for name, value in vars(part).items():
             if not name.startswith("__") and isinstance(value, list | dict | set | deque) and not value:

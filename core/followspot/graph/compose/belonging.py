@@ -29,7 +29,7 @@ def belonging(entry: Mapping[str, Node], node: Node, limits: Sequence[Limit]) ->
 
 
 def _with(entry: Mapping[str, Node], key: str, selectors: Sequence[Selector], node: Node) -> dict[str, Node]:
-    """The entry with these selectors after those that are written at the key."""
+    """The entry with these selectors behind the written ones at the key."""
     texts = dict.fromkeys(selector.text for selector in selectors)
     if not texts:
         return dict(entry)

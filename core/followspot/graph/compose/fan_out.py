@@ -93,7 +93,7 @@ def _limits(
 def _without_cameras(
     uses: Iterable[tuple[str, tuple[Limit, ...]]], cameras: Node, room: Room
 ) -> dict[str, Selector]:
-    """The uses for which the room has none of the wanted cameras, each with what it wants."""
+    """The uses for which the room has none of the wanted cameras, each with the selector."""
     wanted = {name: read_selector(narrowed(cameras, limits), []) for name, limits in uses}
     return {name: selector for name, selector in wanted.items() if not selector.select(room)}
 
@@ -104,7 +104,7 @@ def _absent(name: str, wanted: Selector, around: UseContext) -> Mistake:
 
 
 def _lacking(name: str, wanted: Selector, verb: str, around: UseContext) -> Mistake:
-    """The mistake of a sub-graph that asks for what the room does not have; verb: how it asks."""
+    """The mistake of a sub-graph that asks for members which the room lacks; verb: how it asks."""
     if not around.named or around.room is None:
         text = f'sub-graph "{name}" {verb} {wanted.text}, but the graph names no room'
         return Mistake(wanted.place, text, "add room: FILE.yaml")

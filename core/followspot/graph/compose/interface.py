@@ -1,4 +1,4 @@
-"""The interface of a graph file: its parameters, inputs and outputs, and what they stand for inside."""
+"""The interface of a graph file: its parameters, inputs and outputs, and their targets inside."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An overlay: what a graph file changes of the stages of the file that it extends."""
+"""An overlay: the changes of a graph file to the stages of the file that it extends."""
 
 from __future__ import annotations
 

@@ -103,7 +103,7 @@ def _course(line: Line) -> _Course:
 
 
 def _shared(places: Iterable[tuple[Place, Hashable]]) -> dict[Place, list[Hashable]]:
-    """Lines that share each place: those that leave a box before those that enter one."""
+    """The lines that share each place; lines that leave a box come before lines that enter one."""
     found: dict[Place, list[Hashable]] = {}
     for place, key in sorted(dict.fromkeys(places), key=lambda shared: _enters(shared[1])):
         found.setdefault(place, []).append(key)

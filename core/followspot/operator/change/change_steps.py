@@ -33,7 +33,7 @@ _DOING: Mapping[Step, str] = {
 
 @dataclass(frozen=True)
 class HostPart:
-    """The part of one host in a change. order: what the orders of all steps have in common."""
+    """The part of one host in a change. order: the common fields of the orders of all steps."""
 
     host: Host
     order: ChangeOrder
@@ -76,7 +76,7 @@ class ChangeSteps:
         self._turn = 0
 
     def do(self, step: Step, phase: ChangePhase, until: int = -1, leaving: Sequence[str] = ()) -> Rested:
-        """Do one step on all hosts and wait until it is done; returns what the workers say.
+        """Do one step on all hosts and wait until it is done; returns the state of the workers.
 
         until, leaving: see `ChangeOrder`. Raises FollowspotError.
         """
@@ -87,7 +87,7 @@ class ChangeSteps:
         return self._wait_for(step, phase, deadline)
 
     def build(self) -> None:
-        """Let all build what is new. Raises FollowspotError: what was built is discarded then."""
+        """Let all hosts build the new stages. If one fails, discards them all and raises FollowspotError."""
         try:
             self.do("build", "built")
         except GIVEN_UP:
@@ -95,7 +95,7 @@ class ChangeSteps:
             raise
 
     def discard(self) -> None:
-        """Let the workers go on as they were, and wait until what was built is closed.
+        """Let the workers go on as they were, and wait until the new stages are closed.
 
         A host that does not answer closes it when it does.
         """

@@ -79,7 +79,7 @@ def move_hosts(old: Plan, new: Plan, hosts: Sequence[Host], on_wait: OnWait = no
 
 
 def _go_back(new: Plan, old: Plan, hosts: Sequence[Host], leaving: set[str], on_wait: OnWait) -> list[str]:
-    """Bring all workers back to their old places; those of a silent host begin there when it answers.
+    """Bring all workers back to their old places; workers of a silent host start there when it answers.
 
     Returns what is left to be done, a line each.
     """
@@ -139,7 +139,7 @@ def _states(plan: Plan, hosts: Sequence[Host], on_wait: OnWait, *, back: bool) -
 
 
 def _fired(old: Plan, new: Plan, hosts: Sequence[Host]) -> dict[str, int]:
-    """Frames done by those workers of the new plan that have sinks: what these did in their old workers."""
+    """Frames done by the workers of the new plan that have sinks: those of the sinks in their old workers."""
     done = {worker.name: worker.fired for worker in _workers(hosts)}
     before = {stage.name: stage.worker for stage in old.stages}
     found: dict[str, int] = {}

@@ -108,7 +108,7 @@ def edge_counts(
 
 
 def _left(edge: PlannedEdge, count: EdgeCount) -> tuple[PlannedEdge, EdgeCount]:
-    """An edge that left the graph: what was under way then is lost."""
+    """An edge that left the graph, with its messages in flight counted as lost."""
     return edge, count.with_lost(count.in_flight)
 
 

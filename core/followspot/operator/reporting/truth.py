@@ -1,4 +1,4 @@
-"""Scores what a run wrote against the ground truth that its room declares."""
+"""Scores the outputs of a run against the ground truth that its room declares."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def is_found_by_its_name(trial: Trial) -> Iterator[str]:
 
 
 def describes_its_parameters(trial: Trial) -> Iterator[str]:
-    """Every parameter says what it does."""
+    """Every parameter has a description."""
     for name, field in trial.stage.Params.model_fields.items():
         if not field.description:
             yield f"parameter {name} has no description"
@@ -71,7 +71,7 @@ def refuses_unknown_parameters(trial: Trial) -> Iterator[str]:
 
 
 def keeps_its_parameters(trial: Trial) -> Iterator[str]:
-    """Parameters change by a new instance only, so that what is shown is what runs."""
+    """Parameters change by a new instance only, so that the shown values are those in use."""
     if not trial.stage.Params.model_config.get("frozen"):
         yield "derive Params from followspot.StageParams, which is frozen"
 

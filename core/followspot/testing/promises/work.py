@@ -81,7 +81,7 @@ def takes_a_gap(trial: Trial) -> Iterator[str]:
 
 
 def leaves_its_inputs_as_they_were(trial: Trial) -> Iterator[str]:
-    """Others hold the same message; its arrays are read-only and stay what they were."""
+    """Other stages hold the same message; its arrays are read-only and keep their values."""
     if not trial.computes:
         return
     inputs, untouched = (trial.inputs("plausible", 0, noise()) for _ in range(2))
