@@ -22,7 +22,7 @@ TOLERANCE = 1e-12
 POLYNOMIAL = ("pinhole", "rational")
 """Models with distortions that are polynomials of OpenCV, or quotients of them."""
 _NEGLIGIBLE = 1e-100
-"""Largest coefficient of the highest power that no lens has: what it turns lies beyond any angle."""
+"""Highest coefficients up to this are taken for 0: they only matter beyond any angle of a lens."""
 IDENTITY = np.eye(3)
 ORIGIN = np.zeros(3)
 

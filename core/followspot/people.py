@@ -139,7 +139,7 @@ BONES: tuple[tuple[str, str], ...] = (
         )
     ),
 )
-"""Names of the joints at both ends of what is drawn of a skeleton."""
+"""Bones of a drawn skeleton: the names of the joints at both ends of each."""
 
 
 class Skeletons(Message):

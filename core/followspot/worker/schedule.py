@@ -82,7 +82,7 @@ class Schedule:
             self._steps[rank]()
 
     def fire_overdue(self) -> None:
-        """Let joins whose deadline has passed fire without what is missing, now or in their turn.
+        """Let joins whose deadline has passed fire without the missing messages, now or in their turn.
 
         Raises StageError.
         """

@@ -32,7 +32,7 @@ _BY_SET = ParameterOrigin("--set", kept=True)
 class Change:
     """The stages that change, in their new form, the origins of their parameters, and the sub-graphs then.
 
-    rewired: the plan if stages or edges come or go, before the stages change.
+    rewired: the plan with stages and edges added and removed, before `stages` change; None if none are.
     """
 
     stages: tuple[PlannedStage, ...]
@@ -52,30 +52,31 @@ def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change
 
     words: STAGE=USES to swap, STAGE.KEY=VALUE to set a parameter; STAGE is a stage of the graph file or one
     of its instances, or a sub-graph, with FILE for USES; folder: that paths in the words are relative to. A
-    replacement keeps the given parameters of the old stage that it also has, and takes those that the room
-    tunes of it, unless `--set` or a change gave them. Files of sub-graphs come first, in whatever order.
+    replacement keeps the given parameters of the old stage that it also has, and takes the room's tunes for
+    the new class, except for parameters that `--set` or a change gave. Words that swap are applied before
+    words that set a parameter.
     """
     mistakes: list[Mistake] = []
-    wishes: dict[str, _Wish] = {}
+    requested: dict[str, _Changes] = {}
     begun = plan
     for word in sorted(words, key=sets_parameter):
         override = read_override(as_set_option(word), mistakes)
         if override is None:
             continue
         if not uses_of(plan, override.stage):
-            _note(override, plan, wishes, mistakes)
+            _note(override, plan, requested, mistakes)
         elif sets_parameter(word):
-            _note_parameter(override, plan, wishes, mistakes)
+            _note_parameter(override, plan, requested, mistakes)
         else:
-            plan = _note_file(override, plan, folder, wishes, mistakes)
-    found = [_replacement(wish, plan, folder, mistakes) for wish in wishes.values()]
+            plan = _note_file(override, plan, folder, requested, mistakes)
+    found = [_replacement(changes, plan, folder, mistakes) for changes in requested.values()]
     changed = [stage for stage in found if stage is not None]
     if not mistakes:
-        _check_outputs(changed, plan, wishes, mistakes)
+        _check_outputs(changed, plan, requested, mistakes)
     if mistakes:
         raise InputError(as_typed(distinct_mistakes(mistakes), words))
-    new = tuple(stage for stage in changed if stage != wishes[stage.name].old)
-    origins = {stage.name: _present(wishes[stage.name].origins, stage) for stage in new}
+    new = tuple(stage for stage in changed if stage != requested[stage.name].old)
+    origins = {stage.name: _present(requested[stage.name].origins, stage) for stage in new}
     rewired = None if plan.numbers == begun.numbers and plan.edges == begun.edges else plan
     return Change(new, origins, plan.subgraphs, rewired)
 
@@ -95,8 +96,12 @@ def with_stages(
 
 
 @dataclass
-class _Wish:
-    """The changes of one instance."""
+class _Changes:
+    """The changes that the words request of one instance.
+
+    old: the instance before the change; place: of the first word that names it; uses: the new class, "" for
+    the old one; params: the parameters that change.
+    """
 
     old: PlannedStage
     place: Place
@@ -107,10 +112,10 @@ class _Wish:
 
 
 def _note_file(
-    override: Override, plan: Plan, folder: Path, wishes: dict[str, _Wish], mistakes: list[Mistake]
+    override: Override, plan: Plan, folder: Path, requested: dict[str, _Changes], mistakes: list[Mistake]
 ) -> Plan:
-    """Add a file for a sub-graph to the wishes for its instances. Returns the plan with its sub-graphs, and
-    with its stages and edges if they are others.
+    """Add a file for a sub-graph to the changes of its instances. Returns the plan with its sub-graphs, and
+    with its stages and edges if they differ.
     """
     place, value = override.stage_place, override.value
     if not isinstance(value.value, str) or not value.value:
@@ -126,17 +131,17 @@ def _note_file(
         plan = found_plan.plan
         by_name = {stage.name: stage for stage in plan.stages}
         for found in found_plan.changes or ():
-            wish = wishes.setdefault(found.name, _wish(by_name[found.name], place, plan))
-            wish.uses = found.uses
-            wish.params |= {key: node_of(value, place) for key, value in found.params.items()}
-            wish.origins |= found.origins
+            changes = requested.setdefault(found.name, _no_changes(by_name[found.name], place, plan))
+            changes.uses = found.uses
+            changes.params |= {key: node_of(value, place) for key, value in found.params.items()}
+            changes.origins |= found.origins
     return plan
 
 
 def _note_parameter(
-    override: Override, plan: Plan, wishes: dict[str, _Wish], mistakes: list[Mistake]
+    override: Override, plan: Plan, requested: dict[str, _Changes], mistakes: list[Mistake]
 ) -> None:
-    """Add a parameter of a sub-graph to the wishes for the instances that its interface names."""
+    """Add a parameter of a sub-graph to the changes of the instances that its interface names."""
     name, place = override.stage, override.stage_place
     keys = override.keys[1:] if override.keys[0] == "with" else override.keys
     if not keys or override.keys[0] in set(SUBGRAPH) - {"with"}:
@@ -151,69 +156,68 @@ def _note_parameter(
             return
         for leaf in use.params[keys[0]]:
             stage, _, parameter = leaf.rpartition(".")
-            _note(replace(override, stage=stage, keys=(parameter, *keys[1:])), plan, wishes, mistakes)
+            _note(replace(override, stage=stage, keys=(parameter, *keys[1:])), plan, requested, mistakes)
 
 
-def _wish(old: PlannedStage, place: Place, plan: Plan) -> _Wish:
+def _no_changes(old: PlannedStage, place: Place, plan: Plan) -> _Changes:
+    """The changes of an instance that no word has changed yet, with the present origins of its parameters."""
     by_set = [name for name in old.params if is_given_by_set(plan.subgraphs, f"{old.group}.{name}")]
     kept = {**dict.fromkeys(by_set, _BY_SET), **dict.fromkeys(old.kept, BY_A_CHANGE)}
-    return _Wish(old, place, origins=kept | dict(plan.origins.get(old.name, {})))
+    return _Changes(old, place, origins=kept | dict(plan.origins.get(old.name, {})))
 
 
-def _note(override: Override, plan: Plan, wishes: dict[str, _Wish], mistakes: list[Mistake]) -> None:
-    """Add one word to the wishes for the instances that it names."""
+def _note(override: Override, plan: Plan, requested: dict[str, _Changes], mistakes: list[Mistake]) -> None:
+    """Add one word to the changes of the instances that it names."""
     name, keys = override.stage, override.keys
     place = override.stage_place
     targets = [stage for stage in plan.stages if name in (stage.group, stage.name)]
     if not targets:
         known = {text for stage in plan.stages for text in (*enclosing(stage.group), stage.name)}
-        mistakes.append(
-            Mistake(place, f'the graph has no stage "{name}"', did_you_mean(name, known, "stages"))
-        )
+        guess = did_you_mean(name, known, "stages")
+        mistakes.append(Mistake(place, f'the graph has no stage "{name}"', guess))
     if keys[0] == "with":
         keys = keys[1:]
     if not keys or (keys[0] == "uses" and not isinstance(override.value.value, str)) or len(keys) > 1:
-        mistakes.append(
-            Mistake(place, "this cannot be changed", "write STAGE=USES, or STAGE.PARAMETER=VALUE")
-        )
+        remedy = "write STAGE=USES, or STAGE.PARAMETER=VALUE"
+        mistakes.append(Mistake(place, "this cannot be changed", remedy))
         return
     for stage in targets:
-        wish = wishes.setdefault(stage.name, _wish(stage, place, plan))
+        changes = requested.setdefault(stage.name, _no_changes(stage, place, plan))
         if keys[0] == "uses":
-            wish.uses = str(override.value.value)
+            changes.uses = str(override.value.value)
         else:
-            wish.params[keys[0]] = replace(override.value, key=override.places[0])
-            wish.origins[keys[0]] = BY_A_CHANGE
+            changes.params[keys[0]] = replace(override.value, key=override.places[0])
+            changes.origins[keys[0]] = BY_A_CHANGE
 
 
-def _replacement(wish: _Wish, plan: Plan, folder: Path, mistakes: list[Mistake]) -> PlannedStage | None:
+def _replacement(changes: _Changes, plan: Plan, folder: Path, mistakes: list[Mistake]) -> PlannedStage | None:
     """The stage in its new form; None if a mistake was noted."""
-    old, before = wish.old, len(mistakes)
-    uses = wish.uses or old.uses
+    old, place, before = changes.old, changes.place, len(mistakes)
+    uses = changes.uses or old.uses
     try:
         present, stage = load_stage(old.uses), load_stage(uses)
     except PluginError as error:
-        mistakes.append(Mistake(wish.place, error.problem, error.remedy))
+        mistakes.append(Mistake(place, error.problem, error.remedy))
         return None
     noun = f'stage "{old.name}" ({uses})'
-    mistakes += [Mistake(wish.place, text, remedy) for text, remedy in mismatches(old, present, stage, plan)]
+    mistakes += [Mistake(place, text, remedy) for text, remedy in mismatches(old, present, stage, plan)]
     given = old.params if stage is present else _given(old, present, stage)
-    written = {**({} if stage is present else _tunes(wish, plan, mistakes)), **wish.params}
-    params = validated(stage, noun, written, wish.place, mistakes, given=given, folder=folder)
+    written = {**({} if stage is present else _tunes(changes, plan, mistakes)), **changes.params}
+    params = validated(stage, noun, written, place, mistakes, given=given, folder=folder)
     if params is None or len(mistakes) > before:
         return None
     if uses == old.uses and params == dict(old.params):
         return old
-    kept = tuple(name for name in params if name in old.kept or wish.origins.get(name) == BY_A_CHANGE)
+    kept = tuple(name for name in params if name in old.kept or changes.origins.get(name) == BY_A_CHANGE)
     return replace(old, uses=uses, params=params, kept=kept)
 
 
-def _tunes(wish: _Wish, plan: Plan, mistakes: list[Mistake]) -> dict[str, Node]:
-    """The room's tunes for the new stage, without those that `--set` or a change overrides (see the wish)."""
-    found = tunes_of(room_document(plan), replace(wish.old, uses=wish.uses), mistakes)
-    kept = {name for name, origin in wish.origins.items() if origin.kept} | wish.params.keys()
+def _tunes(changes: _Changes, plan: Plan, mistakes: list[Mistake]) -> dict[str, Node]:
+    """The room's tunes for the new stage, without those that `--set` or a change overrides."""
+    found = tunes_of(room_document(plan), replace(changes.old, uses=changes.uses), mistakes)
+    kept = {name for name, origin in changes.origins.items() if origin.kept} | changes.params.keys()
     tunes = {name: node for name, node in found.items() if name not in kept}
-    wish.origins |= {name: ParameterOrigin(origin_of(node, tuned=True)) for name, node in tunes.items()}
+    changes.origins |= {name: ParameterOrigin(origin_of(node, tuned=True)) for name, node in tunes.items()}
     return tunes
 
 
@@ -229,7 +233,7 @@ def _given(old: PlannedStage, present: type[Stage], stage: type[Stage]) -> dict[
 
 
 def _check_outputs(
-    stages: Iterable[PlannedStage], plan: Plan, wishes: dict[str, _Wish], mistakes: list[Mistake]
+    stages: Iterable[PlannedStage], plan: Plan, requested: dict[str, _Changes], mistakes: list[Mistake]
 ) -> None:
     """Note a mistake if old and new stage would write the same file: both are open for a moment."""
     written = {
@@ -238,9 +242,9 @@ def _check_outputs(
         for path in output_paths(load_stage(stage.uses).Params, stage.params)
     }
     for stage in stages:
-        old = wishes[stage.name].old
+        old = requested[stage.name].old
         for path in output_paths(load_stage(stage.uses).Params, stage.params):
             if path in written and stage != old:
                 text = f'stage "{stage.name}" would write {path}, which "{written[path]}" is writing'
                 remedy = f"give it another file, for example {stage.name}.path=2-{path}"
-                mistakes.append(Mistake(wishes[stage.name].place, text, remedy))
+                mistakes.append(Mistake(requested[stage.name].place, text, remedy))

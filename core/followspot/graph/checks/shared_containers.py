@@ -12,8 +12,8 @@ from followspot.stage import Stage
 
 
 def shared_containers(flow: Flow) -> Iterator[Mistake]:
-    """A warning for each empty container in the class of a stage: what is put into it there stays for the
-    other cameras and for the next run. One with entries may be a table that never changes.
+    """A warning for each empty container in the class of a stage: instances of other cameras, and later runs
+    in this process, would share its entries. A container with entries may be a table that never changes.
     """
     for group in flow.groups.values():
         first = group[0]

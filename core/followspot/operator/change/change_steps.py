@@ -16,7 +16,7 @@ from followspot.operator.change_under_way import GIVEN_UP, OnWait, named, no_not
 _TIMEOUT = 60.0
 """Seconds in which a step must be done: some stages load models."""
 _DISCARD_TIMEOUT = 5.0
-"""Seconds that hosts have to close what they built, before the user hears why it came to nothing."""
+"""Seconds that hosts have to close the new stages, before the user is told why the change failed."""
 _POLL_INTERVAL = 0.01
 """Seconds between two polls of the hosts."""
 _NO_WAY_BACK: tuple[Step, ...] = ("take_over", "go_on")

@@ -219,7 +219,7 @@ class FlowControl:
         self._wake()
 
     def _join(self, reader: ReaderRecord, incarnation: int) -> None:
-        """A reader is there: from now on it counts, and what it missed before does not."""
+        """Count a reader that has joined from now on; messages before are none that it missed."""
         if reader.incarnation not in (-1, incarnation):
             self._note_death(reader)
         if reader.incarnation != incarnation:
@@ -241,6 +241,6 @@ class FlowControl:
         return [reader for reader in self.readers if not (reader.lost or reader.done)]
 
     def _reader(self, host: str, name: str) -> ReaderRecord | None:
-        """The reader of this name; None if it is another host that speaks for it."""
+        """The reader of this name; None if there is none on this host."""
         reader = self._by_name.get(name)
         return reader if reader is not None and reader.host == host else None

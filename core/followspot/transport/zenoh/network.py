@@ -114,7 +114,7 @@ def everywhere(certificates: str) -> tuple[str, ...]:
 
 
 def _near(endpoint: str) -> bool:
-    """Whether only this host reaches the endpoint; False for what is no address, which Zenoh refuses."""
+    """Whether only this host reaches the endpoint; False if it is no address: Zenoh refuses that."""
     if endpoint.startswith("unixsock-stream/"):
         return True
     host = endpoint.partition("/")[2].partition("#")[0].rpartition(":")[0].strip("[]")

@@ -1,4 +1,4 @@
-"""The position of a reader in its writer's stream: which token comes next, and what it gives credit for.
+"""The position of a reader in its writer's stream: the next token, and the messages that it has consumed.
 
 Every token carries three numbers (`NUMBER`): incarnation of the writer, number of the token, and number of
 messages up to and with it. Gaps in these numbers are messages that never came.

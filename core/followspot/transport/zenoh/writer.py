@@ -101,7 +101,7 @@ class ZenohWriter:
         return self._flow.refused
 
     def matched(self) -> bool:
-        """Whether every reader is there, knows where to start, and would get what is sent."""
+        """Whether every reader is present, knows where to start, and would get the next message."""
         self._notice()
         self._repeat_start()
         joined = all(reader.present and not reader.silent for reader in self._flow.readers)

@@ -41,7 +41,7 @@ def rearranged(inputs: Sequence[JoinInput], specs: Sequence[InputSpec]) -> Itera
 
 
 def with_former_samples(inputs: Iterable[JoinInput], former: Iterable[JoinInput]) -> Iterator[JoinInput]:
-    """The inputs; those that sample the same edges as a former one of their name keep what it holds."""
+    """The inputs; an input that samples the same edges as a former one of its name keeps its messages."""
     known = {one.name: one for one in former}
     for one in inputs:
         before = known.get(one.name)

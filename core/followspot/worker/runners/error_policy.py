@@ -15,8 +15,9 @@ from followspot.stage import Stage
 from followspot.worker.runners.runner_count import RunnerCount
 
 RAISED = BaseException
-"""What a stage may raise: some libraries call `sys.exit`, and asyncio and extensions in Rust raise what is no
-`Exception`; each would end the worker, or the thread of a live source, without a word."""
+"""Type of the errors of stages that are handled: some libraries call `sys.exit`, and asyncio and extensions
+in Rust raise errors that are not an `Exception`; each would end the worker, or the thread of a live source,
+without a message."""
 RESTARTS = 5
 """How often a stage with policy `restart` is rebuilt before the run fails."""
 FIRST_BACK_OFF = 0.1

@@ -34,10 +34,10 @@ class FiringInputs(NamedTuple):
 
 
 class StageRunner(StageStreams):
-    """Fires one stage instance of this worker, and sends what it gives.
+    """Fires one stage instance of this worker, and sends its results.
 
-    build: makes the stage, again for the policy `restart`; join: its inputs, empty for a source; outputs: by
-    port.
+    build: makes the stage, and makes it anew for the policy `restart`; join: its inputs, empty for a source;
+    outputs: by port.
     """
 
     def __init__(
