@@ -152,7 +152,7 @@ def pair() -> tuple[socket.socket, socket.socket]:
 
 
 def header(number: int) -> Header:
-    """That of a source."""
+    """The header of a message of a source."""
     return Header("camera/cam0", number, number, time.monotonic_ns())
 
 

@@ -180,7 +180,7 @@ def run(trial: Trial, setting: Setting, seed: int, **params: float) -> Result:
 def _tracked(
     trial: Trial, setting: Setting, times: Array, noisy: Array, unseen: Array, params: dict[str, float]
 ) -> Iterator[dict[str, Array]]:
-    """What the filter gives in each frame; NaN for nothing."""
+    """The estimate of the filter in each frame; NaN if it has none."""
     orientation, track = stages(1 / (trial.time[1] - trial.time[0]), **params)
     source = messages(trial, setting)
     waiting = next(source, None)

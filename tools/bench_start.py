@@ -95,7 +95,7 @@ def one_run(side: str, frames: int) -> None:
 
 
 def command(side: str, frames: int) -> list[str]:
-    """That starts one run."""
+    """The command that starts one run."""
     return [sys.executable, __file__, "--side", side, "--frames", str(frames)]
 
 
@@ -129,7 +129,7 @@ def by_process(side: str, frames: int) -> list[Row]:
 
 
 def kind(pid: int, command: int, parents: Mapping[int, int], *, forked: bool) -> str:
-    """What a process of a run is."""
+    """The role of a process of a run."""
     if pid == command:
         return "command"
     return "fork server" if forked and parents.get(pid) == command else "worker"

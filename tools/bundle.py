@@ -21,7 +21,7 @@ WEB = ROOT / "web"
 STATIC = ROOT / "tools" / "commands" / "followspot_page" / "static"
 LOCK = WEB / "package-lock.json"
 OFFLINE = ("ENOTFOUND", "EAI_AGAIN", "ECONNREFUSED", "ECONNRESET", "ETIMEDOUT", "ENETUNREACH", "EHOSTUNREACH")
-"""What npm prints if no server can be reached."""
+"""Text that npm prints if it reaches no server."""
 UNREACHED = 3
 """The exit code then; others say that something is wrong here."""
 LICENSE = STATIC / "three.LICENSE"

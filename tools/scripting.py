@@ -1,4 +1,4 @@
-"""What the maintainers' scripts share: options, tables, and commands of followspot that they run."""
+"""Helpers of the maintainers' scripts: options, tables, and commands of followspot that they run."""
 
 from __future__ import annotations
 

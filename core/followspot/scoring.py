@@ -17,7 +17,7 @@ class Score(Protocol):
     """The scores of everything that the truth names. Its text is a table for people."""
 
     noun: str
-    """What has a score: "target", "person"."""
+    """Kind of the objects that are scored: "target", "person"."""
 
     def to_data(self) -> dict[str, dict[str, Any]]:
         """The figures by name in JSON types; what cannot be told is None."""

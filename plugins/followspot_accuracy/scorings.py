@@ -1,4 +1,4 @@
-"""What this package offers to runs: scores of tracks and of poses (`followspot.scoring`)."""
+"""The scores that this package offers to runs: of tracks and of poses (`followspot.scoring`)."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ def as_text(value: Value) -> str:
 
 
 def _wrong(known: Feature, value: Value, origin: str) -> Iterator[Mistake]:
-    """What is wrong with the value of a feature that the camera has."""
+    """The mistake in the value of a feature that the camera has."""
     name = known.name
     if not known.writable:
         text = f"{name} of {origin} cannot be set"

@@ -1,4 +1,4 @@
-"""What all sources share that play the pictures of a folder: which files, and when each was taken."""
+"""The files of a folder of pictures and their capture times, for all sources that play such folders."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ def natural_order(folder: Path, pattern: str, suffixes: frozenset[str] = SUFFIXE
 
 
 def gap_of(params: FolderParams, files: Sequence[Path]) -> str:
-    """Where the numbers in the names of pictures that come at a rate leave some out; "" if they do not."""
+    """The first gap in the numbers of names of pictures that come at a rate, as text; "" if none."""
     named = [re.findall(r"\d+", path.stem)[-1:] for path in files]
     if params.name_time or params.times is not None or len(files) < FEWEST or not all(named):
         return ""

@@ -56,7 +56,7 @@ class LiveCamera(Stage, ABC):
 
 
 def sessions(session: Callable[[], Iterator[T]], stopped: Event, say: Callable[[str], None]) -> Iterator[T]:
-    """What one session after the other gives, with exponential back-off between them, until `stopped` is set.
+    """The items of one session after the other, with exponential back-off between, until `stopped` is set.
 
     A session whose device is gone raises ConnectionError. say: tells the user once that it is gone, and once
     when it is back, how long it was away, and how often it has been.

@@ -79,7 +79,7 @@ class Forgetful(TransitionModel):
     size = 9
 
     def noise(self, seconds: float) -> Array:
-        """That of the model, of the bounce, and of an unknown acceleration."""
+        """Process noise of the model, of the bounce, and of an unknown acceleration, (3, 3)."""
         Q = np.zeros((3, 3))
         Q[:2, :2] = self.model.noise(seconds)
         Q[:2, :2] += np.array([[seconds**2 / 3, seconds / 2], [seconds / 2, 1.0]]) * self.bounce**2

@@ -12,7 +12,7 @@ from followspot.rotation import signed_axes
 
 TURN, FORCE, MAGNETIC = ("gx", "gy", "gz"), ("ax", "ay", "az"), ("mx", "my", "mz")
 VALUES = (*TURN, *FORCE, *MAGNETIC)
-"""What a reading may have: of the gyroscope, the accelerometer and the magnetometer, in this order."""
+"""Names of the values of a reading: gyroscope, accelerometer and magnetometer, in this order."""
 MOST = np.repeat([100.0, 10_000.0, 100_000.0], 3)
 """Largest absolute value of each, rad/s, m/s^2 and uT: gyroscopes of props read up to 70 rad/s."""
 FORCE_AT_REST = (5.0, 20.0)

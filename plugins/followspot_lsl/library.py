@@ -86,6 +86,6 @@ def _imported(text: str) -> Any:
 
 
 def wall_clock_offset(pylsl: Any) -> int:
-    """What is added to liblsl's clock to get this host's, ns."""
+    """The offset of the clock of this host from that of liblsl, ns."""
     now: float = pylsl.local_clock()
     return time.time_ns() - round(now * 1e9)

@@ -73,7 +73,7 @@ def message_type(contract: str) -> type[Message]:
 
 
 def _table(c: Column) -> dict[str, Any]:
-    """What a table needs besides, if it is said."""
+    """The keys of a column that only tables need, if the column has them."""
     return ({"refers": c.refers} if c.refers else {}) | ({"names": list(c.names)} if c.names else {})
 
 

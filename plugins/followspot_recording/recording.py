@@ -75,7 +75,7 @@ class Recording(Closing):
 
     @cached_property
     def firings(self) -> tuple[str, ...]:
-        """What is recorded of the firings of stages, by the names that `firings_of` gives."""
+        """Names of the channels with the firings of stages, as `firings_of` makes them."""
         return tuple(filter(is_firings, self._exact))
 
     @cached_property

@@ -44,7 +44,7 @@ class McapWriter:
         self._pause = 0
         self._offset = self._checksum = 0
         self._whole = 0, 0
-        """Where the end begins that `finish` wrote, B, and the checksum up to there."""
+        """Offset of the end section that `finish` wrote, B, and the checksum of all before it."""
         self._definitions: list[bytes] = []
         self._indices: list[bytes] = []
         self._statistics = records.Statistics(0, 0, {}, 0, 0, 0, 0, 0, 0)

@@ -1,4 +1,4 @@
-"""What the sources of simulated balls have in common: the targets that their parameters name."""
+"""Base of the sources of simulated balls: the targets that their parameters name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What all sources of a simulated performance have in common: its frames, and their times."""
+"""Base of the sources of a simulated performance: its frames, and their times."""
 
 from __future__ import annotations
 

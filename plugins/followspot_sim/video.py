@@ -1,4 +1,4 @@
-"""What all recordings of simulated rooms need: an end, and lossless videos."""
+"""Base of the recordings of simulated rooms: an end, and lossless videos."""
 
 from __future__ import annotations
 

@@ -113,7 +113,7 @@ class TargetSlots:
         return self.slots
 
     def state(self) -> Any:
-        """Where each target is, or was last."""
+        """The slots, with the last known position of each target."""
         return to_plain(self.slots)
 
     def restore(self, state: Any) -> None:

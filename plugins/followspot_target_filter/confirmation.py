@@ -14,7 +14,7 @@ from followspot_target_filter.life_cycle import LifeCycle, has_position, missing
 
 @dataclass(frozen=True)
 class ConfirmationRules:
-    """What confirms a tentative target: enough candidates in one frame, or evident ones in several."""
+    """Conditions for confirming a target: enough candidates in one frame, or evident ones in several."""
 
     support: int
     """Candidates that confirm it if they agree in one frame."""

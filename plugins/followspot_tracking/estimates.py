@@ -15,7 +15,7 @@ SMALLEST_SIGMA = 1e-6
 
 
 class Estimates(NamedTuple):
-    """What each tracker says of each target. Rows that are not there are zero, with a variance of 1."""
+    """The estimate of each tracker for each target. Missing rows are zero, with a variance of 1."""
 
     there: Array
     """(S, T) bool."""

@@ -93,7 +93,7 @@ def _side(camera: Camera, gray: Array, start: Array, end: Array, area: float) ->
 
 
 def _crossing(one: tuple[Array, Array], other: tuple[Array, Array]) -> Array:
-    """Where two lines meet, (2,) px; infinite if they are parallel."""
+    """The intersection of two lines, (2,) px; infinite if they are parallel."""
     (p, u), (q, v) = one, other
     turn = u[0] * v[1] - u[1] * v[0]
     if abs(turn) < 1e-6:

@@ -44,7 +44,7 @@ class FrameParams(StageParams):
 
 @dataclass(frozen=True)
 class FrameRows(Generic[T]):
-    """What a file says of one frame. number: -1 if it does not number frames; time: capture time, ns."""
+    """The rows of one frame in a file. number: -1 if it does not number frames; time: capture time, ns."""
 
     number: int
     time: int

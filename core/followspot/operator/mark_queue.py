@@ -50,7 +50,7 @@ class Moment:
 
 @dataclass(frozen=True)
 class RecorderState:
-    """What a flight recorder holds.
+    """The state of a flight recorder.
 
     seconds: that it is to hold; ports: number of ports; held: seconds that it holds of the port of which it
     holds the least; bytes, limit: of the messages in memory, and the most it may hold; lost: messages that

@@ -150,7 +150,7 @@ class RunHandle:
         return mark(self.ask, after, note, wait=wait)
 
     def kept(self) -> RecorderState | None:
-        """What the flight recorder holds, and the files of marks; None if the run has none."""
+        """The state of the flight recorder, with the files of marks; None if the run has none."""
         return kept(self.ask)
 
     def exchange_marks(self, kept: RecorderState | None, taken: int) -> tuple[Mark, ...]:

@@ -83,7 +83,7 @@ class MarkMoment(_OperatorRequest):
 
 
 class GetRecorderState(_OperatorRequest):
-    """What the flight recorder holds; None if the run has none."""
+    """The state of the flight recorder; None if the run has none."""
 
     answer: ClassVar[Any] = RecorderState | None
 

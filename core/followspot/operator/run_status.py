@@ -48,9 +48,9 @@ class RunStatus:
     late: tuple[str, ...] = ()
     """A line for each path that misses its budget."""
     change_awaits: str = ""
-    """What the change under way waits for, "" if nothing."""
+    """Reason for which the change under way waits, "" if it does not wait."""
     unfinished_change: str = ""
-    """What an interrupted change has left on hosts, and the remedy; "" if nothing."""
+    """Remains of an interrupted change on hosts, and the remedy; "" if there are none."""
 
     def later(self, seconds: float) -> RunStatus:
         """The status as it is `seconds` later."""

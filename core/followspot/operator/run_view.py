@@ -89,7 +89,7 @@ class RunView:
         )
 
     def unfinished_change(self) -> str:
-        """What an interrupted change has left on hosts, as text; "" while the operator leads a change."""
+        """Remains of an interrupted change on hosts, as text; "" while the operator leads a change."""
         if self.changing:
             return ""
         built = [name for name, status in self.hosts.items() if status.change.phase in BEFORE_TAKE_OVER]

@@ -52,7 +52,7 @@ class DroppingWriter:
         return self.inner.rejected
 
     def newly_dead(self) -> list[tuple[int, int]]:
-        """Those of the inner writer; messages that wait here are dropped, or sent to the next reader."""
+        """See `PortWriter`; messages that wait here are dropped, or sent to the next reader."""
         return self.inner.newly_dead()
 
     def matched(self) -> bool:

@@ -28,7 +28,7 @@ TRUTH_COLUMNS = (*POSE_COLUMNS, "torso_heading_room", "r", "visible_upper")
 CAMERA = "camera"
 """Optional column of poses: empty for fused ones, whose heading is in the room."""
 NAMED = ("person", CAMERA)
-"""What a pose of a file is of, beside its time."""
+"""Columns that, with the time, identify a pose of a file."""
 MOST_CELLS = 5_000_000
 """Frames times persons."""
 ORIGIN = np.zeros(2)

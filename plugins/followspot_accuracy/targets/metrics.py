@@ -53,7 +53,7 @@ def recoveries(trackable: Array, hidden: Array, pair: Array, right: Array) -> tu
 
 
 class Recoveries(NamedTuple):
-    """What a tracker found while it sought a target (Jin & Qian 2008, section 4)."""
+    """Counts of frames in which a tracker sought a target (Jin & Qian 2008, section 4)."""
 
     sought: int
     """Frames in which it sought the target: the first one, and those after a frame without a position."""

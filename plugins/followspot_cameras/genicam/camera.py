@@ -1,4 +1,4 @@
-"""What a backend offers: a camera that was found, one that is connected, and its pictures."""
+"""The interface of a backend: cameras that were found, connected cameras, and their pictures."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class CameraInfo:
     serial: str = ""
     name: str = ""
     handle: Any = field(default=None, compare=False, repr=False)
-    """What the backend connects with."""
+    """Object by which the backend connects to the camera."""
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -114,7 +114,7 @@ class Backend(Protocol):
         """Cameras in sight. interface: own address, "" for all; timeout: s."""
 
     def described(self, info: CameraInfo) -> CameraInfo:
-        """What the camera says of itself, with its serial number."""
+        """The camera with the serial number and the name that it gives itself, if it answers."""
 
     def connect_read_only(self, info: CameraInfo) -> VisionCamera:
         """The camera, for reading only, if possible while another program controls it. Raises CameraGone."""

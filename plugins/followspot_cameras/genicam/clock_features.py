@@ -40,7 +40,7 @@ class ClockFeatures:
 
 
 def clock_features(names: Collection[str], read: Callable[[str], str]) -> ClockFeatures | None:
-    """Those that the camera has; None if its clock cannot be read. read: gives the value of a feature."""
+    """Clock features of a camera; None if its clock cannot be read. read: gives the value of a feature."""
     for latch, value in LATCHES:
         if latch in names and value in names:
             return ClockFeatures(latch, value, frequency(names, read))

@@ -1,4 +1,4 @@
-"""What a camera says of PTP (IEEE 1588), through its features."""
+"""The state of PTP (IEEE 1588) of a camera, read from its features."""
 
 from __future__ import annotations
 

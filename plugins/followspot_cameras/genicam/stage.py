@@ -82,7 +82,7 @@ class Genicam(LiveCamera):
             yield from self._frames(camera)
 
     def _triggers(self, camera: VisionCamera) -> AbstractContextManager[None]:
-        """What this camera, or its room if it leads, needs to be triggered."""
+        """Sends the triggers of this camera, or of all cameras of the room if this one leads."""
         sync = self.room.sync
         if sync is not None and sync.trigger == "software":
             return firing(partial(self._trigger, camera), sync.rate)

@@ -47,7 +47,7 @@ def discover(interface: str, timeout: float) -> list[CameraInfo]:
 
 
 def described(info: CameraInfo) -> CameraInfo:
-    """What the camera says of itself, with its serial number and its user's name; as it is if it does not."""
+    """The camera with the serial number and user's name that it gives; unchanged if it does not answer."""
     if info.transport != "GigE Vision":
         return info
     try:

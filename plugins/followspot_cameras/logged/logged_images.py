@@ -1,4 +1,4 @@
-"""What sources share that play the pictures of a log file."""
+"""Parameters and capture times of all sources that play the pictures of a log file."""
 
 from __future__ import annotations
 

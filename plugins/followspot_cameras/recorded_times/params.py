@@ -11,7 +11,7 @@ from followspot_cameras.recorded_times.time_list import read_time_list
 
 
 class TimesParams(StageParams):
-    """Where capture times stand, and what they count from."""
+    """Parameters of capture times: the file that lists them, and the time that is added to them."""
 
     times: InputPath | None = Field(
         None,

@@ -34,7 +34,7 @@ class SenderClock:
 
     @property
     def offset(self) -> int:
-        """What is added to the sender's clock at the newest report, ns: the least of the newest reports."""
+        """Offset of this host's clock from the sender's at the newest report, ns: least of recent ones."""
         now, drift = self._newest[-1].clock, self.drift
         return min(one.offset + round(drift * (now - one.clock)) for one in self._newest)
 

@@ -33,7 +33,7 @@ class KnownControl:
     entries: Mapping[str, int]
 
     def value(self, given: Value) -> int:
-        """What the driver takes for a value that was found right."""
+        """The number that the driver takes for a value that was checked."""
         return self.entries[str(given)] if self.entries else int(given)
 
 

@@ -171,7 +171,7 @@ def path_of(device: int | str) -> str:
 
 
 def not_a_device(device: int | str) -> Mistake | None:
-    """What is wrong with a path that leads to something else than a device; None if it may be plugged in."""
+    """The mistake if the path is not a device; None if it is one, or one may be plugged in there."""
     if isinstance(device, int):
         return None
     try:

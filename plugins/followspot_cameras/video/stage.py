@@ -65,7 +65,7 @@ class Video(Stage):
         return min(total, p.frames or total) if total > 0 else None
 
     def capture_time(self, number: int) -> int | None:
-        """That of the frame in the file, whether it is damaged or not; None if time stamps say it, ns."""
+        """Capture time of a frame of the file, damaged or not, ns; None if the file's time stamps say it."""
         times = self.times
         return None if isinstance(times, TimeStamps) else times.time_of(self.params.start_frame + number)
 
@@ -124,7 +124,7 @@ class Video(Stage):
 
 
 def check_recording(params: VideoParams, name: str, camera: Camera | None) -> Iterator[Mistake]:
-    """What is wrong with the recording that a camera of this name plays; its size if the file is here.
+    """Mistakes in the recording that a camera of this name plays; in its size if the file is on this host.
 
     camera: that took it, None if it is not known. Raises InputError.
     """

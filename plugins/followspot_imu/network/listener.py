@@ -37,7 +37,7 @@ def opened(host: str, port: int) -> socket.socket:
 
 
 def datagrams(own: socket.socket, ended: Callable[[], bool], wait: float) -> Iterator[Datagram]:
-    """What arrives, until it `ended`; if nothing comes for `wait` seconds, a datagram without a sender."""
+    """Datagrams until it has `ended`; one without a sender if none arrives for `wait` seconds."""
     own.settimeout(wait)
     while not ended():
         try:

@@ -60,7 +60,7 @@ class Osc(NetworkSensor):
 
     @cached_property
     def _seen(self) -> dict[str, float]:
-        """What came since the last reading."""
+        """Values that have arrived since the last reading, by name."""
         return {}
 
     def readings(self, datagram: Datagram) -> Iterator[Reading]:

@@ -71,7 +71,7 @@ class NetworkSensor(Stage, ABC):
 
     @cached_property
     def tally(self) -> Tally:
-        """What went wrong."""
+        """Counts of unreadable datagrams and refused readings, which it reports as warnings."""
         return Tally(self.sensor.name, self.context.warn)
 
     def process(self) -> Source[Inertial]:

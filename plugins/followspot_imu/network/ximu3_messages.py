@@ -44,7 +44,7 @@ class Ximu3Stream:
         self._begun = b""
 
     def messages(self, data: bytes) -> Iterator[Ximu3Message | Malformed]:
-        """What ends in a datagram: messages of any kind, and why others cannot be read."""
+        """Messages of all kinds that end in a datagram, and the reasons why others cannot be read."""
         begun = self._begun
         *ended, self._begun = data.split(END)
         if not ended:

@@ -1,4 +1,4 @@
-"""What a network for poses and boxes would find in a picture of actors: noisy, with gaps and mistakes."""
+"""Simulated results of a network for poses and boxes of actors: noisy, with gaps and mistakes."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ class ActorPicture:
         self._sensor.expose(picture if light == 1 else cv2.convertScaleAbs(picture, alpha=light), frame, out)
 
     def light(self, frame: int) -> Array:
-        """What falls on the sensor, (H, W, 3) uint8, BGR."""
+        """The picture in full light, before the sensor exposes it, (H, W, 3) uint8, BGR."""
         play = self._stage.play(frame)
         picture = self._empty.copy()
         level = np.array([np.hypot(*(self.camera.center[:2] - (s.x, s.y))) for s in play.stances])

@@ -48,14 +48,14 @@ class PersonPoints(Performance):
         self._exchanges = Exchanges(self.params.exchange_share, self.params.exchange_time, seed)
 
     def process(self) -> Source[Outputs]:
-        """What is found in each picture, frame k at k / fps seconds."""
+        """Points and boxes of each picture, frame k at k / fps seconds."""
         for frame in self.frames():
             found = self.found(frame)
             points, boxes = self.points(found), self.boxes(found)
             yield Outputs(self.at(frame, points), self.at(frame, boxes))
 
     def found(self, frame: int) -> Finding:
-        """What is found in one picture."""
+        """The joints and boxes that are found in one picture."""
         late = self.params.late_by
         play = self._stage.at(frame / self.params.fps + late) if late else self._stage.play(frame)
         people = zip(self._stage.cast, play.stances, play.surfaces, strict=True)

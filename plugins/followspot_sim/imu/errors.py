@@ -18,7 +18,7 @@ class Channel:
     limit: float = np.inf
 
     def read(self, true: Array, rng: np.random.Generator) -> Array:
-        """What the sensor gives for true values (N, 3)."""
+        """Readings of the sensor for true values, both (N, 3)."""
         noisy = true + self.bias + rng.normal(0.0, self.sigma, true.shape)
         return np.asarray(noisy.clip(-self.limit, self.limit))
 

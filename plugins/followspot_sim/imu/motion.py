@@ -1,4 +1,4 @@
-"""What an inertial sensor without errors reads on a ball that moves and turns."""
+"""True readings of an inertial sensor on a ball that moves and turns, without errors of the sensor."""
 
 from __future__ import annotations
 

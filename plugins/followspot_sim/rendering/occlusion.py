@@ -1,4 +1,4 @@
-"""What people hide of the balls in a picture."""
+"""Occlusion of balls by people in a picture."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def sunflower_disc(samples: int) -> Array:
 
 
 def first_hit(origin: Array, rays: Array, ends: Array, radius: float) -> Array:
-    """Where rays first meet the surface of a capsule, exactly: (...) m along the ray, infinite if they miss.
+    """Exact first intersections of rays with a capsule: (...) m along the ray, infinite if they miss.
 
     origin: (3,) m, outside the capsule; rays: (..., 3), unit vectors; ends: (2, 3) m.
     """

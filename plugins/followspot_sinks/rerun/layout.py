@@ -1,4 +1,4 @@
-"""What the Rerun viewer shows at first: the room beside the pictures of its cameras."""
+"""The first layout of the Rerun viewer: the room beside the pictures of its cameras."""
 
 from __future__ import annotations
 

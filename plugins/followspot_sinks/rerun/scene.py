@@ -55,7 +55,7 @@ def shape_of(rerun: Any, message: Message, room: Room) -> Any:
 
 
 def parts_of(rerun: Any, message: Message) -> dict[str, Any]:
-    """What is shown beside a shape, by the name of an entity below: uncertainty and axes of tracks, bones."""
+    """Further shapes of a message, by the name of their entity: uncertainty and axes of tracks, bones."""
     if isinstance(message, Skeletons):
         ends, _ = bones_of(message)
         return {"bones": rerun.LineStrips3D(strips=ends[np.isfinite(ends).all(axis=(1, 2))], radii=_BONE)}

@@ -1,4 +1,4 @@
-"""What all calibrations share: options of their output, and how the result is printed."""
+"""Output of all calibrations: their options, and the printing of the result."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ class TargetFigures:
     """Mean distance of the reprojected tracks from the detections: the paper's reprojection error."""
     detection_std_px: float
     recovery: Recoveries = Recoveries(0, 0, 0)
-    """What was found while the target was sought."""
+    """Counts of frames in which the target was sought."""
     pairs: tuple[float, float, float] = (np.nan, np.nan, np.nan)
     """Number of pairs in a frame with a track: mean, 5th and 95th percentile."""
 

@@ -1,4 +1,4 @@
-"""What a recording of a live run, or from its middle, has beside its messages, so that it can be verified."""
+"""Types and facts of recorded firings of stages, by which `verify` repeats a live run or a part of one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the results of a sweep depend on besides their parameters: a hash that changes with any of it."""
+"""A hash of all inputs of a sweep besides its parameters: it changes if one of them changes."""
 
 from __future__ import annotations
 

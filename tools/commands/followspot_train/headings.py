@@ -44,14 +44,14 @@ class Samples:
     head: Array
 
     def of(self, persons: Array) -> Samples:
-        """Those of some persons, by number."""
+        """The windows of some persons, by number."""
         rows = np.isin(self.owner, persons)
         return Samples(*(array[rows] for array in vars(self).values()))
 
 
 @dataclass(frozen=True, eq=False)
 class Predictions:
-    """What networks predict for windows of persons that they did not learn from."""
+    """Predictions of networks for windows of persons that they did not learn from."""
 
     torso: Array
     """(N, DIRECTIONS) logits."""
@@ -135,7 +135,7 @@ def mean(members: Sequence[Network]) -> Network:
 
 
 def attempt(learnt: Network, samples: Samples, split: Split) -> Predictions:
-    """What a network predicts for the persons that its split held out."""
+    """Predictions of a network for the persons that its split held out."""
     held = samples.of(split.held)
     predicted = outputs(learnt, held.inputs)
     return Predictions(

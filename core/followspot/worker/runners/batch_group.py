@@ -66,7 +66,7 @@ def batch_groups(runners: Sequence[StageRunner], mark: Callable[[int], None]) ->
 
 
 def _together(runners: Sequence[StageRunner], firings: Sequence[FiringInputs]) -> Sequence[Any]:
-    """What the stages return; if that raises, each works alone, so that the error names the right stage."""
+    """The results of the stages; if the batch raises, each works alone, so that errors name their stage."""
     started = time.monotonic_ns()
     for runner in runners:
         runner.working = True

@@ -120,7 +120,7 @@ class StageRunner(StageStreams):
         return FiringInputs(arguments, header)
 
     def run(self, firing: FiringInputs) -> Any:
-        """What the stage returns, None if it raised. Raises StageError if the policy is `fail`."""
+        """The result of the stage, None if it raised. Raises StageError if the policy is `fail`."""
         started = time.monotonic_ns()
         self.working = True
         try:

@@ -113,7 +113,7 @@ def _require_agreement(seen: Sightings, rejected: Array) -> None:
 def _started(
     cameras: Sequence[Camera], views: Mapping[str, Sequence[View]], board: Board
 ) -> tuple[Pairs, tuple[Camera, ...]]:
-    """Where the cameras stand at first. Raises FollowspotError, which tells of exchanged recordings."""
+    """Initial poses of the cameras. Raises FollowspotError, which tells of exchanged recordings."""
     try:
         return start(cameras, views, board)
     except FollowspotError as error:

@@ -52,7 +52,7 @@ def left_out(held: Comparison) -> str:
 
 
 def warnings_of(held: Comparison | None) -> list[str]:
-    """What the user should know of the choice between given and refined cameras, with and without clips."""
+    """The text on the choice between given and refined cameras, with and without clips."""
     if held is None:
         return [
             "the recording has too few places to check the refined cameras with others: "

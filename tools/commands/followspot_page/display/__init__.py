@@ -1,1 +1,1 @@
-"""What browsers draw: the room, the newest of each message in JSON, and curves of their figures."""
+"""The contents of the page: the room, the newest of each message in JSON, and curves of their figures."""

@@ -19,7 +19,7 @@ from followspot_page.requests.reply import Reply
 Do = Callable[[str], Awaitable[Reply]]
 """Carries out a browser's request. Raises FollowspotError if that fails."""
 STILL = b"\0"
-"""What a still picture begins with, instead of the length of a camera's name: its answer follows."""
+"""First byte of a still picture, instead of the length of a camera's name: its answer follows."""
 _TIMEOUT = 30.0
 """Seconds within which a browser must take a message."""
 _WAITING = 8

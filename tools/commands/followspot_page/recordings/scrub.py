@@ -27,7 +27,7 @@ _RENEWED = 1.0
 
 @dataclass(frozen=True)
 class Position:
-    """Where a recording stands. time: capture time, ns; playing: whether it goes on from there."""
+    """Position in a recording. time: capture time, ns; playing: whether it goes on from there."""
 
     time: int
     playing: bool = False

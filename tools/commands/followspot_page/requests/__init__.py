@@ -1,1 +1,1 @@
-"""What one browser asks for, and what it is answered."""
+"""The requests of one browser, and their answers."""

@@ -1,4 +1,4 @@
-"""What one browser may ask for, and what it has asked for so far."""
+"""Handles the requests that one browser may make, and remembers those it has made."""
 
 from __future__ import annotations
 

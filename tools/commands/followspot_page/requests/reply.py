@@ -1,4 +1,4 @@
-"""What a browser is answered."""
+"""The answer to a request of a browser."""
 
 from __future__ import annotations
 

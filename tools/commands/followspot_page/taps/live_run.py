@@ -114,7 +114,7 @@ async def follow(
 
 
 async def _kept(run: RunHandle) -> RecorderState | None:
-    """What the run's flight recorder holds; None if the run has none."""
+    """The state of the run's flight recorder; None if the run has none."""
     with contextlib.suppress(FollowspotError):
         return await asyncio.to_thread(run.kept)
     return None

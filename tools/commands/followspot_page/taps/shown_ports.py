@@ -125,7 +125,7 @@ def tappings(looked_at: Iterable[ShownPort], folder: Path, rate: float) -> list[
 
 
 def _sensor(stage: PlannedStage, sent: type[Message]) -> str:
-    """Whose readings a stage sends: those of the sensor that it serves, or its own; "" if none."""
+    """The sensor whose readings a stage sends: the one that it serves, or its own; "" if none."""
     if stage.member is not None and stage.member.set == "sensors":
         return stage.member.name
     return stage.name if issubclass(sent, Inertial) else ""

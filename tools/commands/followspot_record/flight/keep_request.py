@@ -1,4 +1,4 @@
-"""What is asked of a flight recorder, by options and by scripts."""
+"""The settings of a flight recorder, from options and scripts."""
 
 from __future__ import annotations
 
