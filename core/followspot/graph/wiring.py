@@ -67,7 +67,7 @@ class InstanceWiring:
     def _sources(
         self, target: Instance, feed: Feed, sources: Mapping[Member | None, Instance]
     ) -> Collection[Instance] | None:
-        """The instances that feed a target: those of its own or related members, else all of the stage.
+        """The instances that feed a target: those of the same or a related member, else all of the stage.
 
         None if the stage serves other members only.
         """

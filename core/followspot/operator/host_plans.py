@@ -76,7 +76,7 @@ def _is_complete(plan: Plan, own: Mapping[str, PlannedStage]) -> bool:
 
 
 def _outline(plan: Plan) -> Plan:
-    """The plan without details that a host knows of its own stages only."""
+    """The plan without details of stages: a host gets those of its own stages only."""
     stages = tuple(replace(stage, uses="", params={}, kept=()) for stage in plan.stages)
     return replace(plan, stages=stages)
 

@@ -41,5 +41,5 @@ def agent_key(host: str) -> str:
 
 
 def request_key(host: str, verb: str, role: str, name: str) -> str:
-    """Key of requests to an agent from an client of this role and name; ``*`` stands for any."""
+    """Key of requests to an agent from a client of this role and name; ``*`` stands for any."""
     return f"{AGENTS}/{host}/{verb}/{role}/{name}"

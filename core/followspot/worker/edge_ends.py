@@ -158,7 +158,7 @@ class EdgeEnds:
                 queue.reader.close()
 
     def _watch_reader(self, queue: InputQueue, reader: PortReader) -> None:
-        """Poll the queue when something comes to its reader: from its descriptor, or from a carrier."""
+        """Poll the queue when messages arrive for its reader: at its descriptor, or at another reader's."""
         self.watch(reader.fileno(), queue.poll)
         if isinstance(reader, RingReader):
             reader.notify = queue.poll

@@ -46,7 +46,10 @@ def rewired(plan: Plan, use: SubgraphUse, found: ComposedFile, place: Place) -> 
 
 
 def _placed(plan: Plan, old: Mapping[str, PlannedStage], found: ComposedFile) -> Placed:
-    """Stages that stay do so in their worker; a new one comes to those of the same member, else of none."""
+    """Places new stages in the worker of old stages of the same member, else of those without a member.
+
+    Old stages stay in their workers.
+    """
     beside = {stage.member: stage.worker for stage in old.values()}
     fallback = beside.get(None) or next(reversed(beside.values()))
     workers = {stage.name: stage.worker for stage in plan.stages if stage.name not in old}

@@ -16,7 +16,7 @@ SMALLEST_RADIUS, LARGEST_RADIUS = 0.0005, 3.0
 _CLOSEST, _FARTHEST = 0.001, 500.0
 """Smallest and largest distance between the cameras that stand farthest apart, m."""
 _WIDE = 1.0
-"""Distance between the farthest cameras from which on they stand around what they see, m."""
+"""Cameras at least this far apart, m, are taken to surround the targets."""
 _REMEDY = "lengths are metres; divide by 1000 what is in mm"
 _CLOSE_REMEDY = "lengths are metres; multiply by 1000 what is in km"
 

@@ -88,5 +88,5 @@ def _unknown(
 
 
 def _overlap(first: InterfaceTarget, second: InterfaceTarget) -> bool:
-    """True if both stand for one port, or one for the stage of the other."""
+    """True if both name the same port, or one names the stage of the other's port."""
     return first.stage == second.stage and (first.name == second.name or None in (first.name, second.name))

@@ -69,7 +69,7 @@ class ReaderLinks:
         return newly_dead
 
     def replace(self, index: int, sock: socket.socket, sequence: int, pool: Slots | None) -> Link:
-        """Serve another reader in place of one that is gone, by datagrams of its own."""
+        """Serve a new reader on the place of a dead one, by datagrams that it shares with no other."""
         old = self.all[index]
         self._expelled += old.expelled
         self._note_death(old, sequence)
