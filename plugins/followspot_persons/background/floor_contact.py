@@ -40,8 +40,10 @@ BODY = 0.6
 """Share of the upper half of the strip's middle that is foreground where a person is."""
 BESIDE = 0.45
 """Half the width of another person's columns, in heights of its upper body."""
-LEGS = 0.7
-"""Height above the lowest row in which no ghost may be, in heights of the upper body."""
+LEGS, FEET = 0.7, 0.25
+"""Heights above the lowest row in which no ghost may be, in heights of the upper body: beside a ghost's feet
+stand the legs of the person, whose edges are stronger.
+"""
 ASTRIDE = 0.6
 """Reach of a foot beside the strip, in heights of the upper body: half a long step."""
 FREE = 0.5
@@ -190,10 +192,14 @@ class _Strip:
             return None
         filled = (self.changed & self.free).sum(axis=1) >= SHARE * self.free.shape[1]
         last = lowest(filled, self.gap)
-        legs = slice(max(0, last + 1 - round(LEGS * self.axis.tall)), last + 1)
-        there = self.rows[legs, None], self.columns[legs] % scene.camera.size[0]
-        ghost = is_ghost(self.changed[legs], scene.pixels[there], scene.background[there], scene.light)
+        ghost = any(self.ghost(scene, last, share) for share in (LEGS, FEET))
         return None if ghost or self.astride(scene, last) else int(self.rows[last])
+
+    def ghost(self, scene: Scene, last: int, share: float) -> bool:
+        """Whether a ghost is in the rows above the last one, up to a share of the upper body's height."""
+        legs = slice(max(0, last + 1 - round(share * self.axis.tall)), last + 1)
+        there = self.rows[legs, None], self.columns[legs] % scene.camera.size[0]
+        return is_ghost(self.changed[legs], scene.pixels[there], scene.background[there], scene.light)
 
     def astride(self, scene: Scene, last: int) -> bool:
         """Whether legs leave the strip at its side: their foreground goes on below its lowest row, of this

@@ -173,6 +173,17 @@ def test_legs_that_the_background_has_and_the_picture_not_are_nobodys_feet(ghost
     assert told.contact is None if ghost else told.contact.distance == pytest.approx(3.6, abs=0.1)
 
 
+@pytest.mark.parametrize("aside", [-0.3, 0.2])
+def test_the_feet_of_a_ghost_beside_the_legs_of_a_person_are_nobodys(aside):
+    """Somebody stood nearer at first, a little aside, and the background still shows it."""
+    scene, near = background_and_body(standing(4.5)), background_and_body(standing(3.6, aside))
+    background = scene.background.copy()
+    background[near.changed(np.arange(240)[:, None], np.arange(320)[None])] = BACK
+    told = presence(replace(scene, background=background), standing(3.9), NOBODY)
+    assert told.foreground > 0.6
+    assert told.contact is None
+
+
 @pytest.mark.parametrize("to_the_floor", [True, False])
 def test_legs_that_part_in_a_step_are_no_feet_where_they_leave_the_middle(to_the_floor):
     """Both shanks go on aside, so that the lowest row below the trunk is of the knees, 0.3 m farther away."""
