@@ -47,6 +47,14 @@ ABOVE = 0.25
 LAG = 0.1
 """The lowest row that differs from the floor is so much farther away than that of the foot: shoes and their
 shadow resemble some floors, m."""
+BEFORE_FEET = 0.75, 0.6
+"""Distances between which nothing of a person may be, over that of the pose: something is there below 0.3 %
+of the weak boxes of whole upper bodies, and the rest of the body below 72 % of those of heads or chests.
+"""
+AWAY = 1.2, 2.5
+"""Nearest and farthest column of the floor beside this rest, from the axis, in heights of the upper body."""
+UNLIKE = 0.4
+"""Share of the strip there that is unlike the floor if a body is there."""
 
 
 def contact_beside(camera: Camera, pixels: Array, pose: Array, others: Array) -> Contact | None:
@@ -58,13 +66,28 @@ def contact_beside(camera: Camera, pixels: Array, pose: Array, others: Array) ->
     axis = Axis.of(camera, pose)
     if axis is None:
         return None
+    legs = _Legs(camera, pixels, axis, others)
     first, floor_row, last = (_row(camera, pose, share) for share in (FIRST, FLOOR, LAST))
-    low = _Legs(camera, pixels, axis, others).lowest(first, floor_row, last)
+    low = None if _before(legs, pose) else legs.lowest(first, floor_row, last)
     floor = None if low is None else distance_on_floor(camera, axis, low)
     if floor is None:
         return None
     distance, by_size = floor - LAG, float(np.hypot(*(pose[:2] - camera.center[:2])))
     return Contact(distance) if abs(distance - by_size) <= LARGEST_CHANGE * by_size else None
+
+
+def body_before(camera: Camera, pixels: Array, pose: Array, others: Array) -> bool:
+    """Whether a body goes on in the picture below where the feet of a pose (6,) would be, with floor beside
+    it: the pose is of a head or a chest of somebody nearer. Arguments of :func:`contact_beside`.
+    """
+    axis = Axis.of(camera, pose)
+    return axis is not None and _before(_Legs(camera, pixels, axis, others), pose)
+
+
+def _before(legs: _Legs, pose: Array) -> bool:
+    """Whether the legs of a pose go on before its feet."""
+    first, last = (_row(legs.camera, pose, share) for share in BEFORE_FEET)
+    return legs.go_on(np.arange(first, last))
 
 
 def _row(camera: Camera, pose: Array, share: float) -> int:
@@ -108,6 +131,21 @@ class _Legs:
             return None
         return foot
 
+    def go_on(self, rows: Array) -> bool:
+        """Whether these rows (R,) show something else in the strip than the floor beside it; not at the lower
+        border of the picture, where the rows may be too few.
+        """
+        if len(rows) < 2 or rows[-1] >= self.pixels.shape[0] - 1:
+            return False
+        strip = self.axis.beside(rows, max(1, round(WIDTH * self.axis.tall)))
+        beside = self._beside(rows, AWAY)
+        seen = self._free(beside)
+        if self._free(strip).mean() < FREE or seen.mean() < SEEN:
+            return False
+        colors = self._at(rows, beside)[seen]
+        colors = colors[np.linspace(0, len(colors) - 1, COLORS).astype(int)]
+        return bool(self._unlike(colors, rows, strip).mean() > UNLIKE)
+
     def _astride(self, colors: Array, low: int, half: int, gap: int) -> bool:
         """Whether legs leave their strip at its side and go on below its lowest row: it is one of a knee."""
         reach = round(ASTRIDE * self.axis.tall)
@@ -123,9 +161,9 @@ class _Legs:
         floor = ~self._unlike(colors, rows, columns) & self._free(columns)
         return all(bool(side.mean() >= GOES_ON) for side in np.split(floor, 2, axis=1))
 
-    def _beside(self, rows: Array) -> Array:
+    def _beside(self, rows: Array, reach: tuple[float, float] = (BESIDE, ASIDE)) -> Array:
         """Columns beside the legs at these rows (R,), left ones first, (R, C) px."""
-        near, far = (round(k * self.axis.tall) for k in (BESIDE, ASIDE))
+        near, far = (round(k * self.axis.tall) for k in reach)
         away = np.arange(near, far)
         aside = np.concatenate([-away[::-1], away])
         return np.asarray(np.rint(self.axis.column(rows)).astype(int)[:, None] + aside)

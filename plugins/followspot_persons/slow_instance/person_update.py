@@ -18,6 +18,7 @@ from followspot_persons.background.existence import (
     evidence_of,
     stirred,
 )
+from followspot_persons.background.floor_beside import body_before
 from followspot_persons.background.floor_contact import Contact, presence
 from followspot_persons.background.scene import Scene
 from followspot_persons.body.shape import ShapeModel, with_girth
@@ -70,7 +71,7 @@ class PersonUpdate:
     def initiated(
         self, detection: Detection, score: float, others: Array, seen: Observation
     ) -> KnownPerson | None:
-        """A tentative person from one box; None if the box lies outside the limits of space.
+        """A tentative person from one box; None if the box lies outside the limits of space, or is of a part.
 
         others: (K, 4) px, upper bodies of known people.
         """
@@ -78,7 +79,8 @@ class PersonUpdate:
         known = self._stood(seen, detection, particles.mean(axis=0), USUAL, others)
         if known.part:
             particles = spawned(self.camera, known.detection, self.params.particles, self.random())
-        if self.walkable is not None and self.walkable.excludes(particles[:, :2]):
+        outside = self.walkable is not None and self.walkable.excludes(particles[:, :2])
+        if outside or body_before(self.camera, seen.pixels, particles.mean(axis=0), others):
             return None
         return KnownPerson.tentative(
             particles,

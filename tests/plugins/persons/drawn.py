@@ -9,6 +9,7 @@ import numpy as np
 
 from followspot import Array, Camera, Stage
 from followspot.context import Context
+from followspot.geometry import project
 from followspot.messages import Header, stamped
 from followspot.people import Boxes, Gradients
 from followspot.tracking import Frame
@@ -53,21 +54,31 @@ def drawn(
     front: Color = SHIRT,
     back: Color = BACK,
     girth: float = 1.0,
+    grounded: bool = False,
 ) -> Array:
-    """A picture of bodies before a wall, (H, W, 3) u1; the nearest pose comes last."""
-    return _drawn(camera.size, tuple(map(tuple, poses)), front, back, girth).copy()
+    """A picture of bodies before a wall, (H, W, 3) u1; the nearest pose comes last.
+
+    grounded: whether legs end on the floor, not at the picture's lower border.
+    """
+    return _drawn(camera.size, tuple(map(tuple, poses)), front, back, girth, grounded).copy()
 
 
 @cache
 def _drawn(
-    size: tuple[int, int], poses: tuple[tuple[float, ...], ...], front: Color, back: Color, girth: float
+    size: tuple[int, int],
+    poses: tuple[tuple[float, ...], ...],
+    front: Color,
+    back: Color,
+    girth: float,
+    grounded: bool,
 ) -> Array:
     camera, shape = perspective(), with_girth(read_shape(), girth)
     colors = clothes(shape, front, back)
     pixels = np.full((size[1], size[0], 3), WALL, np.uint8)
     for pose in poses:
         seen = view(camera, shape, np.array([pose]))
-        outline = np.rint(silhouette(shape, seen.edge[0], float(size[1]))).astype(np.int32)
+        foot = float(project(camera, np.array([[*pose[:2], 0.0]]))[0, 1]) if grounded else np.inf
+        outline = np.rint(silhouette(shape, seen.edge[0], min(foot, float(size[1])))).astype(np.int32)
         mask = np.zeros(pixels.shape[:2], np.uint8)
         cv2.fillPoly(mask, [outline], 1)
         row, column = np.nonzero(mask)

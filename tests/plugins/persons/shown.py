@@ -30,18 +30,18 @@ PERIOD = 0.1
 class SlowInstance:
     """A slow instance that is shown pictures, two a second, and boxes of a perfect detector.
 
-    Standing people sway by some pixels.
+    Standing people sway by some pixels. grounded: of :func:`drawn`.
     """
 
-    def __init__(self, *, sway: int = 2, **params: object) -> None:
-        self.sway = sway
+    def __init__(self, *, sway: int = 2, grounded: bool = False, **params: object) -> None:
+        self.sway, self.grounded = sway, grounded
         self.camera = perspective()
         self.stage = ready(Appearance, self.camera, **{"particles": 60, **params})
         self.number = 0
 
     def see(self, *poses, boxed=None, score=2.0, front=SHIRT, back=BACK):
         """What the stage says of a picture with bodies of these poses."""
-        pixels = drawn(self.camera, *poses, front=front, back=back)
+        pixels = drawn(self.camera, *poses, front=front, back=back, grounded=self.grounded)
         pixels = np.roll(pixels, self.sway * (self.number % 2), axis=1)
         return self.see_pixels(pixels, boxed=poses if boxed is None else boxed, score=score)
 

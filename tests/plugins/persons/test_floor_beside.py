@@ -11,7 +11,7 @@ from tests.plugins.persons.shown import SlowInstance
 
 from followspot.geometry import project
 from followspot_persons.background.body_axis import BEFORE_AXIS
-from followspot_persons.background.floor_beside import contact_beside
+from followspot_persons.background.floor_beside import body_before, contact_beside
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.view import view
 from followspot_persons.likelihood.fitness import Detection
@@ -92,6 +92,50 @@ def test_the_floor_tells_feet_while_no_background_is_known():
     assert told.contact.distance == pytest.approx(3.0, abs=0.15)
     blind = replace(camera, translation=np.zeros(3))
     assert stood(blind, pixels, None, told.detection, true, 1.7, NOBODY).contact is None
+
+
+def seeming(share, true):
+    """A pose at a share of the true distance whose head's top is in the same place of the picture, (6,)."""
+    return standing(share * true[0], share * true[1], 1.2 + share * (true[2] - 1.2))
+
+
+SMALL = standing(3.0, height=1.45)
+HEAD = seeming(2.2, SMALL)
+"""As if the head of a small person were an upper body."""
+
+
+def test_a_body_goes_on_below_the_feet_of_a_head_that_seems_to_be_an_upper_body():
+    camera, pixels = of_person(SMALL)
+    for share in (1.5, 2.0, 2.5):
+        assert body_before(camera, pixels, seeming(share, SMALL), NOBODY)
+        assert contact_beside(camera, pixels, seeming(share, SMALL), NOBODY) is None
+    for share in (0.85, 1.0, 1.15):
+        assert not body_before(camera, pixels, seeming(share, SMALL), NOBODY)
+
+
+def test_a_belt_of_the_colour_of_the_floor_is_not_below_the_feet_of_a_head():
+    camera, pixels = of_person(SMALL)
+    row = int(project(camera, np.array([[HEAD[0] - BEFORE_AXIS, 0, 0.0]]))[0, 1])
+    pixels[row : row + 6] = tiled(camera)[row : row + 6]
+    assert contact_beside(camera, pixels, HEAD, NOBODY) is None
+
+
+def test_nothing_is_said_where_a_nearer_person_or_no_floor_is():
+    camera, pixels = of_person(SMALL)
+    nearer = view(camera, read_shape(), standing(1.8)[None]).box
+    assert not body_before(camera, pixels, HEAD, nearer)
+    assert not body_before(camera, pixels, standing(1.2), NOBODY)
+    blind = replace(camera, translation=np.zeros(3))
+    assert not body_before(blind, pixels, HEAD, NOBODY)
+
+
+@pytest.mark.parametrize(("boxed", "numbers"), [(HEAD, []), (SMALL, [1])])
+def test_boxes_of_a_head_alone_initiate_nobody_before_there_is_a_background(boxed, numbers):
+    show = SlowInstance()
+    _, pixels = of_person(SMALL)
+    for number in range(5):
+        told = show.see_pixels(np.roll(pixels, 2 * (number % 2), axis=1), boxed=[boxed], score=3.0)
+    assert told.person.tolist() == numbers
 
 
 def test_a_person_stands_where_its_feet_are_from_the_first_second_on():

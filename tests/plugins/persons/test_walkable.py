@@ -40,7 +40,7 @@ def test_who_seems_to_be_behind_a_wall_is_before_it(corners, distance):
 
 @pytest.mark.parametrize(("corners", "away", "known"), [([], 4.5, [1]), (WALL, 4.5, []), (WALL, 2.0, [1])])
 def test_boxes_where_nobody_can_be_initiate_nobody(corners, away, known):
-    show = SlowInstance(walkable=corners)
+    show = SlowInstance(grounded=True, walkable=corners)
     for _ in range(3):
         told = show.see(standing(away))
     assert numbers(told) == known
