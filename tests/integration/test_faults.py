@@ -15,6 +15,7 @@ from tests.integration.running import (
     alive,
     balanced,
     finish,
+    run,
     start,
     unused_memory,
     wait_until,
@@ -26,6 +27,11 @@ from tests.integration.running import (
 ENDLESS = """
 a:    {uses: ticks.count, with: {count: 1000000, size: 5000}}
 b:    {uses: ticks.add, in: {number: a}, with: {sleep: 0.001}}
+save: {uses: ticks.write, in: {number: b}}
+"""
+EXIT = """
+a:    {uses: ticks.count, with: {count: 10}}
+b:    {uses: ticks.add, in: {number: a}, with: {exit_at: 5}}
 save: {uses: ticks.write, in: {number: b}}
 """
 PLACEMENTS = [(), ("--placement", "stage"), ("--placement", "stage", "--edges", "zenoh")]
@@ -91,6 +97,16 @@ def test_a_worker_killed_mid_run_is_named_and_the_rest_ends(tmp_path: Path, vict
     check_counts(finished)
     assert wait_until(lambda: not any(alive(pid) for pid in started))
     assert wait_until(lambda: unused_memory() <= before)
+
+
+@pytest.mark.parametrize("options", PLACEMENTS[:2], ids=["one", "stages"])
+def test_a_stage_that_ends_its_process_with_code_0_fails_and_is_named(
+    tmp_path: Path, options: tuple[str, ...]
+) -> None:
+    finished = run(write_graph(tmp_path, EXIT), *options)
+    assert finished.code == 1
+    assert any("stage b failed" in e and "os._exit(0)" in e for e in finished.summary["errors"])
+    assert finished.values() == list(range(1, 6)), "what was computed before is written"
 
 
 def worker_of(launcher: int, stage: str) -> int:

@@ -92,7 +92,7 @@ class Live(Stage):
 
 
 class Add(Stage):
-    """Adds a constant; may be slow, raise, break its contract or kill its own process at one number."""
+    """Adds a constant; may be slow, raise, break its contract or end its own process at one number."""
 
     class Params(StageParams):
         term: int = Field(1, description="added to every number", unit="1")
@@ -100,6 +100,7 @@ class Add(Stage):
         raise_at: int = Field(-1, description="number at which to raise", unit="1")
         invalid_at: int = Field(-1, description="number at which to return the wrong type", unit="1")
         kill_at: int = Field(-1, description="number at which to kill -9 the worker", unit="1")
+        exit_at: int = Field(-1, description="number at which to end the process with code 0", unit="1")
 
     params: Params
 
@@ -111,6 +112,8 @@ class Add(Stage):
             raise ValueError(f"cannot add to {number.value}")
         if number.value == p.kill_at:
             os.kill(os.getpid(), signal.SIGKILL)
+        if number.value == p.exit_at:
+            os._exit(0)
         load = number.load.astype("f8") if number.value == p.invalid_at else number.load
         return Tick(number.value + p.term, load)
 

@@ -12,6 +12,7 @@ from followspot.control.worker_orders import ORDERS
 from followspot.log.collector import collecting
 from followspot.worker.blas_limit import ONE_BLAS_THREAD
 from followspot.worker.main import WorkerMain
+from followspot.worker.process_end import STAGES_CANNOT_EXIT
 
 
 class WorkerThread:
@@ -43,7 +44,7 @@ class WorkerThread:
         """The life of the worker, in its thread."""
         code = 1
         try:
-            with ONE_BLAS_THREAD, collecting(self.main.log):
+            with ONE_BLAS_THREAD, STAGES_CANNOT_EXIT, collecting(self.main.log):
                 self.main.live()
             code = 0
         except ChannelClosed:

@@ -27,6 +27,7 @@ from followspot.worker.clock import Clock
 from followspot.worker.ledger import Ledger
 from followspot.worker.orders import Orders
 from followspot.worker.os_scheduling import apply_scheduling
+from followspot.worker.process_end import STAGES_CANNOT_EXIT
 from followspot.worker.reporting.host_reporter import HostReporter
 from followspot.worker.reporting.report import Warnings, missing, worker_report
 from followspot.worker.wiring import RunOptions, Wiring
@@ -204,7 +205,7 @@ def run_worker(descriptor: int) -> int:
     channel = Channel(socket.socket(fileno=descriptor), ORDERS)
     worker = WorkerMain(channel)
     try:
-        with collecting(worker.log), ONE_BLAS_THREAD:
+        with collecting(worker.log), ONE_BLAS_THREAD, STAGES_CANNOT_EXIT:
             worker.live()
     except ChannelClosed:
         return 1

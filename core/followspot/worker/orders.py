@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import threading
 import time
 from collections.abc import Sequence
@@ -11,6 +10,7 @@ from functools import partial
 from followspot.control.dispatch import Dispatcher, Handlers
 from followspot.control.lifecycle import StopRun
 from followspot.control.pipe import Channel, ChannelClosed, Received
+from followspot.worker.process_end import end_process
 from followspot.worker.scheduler import Scheduler
 
 GRACE = 3.0
@@ -72,4 +72,4 @@ def _leave() -> None:
 def _exit_later() -> None:
     """End the process after `GRACE` seconds, whatever the worker does."""
     time.sleep(GRACE)
-    os._exit(1)
+    end_process(1)
