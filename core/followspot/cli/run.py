@@ -130,11 +130,12 @@ def _scores(report: RunReport, out: Path, *, quiet: bool) -> dict[str, Score]:
     """Scores of a run that has ended, none if that fails or the user does not wait for them."""
     from followspot.library.execute import run_scores
 
+    if report.stopped and not report.frames:
+        return {}
     if report.stopped and report.plan.room.truth is not None and not quiet:
-        print(
-            f"followspot: outputs are complete; scoring {report.frames} frames, Ctrl-C leaves that out",
-            file=sys.stderr,
-        )
+        state = "outputs are complete" if report.ok else "the run failed"
+        what = f"scoring {report.frames} frames, Ctrl-C leaves that out"
+        print(f"followspot: {state}; {what}", file=sys.stderr)
     try:
         return run_scores(report.plan, out, report.frames, _SOON if report.stopped else math.inf)
     except FollowspotError as error:

@@ -134,7 +134,8 @@ class Coordinator:
         self.log.gather()
         report = self._view().report(time.monotonic() - started, self._silent.reasons, stopped=self.stopped)
         cut_short = self._end.cut_short
-        return replace(report, errors=(cut_short,)) if cut_short and report.ok else report
+        errors = (cut_short,) if cut_short and report.ok else report.errors
+        return replace(report, begun=self._begun, errors=errors)
 
     def status(self) -> RunStatus:
         """The newest status of the whole run."""

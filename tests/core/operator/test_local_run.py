@@ -32,3 +32,13 @@ def test_a_stage_that_cannot_be_built_is_named(tmp_path: Path) -> None:
     plan = compile_graph(graph, plugin_files=[tmp_path / "drum.py"])
     report = local_run(plan, RunOptions(tmp_path)).execute()
     assert "stage beat failed: ValueError: the model is missing" in report.errors[0]
+
+
+def test_a_run_that_is_stopped_before_it_begins_says_that_it_did_not(tmp_path: Path) -> None:
+    plan = compile_graph(Path(__file__).parents[3] / "graphs" / "glowballs.yaml")
+    run = local_run(plan, RunOptions(tmp_path, 3))
+    run.stop()
+    report = run.execute()
+    assert report.stopped
+    assert not report.begun
+    assert report.silences == ()

@@ -35,6 +35,8 @@ class RunReport:
     """Offsets of the hosts' clocks from the reference clock, by host."""
     outs: Mapping[str, str] = field(default_factory=dict)
     """Output folders on other hosts, by host."""
+    begun: bool = True
+    """False if the run ended before its stages were started."""
 
     @property
     def frames(self) -> int:
@@ -60,10 +62,10 @@ class RunReport:
     @cached_property
     def silences(self) -> tuple[Silence, ...]:
         """Ports that never gave a message with rows, although all that feeds their stage did; none of a run
-        that failed before its first message, of which the errors say why.
+        that did not begin, or that failed before its first message, of which the errors say why.
         """
-        begun = not self.errors or any(count.produced for _, count in self.edges)
-        return silences(self.plan, self.edges) if begun else ()
+        tried = self.begun and (not self.errors or any(count.produced for _, count in self.edges))
+        return silences(self.plan, self.edges) if tried else ()
 
     @property
     def unbalanced(self) -> tuple[str, ...]:

@@ -21,8 +21,10 @@ def text(report: RunReport, accuracy: str) -> str:
     workers = f"{len(report.plan.workers)} worker{'s' * (len(report.plan.workers) != 1)}"
     head = (
         f"{report.plan.graph} in {report.plan.room.name}: {report.frames} frames in {report.seconds:.2f} s, "
-        f"{rate:.0f} per second, {workers}" + (", stopped early" if report.stopped else "")
+        f"{rate:.0f} per second, {workers}"
     )
+    if report.stopped:
+        head += ", stopped early" if report.frames else ", stopped before its first frame"
     parts = [head]
     if accuracy:
         parts.append("accuracy against ground truth\n" + accuracy)
