@@ -51,14 +51,14 @@ def declared_size(file: BinaryIO) -> int:
 def _matroska(file: BinaryIO) -> int:
     """An EBML header element, then the segment; each is an id, a size and its content (RFC 8794)."""
     file.seek(4)
-    file.seek(_variable_integer(file), 1)
+    file.seek(variable_integer(file), 1)
     if file.read(4) != SEGMENT:
         return 0
-    size = _variable_integer(file)
+    size = variable_integer(file)
     return file.tell() + size if size else 0
 
 
-def _variable_integer(file: BinaryIO) -> int:
+def variable_integer(file: BinaryIO) -> int:
     """RFC 8794, section 4; 0 for the reserved size "unknown", which streams have."""
     first = file.read(1)
     if not first or not first[0]:

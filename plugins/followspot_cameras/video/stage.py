@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 
 import cv2
@@ -12,6 +13,7 @@ from followspot.room import Camera, Member, Room
 from followspot.tracking import Frame
 from followspot_cameras.picture import as_frame, color_buffer
 from followspot_cameras.recorded_times.params import read_times
+from followspot_cameras.video.checksums import Checksums
 from followspot_cameras.video.container import cut_off
 from followspot_cameras.video.file import announced_frames, check_video, open_video, require_size
 from followspot_cameras.video.times import ListedTimes, TimeStamps, VideoParams, times_of
@@ -21,9 +23,10 @@ class Video(Stage):
     """Play a video file as the camera's pictures; frame f is captured at f / fps, or at its recorded time.
 
     Frames that cannot be decoded leave a gap in the numbers if the file has time stamps. They are reported at
-    the end, as is a file that ends early. If the size of the pictures changes within a file, all are
-    stretched to the size that the file states. The decoder does not report that, so nothing warns of it: give
-    each part a file of its own.
+    the end, as is a file that ends early. A warning says from when on the checksums of a Matroska file do not
+    match; of other files nothing tells that a picture is damaged, if it can be decoded. If the size of the
+    pictures changes within a file, all are stretched to the size that the file states. The decoder does not
+    report that, so nothing warns of it: give each part a file of its own.
     """
 
     per_camera = True
@@ -51,7 +54,7 @@ class Video(Stage):
         self.capture = open_video(path)
         require_size(self.capture, self.camera, path)
         self.times = times_of(self.params, self.capture, self.camera.name)
-        self.damaged = 0
+        self.damaged = self.mismatches = 0
 
     def length(self) -> int | None:
         """Number of frames as they are listed or the container states it; None if its time stamps are
@@ -74,16 +77,36 @@ class Video(Stage):
         camera, loan = self.camera, self.context.loan
         first = self.params.start_frame
         last = first + self.params.frames - 1 if self.params.frames else None
-        for number in self.numbered(last):
-            time = self.times.time_of(number)
-            if number < first:
-                continue
-            ok, image = self.capture.retrieve(color_buffer(camera, loan))
-            if not ok:
-                self.damaged += 1
-                continue
-            frame = as_frame(image, camera, loan, str(self.params.path))
-            yield at(time, frame, seq=number)
+        with Checksums(self.params.path) as checksums:
+            for number in self.numbered(last):
+                time = self.times.time_of(number)
+                self._compare(checksums, self.capture.get(cv2.CAP_PROP_POS_MSEC) / 1e3)
+                if number < first:
+                    continue
+                ok, image = self.capture.retrieve(color_buffer(camera, loan))
+                if not ok:
+                    self.damaged += 1
+                    continue
+                frame = as_frame(image, camera, loan, str(self.params.path))
+                yield at(time, frame, seq=number)
+            if last is None:
+                self._compare(checksums, math.inf)
+        self._warn_of_damage()
+
+    def _compare(self, checksums: Checksums, until: float) -> None:
+        """Count the parts of the file that begin by a time in it, s, and are damaged; warn of the first."""
+        for time in checksums.damaged(until):
+            self.mismatches += 1
+            if self.mismatches == 1:
+                what = f"is damaged from {time:.2f} s on: it does not match its checksum there"
+                advice = "pictures may be wrong; copy the recording again"
+                self.context.warn(f"{self.params.path.name} {what}, {advice}")
+
+    def _warn_of_damage(self) -> None:
+        """Warn at the end of frames that could not be decoded, and of more parts that are damaged."""
+        if self.mismatches > 1:
+            told = f"{self.mismatches} parts do not match their checksums"
+            self.context.warn(f"{self.params.path.name}: {told}")
         if self.damaged:
             lost = f"{self.damaged} frames are missing or damaged"
             advice = "unless its frame rate varies: then say time_stamps: true"

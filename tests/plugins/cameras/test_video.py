@@ -163,8 +163,38 @@ def test_damaged_frames_are_counted_and_later_frames_keep_their_time(tmp_path: P
     half_damaged = [f.header.seq for f in frames if f.header.seq != numbers(f.pixels)]
     assert len(half_damaged) <= 2
     assert frames[-1].header.seq == 19
-    (warning,) = warnings
+    (warning,) = [said for said in warnings if "checksum" not in said]
     assert warning.startswith(f"a.mkv: {lost} frames are missing or damaged, unless its frame rate varies")
+
+
+@pytest.mark.parametrize("codec", ["FFV1", "MJPG"])
+def test_damage_that_the_decoder_hides_is_told_by_the_checksums_of_the_file(
+    tmp_path: Path, codec: str
+) -> None:
+    path = record(tmp_path / "a.mkv", codec=codec, frames=400)
+    whole, _ = play(path)
+    data = bytearray(path.read_bytes())
+    data[len(data) * 3 // 4] ^= 0x10
+    path.write_bytes(data)
+    frames, warnings = play(path)
+    assert len(frames) == 400, "nothing else tells that a picture is damaged"
+    wrong = [f for f, right in zip(frames, whole, strict=True) if not (f.pixels == right.pixels).all()]
+    (warning,) = warnings
+    begin = float(warning.removeprefix("a.mkv is damaged from ").split(" s on: ")[0])
+    assert 0 < begin <= wrong[0].header.time / 1e9
+    assert warning.endswith("pictures may be wrong; copy the recording again")
+    assert not play(path, frames=round(begin * 30) - 5)[1], "what is damaged was not played"
+
+
+def test_damaged_parts_of_a_file_are_counted(tmp_path: Path) -> None:
+    path = record(tmp_path / "a.mkv")
+    data = bytearray(path.read_bytes())
+    for place in (0.4, 0.6, 0.8):
+        data[round(len(data) * place)] ^= 0x10
+    path.write_bytes(data)
+    _, warnings = play(path)
+    _, told = [said for said in warnings if "checksum" in said]
+    assert told == "a.mkv: 3 parts do not match their checksums"
 
 
 def test_wrong_picture_size_names_file_camera_and_both_sizes(tmp_path: Path) -> None:
