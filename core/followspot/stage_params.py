@@ -17,6 +17,10 @@ class PathOut:
     """Marks a parameter that names a file to write, below the run's output folder."""
 
 
+class FolderOut(PathOut):
+    """Marks a parameter that names a folder to write into, below the run's output folder."""
+
+
 class NetworkOut:
     """Marks a parameter that names a receiver in the network: a host, or an address with one in it."""
 
@@ -27,6 +31,7 @@ class DeviceIn:
 
 InputPath = Annotated[Path, PathIn()]
 OutputPath = Annotated[Path, PathOut()]
+OutputFolder = Annotated[Path, FolderOut()]
 OutputHost = Annotated[str, NetworkOut()]
 """Under an agent, a run of an operator elsewhere may send to the agent's host only, unless the owner allows
 more."""

@@ -8,7 +8,7 @@ from typing import Literal
 import cv2
 import numpy as np
 
-from followspot import Array, Field, Joined, Latest, OutputPath, Stage, StageParams
+from followspot import Array, Field, Joined, Latest, OutputFolder, Stage, StageParams
 from followspot.errors import FollowspotError
 from followspot.files import unused_path
 from followspot.geometry import project
@@ -36,7 +36,7 @@ class Draw(Stage):
     """
 
     class Params(StageParams):
-        path: OutputPath = Field(
+        path: OutputFolder = Field(
             "drawn", description="folder below the output folder, with a file per camera"
         )
         format: Literal["mp4", "mkv", "jpg", "png"] = Field(

@@ -8,20 +8,20 @@ from typing import Any
 
 from followspot.document import Node, child
 from followspot.errors import Mistake, Place
-from followspot.files import RUN_LOG
 from followspot.graph.camera_kind import gives_picture
 from followspot.graph.checks.fast_loops import joins_in_fast_loops
 from followspot.graph.checks.files import check_files
 from followspot.graph.checks.flow import Flow
 from followspot.graph.checks.inputs import check_inputs
 from followspot.graph.checks.left_out import unserved_wires
+from followspot.graph.checks.outputs import check_outputs
 from followspot.graph.checks.reproducibility import risks
 from followspot.graph.checks.warnings import warnings
 from followspot.graph.connections import CheckedEdge, check_cycles, check_lagged_cycles, check_types, connect
 from followspot.graph.distinct_mistakes import distinct_mistakes
 from followspot.graph.expand import Expanded
 from followspot.graph.instances import CheckedStage, Instance
-from followspot.graph.parameters import output_paths, validated
+from followspot.graph.parameters import validated
 from followspot.graph.sampling import sampled_cycles
 from followspot.graph.subgraph_ports import subgraph_ports
 from followspot.graph.subgraph_use import SubgraphUse
@@ -68,7 +68,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
     check_cycles(edges, mistakes)
     check_lagged_cycles(edges, classes, mistakes)
     notes = _check_sampled_cycles(expanded, classes, edges, mistakes)
-    _check_outputs(stages, mistakes)
+    check_outputs(stages, mistakes)
     doubts = check_files(stages, expanded.room, mistakes)
     room = _checked_room(expanded, mistakes)
     flow = Flow({checked.instance.name: checked for checked in stages}, edges)
@@ -150,36 +150,6 @@ def _class(uses: str, place: Place, mistakes: list[Mistake]) -> type[Stage] | No
 def _params(instance: Instance, stage: type[Stage], mistakes: list[Mistake]) -> dict[str, Any] | None:
     noun = f'stage "{instance.declared.name}" ({instance.uses})'
     return validated(stage, noun, instance.params, instance.uses_place, mistakes)
-
-
-def _check_outputs(stages: Sequence[CheckedStage], mistakes: list[Mistake]) -> None:
-    """Two stages must not write one file, nor the log of the run."""
-    writers: dict[str, list[Instance]] = {}
-    for checked in stages:
-        for path in output_paths(checked.stage.Params, checked.params):
-            found = writers.setdefault(path, [])
-            found += [checked.instance] if checked.instance not in found else []
-    for path, (first, *others) in writers.items():
-        if path == RUN_LOG:
-            node = next((n for n in first.params.values() if n.value == path), None)
-            place = first.declared.place if node is None else node.place
-            text = f'stage "{first.name}" writes {path}, which is the log of the run'
-            mistakes.append(Mistake(place, text, "give it another path"))
-        if not others:
-            continue
-        node = next((n for n in others[0].params.values() if n.value == path), None)
-        place = node.place if node is not None else others[0].declared.place
-        place = _beside(place, first.declared.place)
-        more = f" and {len(others) - 1} more" if len(others) > 1 else ""
-        text = f'stages "{first.name}" and "{others[0].name}"{more} write the same file {path}'
-        mistakes.append(Mistake(place, text, "give each its own path"))
-
-
-def _beside(place: Place, other: Place) -> Place:
-    """The place together with the other one, if that has another line or another use of the file."""
-    here = {(one.file, one.line) for one in (place, *place.outer_places)}
-    apart = (one for one in (other, *other.outer_places) if (one.file, one.line) not in here)
-    return next((place.beside(one) for one in apart), place)
 
 
 def _checked_room(expanded: Expanded, mistakes: list[Mistake]) -> Room:

@@ -17,7 +17,7 @@ from followspot.document import Node, plain
 from followspot.errors import Mistake, Place, did_you_mean
 from followspot.plugins.former_names import new_names
 from followspot.stage import Stage
-from followspot.stage_params import PathIn, PathOut, StageParams
+from followspot.stage_params import FolderOut, PathIn, PathOut, StageParams
 
 _PROBLEMS = {
     **dict.fromkeys(("float_parsing", "float_type"), "it must be a number"),
@@ -69,8 +69,17 @@ def validated(
 
 
 def output_paths(params: type[StageParams], values: Mapping[str, Any]) -> list[str]:
-    """The files that a stage with these validated values writes, relative to the output folder."""
-    names = path_parameters(params, PathOut)
+    """The files and folders that a stage with these values writes, relative to the output folder."""
+    return _paths(path_parameters(params, PathOut), values)
+
+
+def output_files(params: type[StageParams], values: Mapping[str, Any]) -> list[str]:
+    """Those of `output_paths` that are files."""
+    folders = path_parameters(params, FolderOut)
+    return _paths([name for name in path_parameters(params, PathOut) if name not in folders], values)
+
+
+def _paths(names: Sequence[str], values: Mapping[str, Any]) -> list[str]:
     return [str(PurePath(values[name])) for name in names if values[name] is not None]
 
 
@@ -81,7 +90,7 @@ def plain_default(stage: type[Stage], name: str) -> Any:
 
 
 def path_parameters(params: type[StageParams], mark: type) -> list[str]:
-    """Names of the parameters with this mark: PathIn, PathOut, NetworkOut or DeviceIn."""
+    """Names of the parameters with this mark: PathIn, PathOut, FolderOut, NetworkOut or DeviceIn."""
     return [name for name, info in params.model_fields.items() if _marked(info, mark)]
 
 

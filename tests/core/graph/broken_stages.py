@@ -87,6 +87,20 @@ PORTS = [
         "  save: {uses: toy.save, in: {tracks: track}, with: {path: ¦tracks.csv}}",
         'stages "again" and "save" write the same file tracks.csv',
     ),
+    Broken(
+        "graph",
+        "  save: {uses: toy.save, in: {tracks: track}, with: {path: tracks.csv}}",
+        "  again: {uses: toy.save, in: {tracks: track}, with: {path: ¦d/e/a.csv}}\n"
+        "  save: {uses: toy.save, in: {tracks: track}, with: {path: d}}",
+        'stage "again" writes d/e/a.csv, but d is the file of stage "save" and no folder',
+        "give it a path in another folder",
+    ),
+    Broken(
+        "graph",
+        "  save: {uses: toy.save, in: {tracks: track}, with: {path: tracks.csv}}",
+        "  save: {uses: toy.save, in: {tracks: track}, with: {path: ¦log.jsonl/a.csv}}",
+        'stage "save" writes log.jsonl/a.csv, but log.jsonl is the log of the run and no folder',
+    ),
 ]
 
 PARAMETERS = [
