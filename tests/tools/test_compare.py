@@ -212,6 +212,17 @@ def test_ctrl_c_leaves_the_figures_of_the_variants_before(tmp_path: Path) -> Non
     assert json.loads((tmp_path / "out/compare.json").read_text()) == known
 
 
+def test_ctrl_c_is_an_interruption_although_the_figures_cannot_be_written(tmp_path: Path) -> None:
+    (tmp_path / "out/compare.json").mkdir(parents=True)
+    process = launch(*with_a_slow_variant(tmp_path))
+    assert wait_until((tmp_path / "came").exists, 60.0)
+    process.send_signal(signal.SIGINT)
+    out, errors = process.communicate(timeout=60)
+    assert process.wait() == 130, errors
+    assert "compare.json cannot be written: Is a directory" in errors
+    assert json.loads(out)["variants"] == ["quick"]
+
+
 def test_a_variant_that_failed_is_named_although_the_figures_cannot_be_written(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

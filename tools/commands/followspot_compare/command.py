@@ -51,7 +51,9 @@ def compare(args: argparse.Namespace) -> int:
             try:
                 print_report(Comparison(known), out, args)
             except FollowspotError as error:  # a full disk, for example, of which the run failed, too
-                raise FollowspotError(f"{ended}\n{error}".strip()) from None
+                if isinstance(ended, FollowspotError):
+                    raise FollowspotError(f"{ended}\n{error}") from None
+                print(f"followspot: {error}", file=sys.stderr)
         raise
     print_report(Comparison(tuple(trials), unchanged(variants, scenes, out)), out, args)
     return 0
