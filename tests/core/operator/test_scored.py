@@ -50,3 +50,19 @@ def test_poses_are_told_from_tracks_by_their_type() -> None:
     plan = compile_graph(GRAPHS / "person_room.yaml", overrides=["save.path=persons.csv"])
     assert scored_file(plan, Poses) == Path("persons.csv")
     assert scored_file(plan, Tracks) is None
+
+
+def test_the_report_names_the_scored_file_if_there_are_several(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    more = {"early": {"uses": "sinks.csv", "in": {"tracks": "track"}, "with": {"path": "early.csv"}}}
+    graph = tmp_path / "graph.yaml"
+    graph.write_text(json.dumps({"extends": str(GLOWBALLS), "stages": more}))
+    for command in (["run", str(GLOWBALLS)], ["run", str(graph)]):
+        assert main([*command, "--frames", "5", "--quiet", "--out", str(tmp_path / "out")]) == 0
+    one, _, several = capsys.readouterr().out.partition("outputs: ")
+    assert "accuracy against ground truth" in one
+    assert "accuracy of early.csv (not of tracks.csv) against ground truth" in several
+    command = ["run", str(graph), "--frames", "5", "--quiet", "--out", str(tmp_path / "out"), "--json"]
+    assert main(command) == 0
+    assert json.loads(capsys.readouterr().out)["scored"] == "early.csv"

@@ -1,4 +1,4 @@
-"""Which file of a run can be scored: the one in which a sink writes messages of a type as a table."""
+"""Which files of a run can be scored: those in which sinks write messages of a type as a table."""
 
 from __future__ import annotations
 
@@ -12,17 +12,25 @@ from followspot.stage import Stage
 
 
 def scored_file(plan: Plan, kind: type[Message]) -> Path | None:
-    """The table of messages of a type, below the run's output folder; None if no sink writes one.
+    """The table of messages of a type that is scored: of several, that of the sink farthest downstream.
 
-    Sinks say that they write tables by `Stage.table_path`. Of several, it is that of the sink farthest
-    downstream.
+    It is relative to the run's output folder; None if no sink writes one.
+    """
+    return next(iter(written_tables(plan, kind)), None)
+
+
+def written_tables(plan: Plan, kind: type[Message]) -> tuple[Path, ...]:
+    """The tables of messages of a type, from the sink farthest downstream on.
+
+    Sinks say that they write tables by `Stage.table_path`.
     """
     classes = {stage.name: class_of(stage) for stage in plan.stages}
+    found = []
     for stage in reversed(plan.stages):
         sink = classes[stage.name]
         if sink is not None and sink.table_path and _receives(plan, stage.name, kind, classes):
-            return Path(stage.params[sink.table_path])
-    return None
+            found.append(Path(stage.params[sink.table_path]))
+    return tuple(found)
 
 
 def _receives(plan: Plan, name: str, kind: type[Message], classes: dict[str, type[Stage] | None]) -> bool:

@@ -8,8 +8,9 @@ from typing import Any
 
 from followspot.control.clock_status import ClockStatus
 from followspot.control.path_latency import PathLatency
-from followspot.graph.plan import PlannedEdge
+from followspot.graph.plan import Plan, PlannedEdge
 from followspot.operator.reporting.report import RunReport
+from followspot.operator.reporting.truth import scorable
 from followspot.plugins.loaded_hooks import load_scorers
 from followspot.tables import table
 from followspot.worker.ledger import COUNTS, SOURCE_LOSSES, EdgeCount
@@ -27,7 +28,7 @@ def text(report: RunReport, accuracy: str) -> str:
         head += ", stopped early" if report.frames else ", stopped before its first frame"
     parts = [head]
     if accuracy:
-        parts.append("accuracy against ground truth\n" + accuracy)
+        parts.append(f"accuracy{_of_file(report.plan)} against ground truth\n{accuracy}")
     if any(worker.paths for worker in report.workers):
         parts.append("latency, source to sink\n" + _latency(report))
     if report.clocks:
@@ -59,6 +60,7 @@ def data(report: RunReport, scores: Mapping[str, Any]) -> dict[str, Any]:
         "stopped": report.stopped,
         "ok": report.ok,
         **{scorer.name: scores.get(scorer.name, {}) for scorer in load_scorers()},
+        "scored": str(next(iter(scorable(report.plan)))) if scores else None,
         "paths": [_path_data(path) for worker in report.workers for path in worker.paths],
         "edges": [_edge_data(edge, count) for edge, count in report.edges],
         "clocks": [_clock_data(host, clock) for host, clock in report.clocks.items()],
@@ -68,6 +70,12 @@ def data(report: RunReport, scores: Mapping[str, Any]) -> dict[str, Any]:
         "notes": list(report.plan.notes),
         "errors": [*report.errors, *report.unbalanced],
     }
+
+
+def _of_file(plan: Plan) -> str:
+    """The file that is scored, if there are several that could be."""
+    scored, *others = scorable(plan) or ("",)
+    return f" of {scored} (not of {', '.join(map(str, others))})" if others else ""
 
 
 def _indented(lines: Iterable[object]) -> str:

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 from followspot.context import Context
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
-from followspot.operator.reporting.scored import scored_file
+from followspot.operator.reporting.scored import scored_file, written_tables
 from followspot.plugins.loaded_hooks import load_scorers
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
@@ -35,6 +35,12 @@ def run_scores(plan: Plan, out: Path, frames: int, seconds: float = math.inf) ->
     if file is None or not (out / file).exists():
         return {}
     return {name: scoring.score(out / file, room_truth(plan, frames, seconds), plan.room)}
+
+
+def scorable(plan: Plan) -> tuple[Path, ...]:
+    """The files of a run that could be scored; the first is. Empty if there is no truth."""
+    found = _scoring(plan)
+    return () if found is None else written_tables(plan, found[1].messages)
 
 
 def room_truth(plan: Plan, frames: int | None = None, seconds: float = math.inf) -> Any:
