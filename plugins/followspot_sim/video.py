@@ -48,6 +48,9 @@ def new_video(path: Path, fps: float, size: tuple[int, int], frames: int) -> Ite
         yield video
     finally:
         video.release()
+    if not path.exists():
+        text = f"{path} was moved or removed while it was written"
+        raise FollowspotError(f"{text}\n    simulate again, and leave the folder until the end")
     if _stated_frames(path) < max(1, frames - 1):  # it follows from the duration, which is rounded to ms
         raise FollowspotError(f"{path} is cut short\n    free space on the disk or simulate fewer frames")
 

@@ -10,12 +10,13 @@ import cv2
 import numpy as np
 import pytest
 
-from followspot import InputError, Room, room_file
+from followspot import FollowspotError, InputError, Room, room_file
 from followspot.cli.main import main
 from followspot.graph.compile import compile_graph
 from followspot.room import StageUse
 from followspot_sim.recording import clock_offset_of, parameters_of
 from followspot_sim.rendering.picture import Picture
+from followspot_sim.video import new_video
 
 ROOM_FILE = Path(__file__).parents[3] / "graphs/rooms/simulated.yaml"
 ROOM = room_file.load(ROOM_FILE)
@@ -111,3 +112,9 @@ def test_cameras_of_a_room_may_differ_in_their_clocks_alone():
         parameters_of(room(clock_offset="late"))
     with pytest.raises(InputError, match="same parameters"):
         parameters_of(room(noise_sigma=3))
+
+
+def test_a_video_whose_folder_was_removed_meanwhile_is_not_called_a_full_disk(tmp_path: Path) -> None:
+    removed = r"a\.mkv was moved or removed while it was written\n    simulate again, and leave the folder"
+    with pytest.raises(FollowspotError, match=removed), new_video(tmp_path / "a.mkv", 30.0, (64, 48), 3):
+        (tmp_path / "a.mkv").unlink()
