@@ -62,7 +62,7 @@ PROMISES: tuple[Promise, ...] = (
     checkpoints.has_a_state_of_plain_values,
     checkpoints.carries_on_from_its_state,
     memory.keeps_its_memory,
-    fresh_process.starts_in_a_fresh_process,
+    fresh_process.does_the_same_in_a_fresh_process,
     sources.yields_what_it_declares,
     sources.never_goes_back_in_time,
     sources.tells_its_capture_times,

@@ -350,3 +350,19 @@ class Lonely(Stage):
 
     def process(self, blobs: Blobs, forecast: Latest[Forecast] = None) -> Blobs:
         return blobs.where(np.arange(len(forecast.xyz)))  # type: ignore[union-attr]
+
+
+class Hashing(Stage):
+    """Gives what depends on the hash of a text, which differs from process to process."""
+
+    def process(self, frame: Frame) -> Frame:
+        return Frame(frame.camera, np.full((4, 4, 1), hash(frame.camera) % 251, np.uint8))
+
+
+class HashingSource(Stage):
+    """Yields what depends on the hash of a text."""
+
+    def process(self) -> Source[Frame]:
+        name = next(iter(self.room.cameras))
+        for n in range(4):
+            yield at(n, Frame(name, np.full((4, 4, 1), hash(f"{name}{n}") % 251, np.uint8)))

@@ -20,7 +20,7 @@ from followspot.plugins.catalogue import catalogue
 from followspot.plugins.registry import load_stage
 from followspot.testing import PROMISES, check_stage, findings
 from followspot.testing.promises.closing import closes_within_a_second
-from followspot.testing.promises.fresh_process import starts_in_a_fresh_process
+from followspot.testing.promises.fresh_process import does_the_same_in_a_fresh_process
 from followspot.testing.trial import Trial
 from followspot.tracking import Blobs, Frame, ImageTracks
 
@@ -170,6 +170,8 @@ def test_the_kit_names_each_broken_promise() -> None:
         (breaking.Stubborn, "stops within a second"),
         (breaking.HalfTimed, "yields what it declares"),
         (breaking.Guessing, "tells its capture times"),
+        (breaking.Hashing, "does the same in a fresh process"),
+        (breaking.HashingSource, "does the same in a fresh process"),
     ],
 )
 def test_a_broken_promise_is_found(stage: type[Stage], promise: str) -> None:
@@ -208,10 +210,27 @@ def test_a_stage_that_only_this_process_can_import_is_found(
         )
     kept, gone = (importlib.import_module(name).Own for name in ("kept", "gone"))
     (tmp_path / "gone.py").write_text("raise OSError('not with me')\n")
-    assert not list(starts_in_a_fresh_process(Trial(kept)))
-    assert list(starts_in_a_fresh_process(Trial(gone))) == [
+    assert not list(does_the_same_in_a_fresh_process(Trial(kept)))
+    assert list(does_the_same_in_a_fresh_process(Trial(gone))) == [
         "a fresh process cannot import it: OSError: not with me (gone.py, line 1)"
     ]
+
+
+def test_hashes_are_others_in_a_fresh_process_although_the_environment_says_which(tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(
+        f"from {breaking.__name__} import Hashing\n"
+        "from followspot.testing.promises.processes import does_the_same_in_a_fresh_process\n"
+        "from followspot.testing.trial import Trial\n"
+        "print(len(list(does_the_same_in_a_fresh_process(Trial(Hashing)))))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, str(tmp_path / "script.py")],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[3]), "PYTHONHASHSEED": "7"},
+    )
+    assert done.stdout == "1\n", done.stderr
 
 
 def test_a_promise_that_raises_names_the_line_of_the_stage_also_if_a_library_raised_there() -> None:
@@ -226,8 +245,9 @@ def test_a_script_without_a_guard_checks_a_stage(tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text(f"from {breaking.__name__} import Loose\nclass Own(Loose):\n    pass\n")
     script = (
         "from mine import Own\n"
-        "from followspot.testing.promises.fresh_process import starts_in_a_fresh_process\n"
-        "from followspot.testing.trial import Trial\nprint(list(starts_in_a_fresh_process(Trial(Own))))\n"
+        "from followspot.testing.promises.fresh_process import does_the_same_in_a_fresh_process\n"
+        "from followspot.testing.trial import Trial\n"
+        "print(list(does_the_same_in_a_fresh_process(Trial(Own))))\n"
     )
     (tmp_path / "script.py").write_text(script)
     path = os.pathsep.join([str(tmp_path), str(Path(__file__).parents[3])])

@@ -1,49 +1,91 @@
-"""The promise that a stage can be imported in a new process."""
+"""The promise about other processes: a worker can import the stage, and computes the same with it."""
 
 from __future__ import annotations
 
+import hashlib
 import importlib
 import multiprocessing
+import os
+import pickle
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from functools import cache
 from multiprocessing.connection import Connection
+from operator import attrgetter
 from types import ModuleType
+from typing import Any, NamedTuple
 
+from followspot import room_file
+from followspot.errors import InputError
+from followspot.stage import Stage
+from followspot.testing.promises.sources import first_or_none
+from followspot.testing.promises.work import contents, sent
 from followspot.testing.trial import Trial, reason
 
 TIMEOUT = 60.0
-"""Seconds for a fresh process to import a stage."""
+"""Seconds for a fresh process to import a stage and to use it for a few frames."""
+_HASH_SEED = "PYTHONHASHSEED"
 
 
-def starts_in_a_fresh_process(trial: Trial) -> Iterator[str]:
-    """A worker imports the stage when it has imported nothing but the runtime."""
+class _Order(NamedTuple):
+    """A trial for another process. params: None to import the stage only; room: in JSON types."""
+
+    module: str
+    name: str
+    params: Mapping[str, Any] | None
+    room: Mapping[str, Any]
+
+
+class _Answer(NamedTuple):
+    """What another process found. error: of the import; digest: of the outputs; each may be empty."""
+
+    error: str
+    digest: str = ""
+
+
+def does_the_same_in_a_fresh_process(trial: Trial) -> Iterator[str]:
+    """A worker imports the stage with nothing but the runtime imported before.
+
+    `hash` of a text, and the order of a set of texts, are others there.
+    """
     stage = trial.stage
     file = sys.modules[stage.__module__].__file__
     if stage.__module__ == "__main__" or "<locals>" in stage.__qualname__ or file is None:
-        return  # `is_found_by_its_name` reports it
-    if error := _import_error(stage.__module__):
-        yield f"a fresh process cannot import it: {error}"
+        return  # is_found_by_its_name says so
+    answer = _answer(_order(trial))
+    if answer.error:
+        yield f"a fresh process cannot import it: {answer.error}"
+    elif answer.digest and answer.digest != (own := _digest(trial)) and own == _digest(trial):
+        yield (
+            "another process gives different outputs with the same seed: sort what comes out of a set, "
+            "and use hashlib instead of hash"
+        )
 
 
-@cache
-def _import_error(module: str) -> str:
-    """The error of a new process that imports a module; empty if it succeeds.
+def _order(trial: Trial) -> _Order:
+    """The order for a trial; to import the stage only if it cannot be called, or parameters do not travel."""
+    module, name = trial.stage.__module__, trial.stage.__qualname__
+    params = dict(trial.params) if trial.computes or trial.yields else None
+    try:
+        pickle.dumps(params)
+        return _Order(module, name, params, room_file.to_data(trial.room))
+    except (pickle.PicklingError, TypeError, AttributeError, InputError):
+        return _Order(module, name, None, {})
 
-    The process has imported what every worker imports before its stages, and nothing else.
-    """
+
+def _answer(order: _Order) -> _Answer:
+    """What a new process answers, which has what every worker has imported before it looks for stages."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(["followspot.worker.main"])
     here, there = context.Pipe(duplex=False)
-    process = context.Process(target=_import, args=(module, there), daemon=True)
-    with _without_main():
+    process = context.Process(target=_carry_out, args=(order, there), daemon=True)
+    with _without_main(), _other_hashes():
         process.start()
     there.close()
     try:
-        return str(here.recv()) if here.poll(TIMEOUT) else f"not done after {TIMEOUT:g} s"
+        return here.recv() if here.poll(TIMEOUT) else _Answer(f"not done after {TIMEOUT:g} s")
     except EOFError:
-        return "the process ended"
+        return _Answer("the process ended")
     finally:
         process.kill()
         process.join()
@@ -51,7 +93,7 @@ def _import_error(module: str) -> str:
 
 @contextmanager
 def _without_main() -> Iterator[None]:
-    """Keep processes that start in this block from running this process's script, which may have no guard."""
+    """Let a process that starts meanwhile not run the script of this one, which may have no guard."""
     main, sys.modules["__main__"] = sys.modules["__main__"], ModuleType("__main__")
     try:
         yield
@@ -59,11 +101,36 @@ def _without_main() -> Iterator[None]:
         sys.modules["__main__"] = main
 
 
-def _import(module: str, answer: Connection) -> None:
-    """Send the error that the import of a module raises; empty if it raises none."""
+@contextmanager
+def _other_hashes() -> Iterator[None]:
+    """Let a fork server that starts meanwhile hash texts in another way, also if the environment says how."""
+    seed = os.environ.get(_HASH_SEED, "random")
+    if not seed.isdecimal():  # then each process has its own
+        yield
+        return
+    os.environ[_HASH_SEED] = "random"
     try:
-        importlib.import_module(module)
+        yield
+    finally:
+        os.environ[_HASH_SEED] = seed
+
+
+def _carry_out(order: _Order, answer: Connection) -> None:
+    """Tell what the import of a stage raises, or what the stage gives."""
+    try:
+        module = importlib.import_module(order.module)
     except BaseException as error:
-        answer.send(reason(error))
-    else:
-        answer.send("")
+        answer.send(_Answer(reason(error)))
+        return
+    if order.params is None:
+        answer.send(_Answer(""))
+        return
+    stage: type[Stage] = attrgetter(order.name)(module)
+    trial = Trial(stage, order.params, room_file.from_data(order.room))
+    answer.send(_Answer("", _digest(trial)))
+
+
+def _digest(trial: Trial) -> str:
+    """Checksum of what an instance gives for a few frames."""
+    found = first_or_none(trial) if trial.ports.source else sent(trial)
+    return hashlib.sha256(repr([contents(message) for message in found]).encode()).hexdigest()

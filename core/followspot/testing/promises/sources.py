@@ -34,14 +34,14 @@ def yields_what_it_declares(trial: Trial) -> Iterator[str]:
 
 def never_goes_back_in_time(trial: Trial) -> Iterator[str]:
     """Capture times rise; `at(time, message)` says them."""
-    times = [message.header.time for message in _first_or_none(trial)]
+    times = [message.header.time for message in first_or_none(trial)]
     if any(later <= earlier for earlier, later in pairwise(dict.fromkeys(times))):
         yield f"capture times do not rise: {times} ns"
 
 
 def tells_its_capture_times(trial: Trial) -> Iterator[str]:
     """`capture_time` gives the times of the messages, or None."""
-    times = list(dict.fromkeys(message.header.time for message in _first_or_none(trial)))
+    times = list(dict.fromkeys(message.header.time for message in first_or_none(trial)))
     if not times:
         return
     try:
@@ -56,7 +56,7 @@ def tells_its_capture_times(trial: Trial) -> Iterator[str]:
 
 def yields_the_same_again(trial: Trial) -> Iterator[str]:
     """A recording and a simulation are the same each time."""
-    first, second = _first_or_none(trial), _first_or_none(trial)
+    first, second = first_or_none(trial), first_or_none(trial)
     if [contents(message) for message in first] != [contents(message) for message in second]:
         yield "two instances with one seed yield different messages"
 
@@ -93,7 +93,7 @@ def _items(trial: Trial) -> list[Any]:
         return list(islice(stage.process(), FRAMES))
 
 
-def _first_or_none(trial: Trial) -> list[Message]:
+def first_or_none(trial: Trial) -> list[Message]:
     """The messages of a source; none if it fails, which `yields_what_it_declares` reports."""
     try:
         return [message for item in _items(trial) for message in outputs(item)] if trial.yields else []

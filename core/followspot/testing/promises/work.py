@@ -131,7 +131,7 @@ def leaves_what_it_sent_alone(trial: Trial) -> Iterator[str]:
 
 def gives_the_same_again(trial: Trial) -> Iterator[str]:
     """Two instances under one seed give the same, bit for bit: use `self.rng`, no clock, no `hash`."""
-    first, second = _sent(trial), _sent(trial)
+    first, second = sent(trial), sent(trial)
     if [contents(message) for message in first] != [contents(message) for message in second]:
         yield "two instances with one seed give different outputs"
 
@@ -139,7 +139,7 @@ def gives_the_same_again(trial: Trial) -> Iterator[str]:
 def leaves_the_random_numbers_of_others_alone(trial: Trial) -> Iterator[str]:
     """Numpy's global generator is shared by all stages of a worker."""
     before = np.random.get_state(legacy=False)  # noqa: NPY002  # the one to guard
-    _sent(trial)
+    sent(trial)
     after = np.random.get_state(legacy=False)  # noqa: NPY002
     if repr(before) != repr(after):
         yield "process draws from numpy's global generator; use self.rng"
@@ -150,7 +150,7 @@ def prints_nothing(trial: Trial) -> Iterator[str]:
     if not trial.ports.outputs:
         return
     with contextlib.redirect_stdout(io.StringIO()) as printed:
-        _sent(trial)
+        sent(trial)
     if printed.getvalue():
         yield f"process prints {printed.getvalue()[:60]!r}; use self.context.warn"
 
@@ -189,7 +189,7 @@ def _tried(trial: Trial, what: str, frames: Sequence[list[Any]]) -> Iterator[str
         yield f"{what} {reason(error)}"
 
 
-def _sent(trial: Trial) -> list[Message]:
+def sent(trial: Trial) -> list[Message]:
     """The messages of an instance for three frames."""
     return [message for result in _returned(trial) for message in outputs(result)]
 
