@@ -4,28 +4,40 @@ from __future__ import annotations
 
 import hashlib
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from followspot.files import read_bytes
 from followspot.plugins.registry import OFFERED, load_stage
+from followspot.ports import ports
+from followspot.stage import Stage
 
 
 def code_digests(stages: Iterable[str]) -> dict[str, str]:
-    """Digests of followspot and of each package and one-file plugin that has one of these stages, by name.
+    """Digests of followspot and of each package and one-file plugin that these stages are made of, by name.
 
-    Classes that exist in this process only have none. Raises PluginError, OSError.
+    These are the packages of their classes, of the stages that they derive from, and of their messages.
+    Classes that exist in this process only have none. Raises PluginError, SignatureError, OSError.
     """
-    modules = {load_stage(stage).__module__ for stage in stages if not stage.startswith(OFFERED)}
+    classes = [load_stage(stage) for stage in stages if not stage.startswith(OFFERED)]
+    modules = {part.__module__ for stage in classes for part in _parts(stage)}
     return dict(map(_digest, sorted({"followspot", *(name.partition(".")[0] for name in modules)})))
 
 
 def other_code(digests: Mapping[str, str], stages: Iterable[str]) -> list[str]:
     """Names of the packages and files of these stages that are here, but not as the digests tell.
 
-    Raises PluginError, OSError.
+    Raises PluginError, SignatureError, OSError.
     """
     return [name for name, own in code_digests(stages).items() if digests.get(name, own) != own]
+
+
+def _parts(stage: type[Stage]) -> Iterator[type]:
+    """A class with the stages that it derives from, and the types of its messages."""
+    yield from (base for base in stage.__mro__ if issubclass(base, Stage))
+    found = ports(stage)
+    yield from (port.type for port in found.inputs)
+    yield from (port.type for port in found.outputs)
 
 
 def _digest(module: str) -> tuple[str, str]:

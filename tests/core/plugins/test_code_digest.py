@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from followspot.plugins.code_digest import code_digests, other_code
 from followspot.plugins.registry import use_plugin_files
 
@@ -24,7 +26,7 @@ def test_packages_and_files_are_told_by_their_names(tmp_path: Path) -> None:
     use_plugin_files([str(file)])
     stages = ["digested.same", "balls.kalman", "balls.mean", "here.gone"]
     known = code_digests(stages)
-    assert list(known) == ["followspot", "followspot_balls", "digested.py"]
+    assert set(known) == {"followspot", "followspot_balls", "followspot_target_filter", "digested.py"}
     assert other_code(known, stages) == []
     assert other_code({}, stages) == []
 
@@ -36,3 +38,44 @@ def test_a_file_that_was_changed_is_other_code(tmp_path: Path) -> None:
     known = code_digests(["changed.same", "balls.kalman"])
     file.write_text(STAGE + "\n")
     assert other_code(known, ["changed.same", "balls.kalman"]) == ["changed.py"]
+
+
+BASE = """
+from followspot import Message, Stage
+
+
+class Beat(Message):
+    value: int
+
+
+class Base(Stage):
+    pass
+"""
+DERIVED = """
+from {base} import Base, Beat
+
+
+class Derived({bases}):
+    '''Nothing of its own.'''
+
+    def process(self, beat: {message}) -> None: ...
+"""
+
+
+@pytest.mark.parametrize(("bases", "message"), [("Base", "Message"), ("Stage", "Beat")])
+def test_packages_that_only_have_base_classes_or_messages_of_stages_are_code_of_theirs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, bases: str, message: str
+) -> None:
+    monkeypatch.syspath_prepend(tmp_path)
+    name = f"base_of_{bases}".lower()
+    package = tmp_path / name
+    package.mkdir()
+    (package / "__init__.py").write_text(BASE)
+    file = tmp_path / f"derived_{bases}.py".lower()
+    written = DERIVED.format(base=name, bases=bases, message=message)
+    file.write_text(f"from followspot import Message, Stage\n{written}")
+    use_plugin_files([str(file)])
+    stage = f"{file.stem}.derived"
+    known = code_digests([stage])
+    (package / "__init__.py").write_text(BASE + "\n")
+    assert other_code(known, [stage]) == [name]
