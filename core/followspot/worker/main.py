@@ -29,6 +29,7 @@ from followspot.worker.orders import Orders
 from followspot.worker.os_scheduling import apply_scheduling
 from followspot.worker.process_end import STAGES_CANNOT_EXIT
 from followspot.worker.reporting.host_reporter import HostReporter
+from followspot.worker.reporting.rejections import Rejections
 from followspot.worker.reporting.report import Warnings, missing, worker_report
 from followspot.worker.wiring import RunOptions, Wiring
 from followspot.worker.worker_edge_factory import WorkerEdgeFactory
@@ -54,6 +55,7 @@ class WorkerMain:
         self.reporter = HostReporter(channel, self.log, self.warnings)
         self.worker: BuiltWorker | None = None
         """The stages, once they are built."""
+        self._rejections: Rejections | None = None
         self._early: list[Received] = []
         """Orders that came before the start."""
 
@@ -65,9 +67,10 @@ class WorkerMain:
         error = ""
         try:
             edge_factory = self._edge_factory(order, rings)
+            self._rejections = Rejections(edge_factory, self.log, certified=bool(order.network.certificates))
             self.worker = worker = self._build(order, memory, edge_factory)
             if self._get_ready(order, worker) and self._started(worker):
-                self._run(worker, restart=order.restart)
+                self._run(worker, self._rejections, restart=order.restart)
         except FollowspotError as failure:
             error = str(failure)
         finally:
@@ -76,8 +79,8 @@ class WorkerMain:
                 self.worker.close()
             if edge_factory is not None:
                 edge_factory.zenoh.close()
-        if edge_factory is not None:
-            self._warn_of_rejected(edge_factory)
+        if self._rejections is not None:
+            self._rejections.warn(self.warnings)
         self.reporter.send_log()
         if self.worker is None:
             self.channel.send(Failed(error=error))
@@ -166,7 +169,7 @@ class WorkerMain:
                 return isinstance(received.request, StartRun)
             self._early.append(received)
 
-    def _run(self, worker: BuiltWorker, *, restart: bool) -> None:
+    def _run(self, worker: BuiltWorker, rejections: Rejections, *, restart: bool) -> None:
         """Run the stages to the end of all streams, and obey the orders of the host meanwhile."""
         worker.publish_ports()
         scheduler = worker.scheduler
@@ -176,12 +179,8 @@ class WorkerMain:
         orders.listen(self._early)
         if not self._in_process:
             signal.signal(signal.SIGTERM, lambda *_: scheduler.stop())
-        self.reporter.start(scheduler, orders.leave_soon)
+        self.reporter.start(scheduler, orders.leave_soon, rejections.tell_new)
         worker.run()
-
-    def _warn_of_rejected(self, edge_factory: WorkerEdgeFactory) -> None:
-        for edge, times in edge_factory.rejected().items():
-            self.warnings.add(edge, f"refused {times} times what was malformed or not from its sender")
 
     def _report(self, worker: BuiltWorker, error: str, *, restart: bool) -> None:
         """Send the last status and the report of a worker that has ended. Raises ChannelClosed."""

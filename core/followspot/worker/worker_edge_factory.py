@@ -142,13 +142,16 @@ class WorkerEdgeFactory:
         self.zenoh.wait_matched(wanted)
 
     def rejected(self) -> dict[str, int]:
-        """For each edge that got anything malformed or not from its other end: how much."""
+        """For each edge that got anything malformed or not from its other end: how much.
+
+        Safe from any thread.
+        """
         found = self._refused.copy()
         for name, count in self.zenoh.rejected():
             found[name] += count
-        for edge, (reader, _) in self._ring_readers.items():
+        for edge, (reader, _) in tuple(self._ring_readers.items()):
             found[self.plan.edge(edge).name] += reader.rejected
-        for edge, (writer, index) in self._ring_writers.items():
+        for edge, (writer, index) in tuple(self._ring_writers.items()):
             found[self.plan.edge(edge).name] += 0 if index else writer.rejected
         return {name: count for name, count in found.items() if count}
 

@@ -44,7 +44,7 @@ def test_each_death_may_lose_the_messages_in_flight(plan: Plan) -> None:
 
 def test_further_missing_messages_are_an_error(plan: Plan) -> None:
     found = report(plan, 139, 100, deaths=2)
-    assert found.unbalanced == ("a.out -> save.number: 1 messages are unaccounted for",)
+    assert found.unbalanced == ("a.out -> save.number: 1 messages are unaccounted for (a bug)",)
     assert not found.ok
     assert report(plan, 101, 100).unbalanced
 
@@ -52,10 +52,20 @@ def test_further_missing_messages_are_an_error(plan: Plan) -> None:
 def test_surplus_messages_are_an_error(plan: Plan) -> None:
     found = report(plan, 100, 103, deaths=2)
     assert found.unbalanced == (
-        "a.out -> save.number: 3 messages were accounted for beyond those that were sent",
+        "a.out -> save.number: 3 messages were accounted for beyond those that were sent (a bug)",
     )
     count = found.edges[0][1]
     assert (count.produced, count.sent, count.in_flight) == (103, 103, 0), "no column is negative"
+
+
+def test_what_a_stranger_may_have_sent_is_not_called_a_bug(plan: Plan) -> None:
+    over_zenoh = replace(plan, edges=tuple(replace(edge, kind="zenoh") for edge in plan.edges))
+    (line,) = report(over_zenoh, 100, 103).unbalanced
+    assert line.endswith(
+        "beyond those that were sent; "
+        "if a warning says that it refused something, a stranger sent on it, else it is a bug"
+    )
+    assert not report(over_zenoh, 100, 103).ok
 
 
 def test_a_ledger_that_does_not_fit_the_plan_is_left_out_and_named(plan: Plan) -> None:

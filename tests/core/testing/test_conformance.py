@@ -219,7 +219,7 @@ def test_a_stage_that_only_this_process_can_import_is_found(
 def test_hashes_are_others_in_a_fresh_process_although_the_environment_says_which(tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text(
         f"from {breaking.__name__} import Hashing\n"
-        "from followspot.testing.promises.processes import does_the_same_in_a_fresh_process\n"
+        "from followspot.testing.promises.fresh_process import does_the_same_in_a_fresh_process\n"
         "from followspot.testing.trial import Trial\n"
         "print(len(list(does_the_same_in_a_fresh_process(Trial(Hashing)))))\n"
     )

@@ -77,6 +77,15 @@ def test_a_stage_says_which_edge_to_another_worker_blocks_it(tmp_path: Path) -> 
     run.scheduler.close()
 
 
+def test_an_edge_to_another_worker_whose_credit_does_not_come_back_blocks_a_stage(tmp_path: Path) -> None:
+    run = solo(tmp_path, edges="ring")
+    run.scheduler.setup()
+    count = run.scheduler.runners[0]
+    count.blocked = True
+    assert (stages(run)["count"].state, stages(run)["count"].on) == ("sending", ("count.out -> half.number",))
+    run.scheduler.close()
+
+
 def test_a_stage_says_that_it_waits_for_feedback(tmp_path: Path) -> None:
     run = solo(tmp_path, FEEDBACK)
     run.scheduler.setup()

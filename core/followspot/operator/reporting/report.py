@@ -69,10 +69,10 @@ class RunReport:
 
     @property
     def unbalanced(self) -> tuple[str, ...]:
-        """Edges of a run without errors on which not every message is accounted for exactly once: a bug."""
+        """Edges of a run without errors on which not every message is accounted for exactly once."""
         if self.errors:
             return ()
-        return tuple(f"{e.name}: {_imbalance(count)}" for e, count in self.edges if not count.balanced)
+        return tuple(f"{e.name}: {_imbalance(e, count)}" for e, count in self.edges if not count.balanced)
 
     @property
     def ok(self) -> bool:
@@ -80,10 +80,14 @@ class RunReport:
         return not self.errors and not self.unbalanced
 
 
-def _imbalance(count: EdgeCount) -> str:
+def _imbalance(edge: PlannedEdge, count: EdgeCount) -> str:
+    """What is wrong with a count. Only over Zenoh it may be another program that has sent on the edge."""
+    text = f"{count.in_flight} messages are unaccounted for"
     if count.surplus:
-        return f"{count.surplus} messages were accounted for beyond those that were sent"
-    return f"{count.in_flight} messages are unaccounted for"
+        text = f"{count.surplus} messages were accounted for beyond those that were sent"
+    if edge.kind != "zenoh":
+        return f"{text} (a bug)"
+    return f"{text}; if a warning says that it refused something, a stranger sent on it, else it is a bug"
 
 
 def edge_counts(

@@ -44,7 +44,7 @@ def text(report: RunReport, accuracy: str) -> str:
     if report.warnings:
         parts.append("warnings\n" + _indented(report.warnings))
     if report.unbalanced:
-        parts.append("the ledger does not add up (a bug)\n" + _indented(report.unbalanced))
+        parts.append("the ledger does not add up\n" + _indented(report.unbalanced))
     if report.errors:
         parts.append("the run failed\n" + "\n".join(report.errors))
     return "\n\n".join(parts)

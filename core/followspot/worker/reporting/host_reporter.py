@@ -37,11 +37,15 @@ class HostReporter:
         self._over = threading.Event()
         self._sending_log = threading.Lock()
 
-    def start(self, scheduler: Scheduler, on_closed: Callable[[], None]) -> None:
-        """Report progress from now on. on_closed: called once if the host has closed the channel."""
-        threading.Thread(
-            target=self._send_progress, args=(scheduler, on_closed), name="progress", daemon=True
-        ).start()
+    def start(
+        self, scheduler: Scheduler, on_closed: Callable[[], None], before_each: Callable[[], None]
+    ) -> None:
+        """Report progress from now on, in a thread.
+
+        on_closed: called once if the host has closed the channel; before_each: called before each report.
+        """
+        arguments = scheduler, on_closed, before_each
+        threading.Thread(target=self._send_progress, args=arguments, name="progress", daemon=True).start()
 
     def stop(self) -> None:
         """Report no more progress."""
@@ -83,11 +87,14 @@ class HostReporter:
         with suppress(ChannelClosed):  # the worker notices that when it next reads orders
             self._channel.send(ChangeAnswer(status=status))
 
-    def _send_progress(self, scheduler: Scheduler, on_closed: Callable[[], None]) -> None:
+    def _send_progress(
+        self, scheduler: Scheduler, on_closed: Callable[[], None], before_each: Callable[[], None]
+    ) -> None:
         """Report until `stop`, or until the host has closed the channel; in a thread."""
         for turn in count():
             if self._over.wait(_PROGRESS_PERIOD):
                 return
+            before_each()
             try:
                 self._channel.send(_progress(scheduler))
                 self.send_log()

@@ -79,12 +79,17 @@ def _age(queue: InputQueue, clock: Clock) -> EdgeAge:
 
 
 def _full(output: OutputPort) -> Iterator[str]:
-    """Edges whose backpressure blocks an output: full queues here, and the slowest edges to other workers."""
-    yield from (queue.name for queue in output.queues if len(queue.messages) >= queue.depth)
+    """Edges whose backpressure blocks an output: full queues here, and the slowest edges to other workers.
+
+    If all is accounted for, credit has not come back, over any of the edges to other workers.
+    """
+    full = [queue.name for queue in output.queues if len(queue.messages) >= queue.depth]
+    yield from full
     words = output.words
     behind = {name: tally(words[row : row + COLUMNS].tolist()).in_flight for name, row in output.edges}
     most = max(behind.values(), default=0)
-    yield from (name for name, waiting in behind.items() if waiting == most > 0)
+    if most or not full:
+        yield from (name for name, waiting in behind.items() if waiting == most)
 
 
 def _state(runner: StageRunner, at_work: str) -> tuple[StageState, tuple[str, ...]]:
