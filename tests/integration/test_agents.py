@@ -13,6 +13,7 @@ from tests.integration.hosts import Agent, near_agent
 from tests.integration.running import (
     finish,
     start,
+    words_of,
     write_graph,
 )
 from tests.integration.two_agents import TwoAgents
@@ -20,6 +21,22 @@ from tests.integration.two_agents import TwoAgents
 from followspot.control.zenoh_rpc import agents
 from followspot.operator.discovery import await_named, operator_session
 from followspot.transport.zenoh.network import Network
+
+
+def test_a_run_refuses_agents_of_one_name_that_do_not_know_each_other(tmp_path: Path) -> None:
+    for folder in ("one", "other"):
+        (tmp_path / folder).mkdir()
+    twins = [near_agent("twin", tmp_path / folder) for folder in ("one", "other")]
+    graph = write_graph(tmp_path, "a: {uses: ticks.count}\nsave: {uses: ticks.write, in: {number: a}}\n")
+    connect = [word for agent in twins for word in ("--connect", agent.endpoint)]
+    done = command(*words_of(graph, tmp_path / "out", "--host", "twin", *connect))
+    listed = command("runs", *connect)
+    assert [agent.end() for agent in twins] == [0, 0]
+    assert done.returncode == 2
+    assert 'several agents are named "twin"' in done.stderr
+    assert "end one of them, and start it again by another name" in done.stderr
+    assert not list(tmp_path.glob("*/runs/*")), "neither began"
+    assert 'several agents are named "twin", of which one is asked' in listed.stderr
 
 
 def test_an_operator_waits_for_an_agent_that_is_slow_to_connect(tmp_path: Path) -> None:

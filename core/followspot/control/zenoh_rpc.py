@@ -19,6 +19,7 @@ from zenoh.handlers import Callback
 
 from followspot.control.dispatch import Dispatcher, Request, answer_from_wire, fields, verb
 from followspot.control.host import HostLost, HostRefused
+from followspot.control.observation import ReadClock
 from followspot.errors import FollowspotError
 from followspot.security.request_guard import MAX_REQUEST, Asked, Rejected, RequestGuard, envelope
 from followspot.transport.keys import agent_key, request_key
@@ -70,6 +71,14 @@ class RpcClient:
                 why = f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
                 raise InvalidAnswer(agent, verb(kind), why) from None
         raise HostLost(f"host {agent} does not answer")
+
+    def has_twins(self, agent: str, timeout: float = 2.0) -> bool:
+        """Whether several agents of this name answer; each request would reach all of them. timeout: s."""
+        asked = Asked(agent, verb(ReadClock), *self.own)
+        payload = envelope(asked, fields(ReadClock(run="")))
+        each = zenoh.ConsolidationMode.NONE  # else one of the answers takes the place of the others
+        replies = self.session.get(request_key(*asked), payload=payload, timeout=timeout, consolidation=each)
+        return sum(1 for reply in replies if reply.ok is not None) > 1
 
 
 def _answer(agent: str, payload: zenoh.ZBytes, most: int) -> Any:

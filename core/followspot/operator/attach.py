@@ -89,6 +89,8 @@ def find_runs(client: RpcClient, network: Network, on_gap: Callable[[str], None]
     if len(heard) < max(len(named), bool(network.router), network.discover):
         on_gap(f"{f'only {len(heard)}' if heard else 'no'} agent is heard at {reached(network)}")
     for agent in heard:
+        if client.has_twins(agent):
+            on_gap(f'several agents are named "{agent}", of which one is asked')
         try:
             for listed in client.ask(agent, ListRuns()):
                 by_run.setdefault(listed.run, {})[agent] = listed

@@ -50,7 +50,10 @@ class Agents:
         return agents(self.client.session)
 
     def host(self, name: str) -> RemoteHost:
-        """The host of this name."""
+        """The host of this name. Raises InputError if several agents have it."""
+        if self.client.has_twins(name):
+            remedy = "end one of them, and start it again by another name: followspot agent --name NAME"
+            raise InputError.of(f'several agents are named "{name}", and all would do what one is to', remedy)
         return RemoteHost(self.client, name, self.media)
 
 
@@ -62,11 +65,12 @@ def discovered_hosts(
 
     media: local folder whose files agents have below their own --media; in_process: workers of
     this host that are threads of this process.
-    Raises InputError if an agent is missing.
+    Raises InputError if an agent is missing, or several have one name.
     """
     names = dict.fromkeys(worker.host for worker in plan.workers)
     with operator_session(network) as session:
         await_agents(session, [name for name in names if name], network)
+        await_named(session, network)  # of several agents of one name, all are heard by then
         hub = (*locators(session), *network.connect)
         others = Agents(RpcClient(session, network.own), media)
         near = LocalHost("", network, hub, HostClock(others.client), in_process)
