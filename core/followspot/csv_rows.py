@@ -13,7 +13,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from followspot.errors import InputError, Mistake, Place, did_you_mean
-from followspot.files import open_text
+from followspot.files import open_regular, open_text
 from followspot.messages import MAX_TIME
 
 MOST_ROWS = 5_000_000
@@ -157,13 +157,30 @@ def _plain(number: str) -> str:
 
 @contextmanager
 def _lines(path: Path) -> Iterator[Iterator[list[str]]]:
+    reader = csv.reader(())
     try:
         with open_text(path) as file:
-            yield csv.reader(file)
+            reader = csv.reader(file)
+            yield reader
     except OSError as error:
         raise InputError([Mistake(None, f"{path} cannot be read: {error.strerror}")]) from None
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError([Mistake(None, f"{path} is not a CSV file: {error}")]) from None
+    except UnicodeDecodeError:
+        place = Place(str(path), _undecodable(path), 1)
+        raise InputError([Mistake(place, "this is not UTF-8", "save the file as CSV in UTF-8")]) from None
+    except csv.Error as error:
+        place = Place(str(path), reader.line_num, 1)
+        raise InputError([Mistake(place, f"this is not CSV: {error}")]) from None
+
+
+def _undecodable(path: Path) -> int:
+    """Number of the first line that is no UTF-8. Raises OSError."""
+    with open_regular(path) as file:
+        for line, content in enumerate(file, 1):
+            try:
+                content.decode()
+            except UnicodeDecodeError:
+                return line
+    return 1
 
 
 def _head(file: str, lines: Iterator[list[str]]) -> list[str]:

@@ -24,3 +24,14 @@ def doubt_of_steps(numbers: Collection[int], fps: float) -> str:
         f"frames are numbered in steps of {step}, and those between count as empty: "
         f"number them 0, 1, 2, ... and say fps: {fps / step:g}"
     )
+
+
+def doubt_of_gaps(numbers: Collection[int]) -> str:
+    """Which files of pictures are missing between the first and the last; "" if none is."""
+    if not numbers:
+        return ""
+    missing = max(numbers) - min(numbers) + 1 - len(numbers)
+    if not missing:
+        return ""
+    first = next(number for number in range(min(numbers), max(numbers)) if number not in numbers)
+    return f"{missing} pictures have no file, the first of them {first}, and count as empty"

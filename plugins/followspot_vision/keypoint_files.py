@@ -71,12 +71,13 @@ def read_picture(path: Path) -> list[Person]:
     ]
 
 
-def read_results(path: Path) -> dict[int, list[Person]]:
+def read_results(path: Path, camera: str = "", cameras: Collection[str] = ()) -> dict[int, list[Person]]:
     """The persons of each picture, by its number, of a file about many pictures. Raises InputError.
 
     The file is a list in COCO's format for results, whose image_id ends in the number, or MMPose's of a
-    video: a list of {frame_id, instances}.
+    video: a list of {frame_id, instances}. camera: whose pictures they are, of these cameras.
     """
+    others = [name for name in cameras if name != camera and not name.isdigit()]
     data = _read(path, DATA)
     if isinstance(data, dict):
         data = data.get("annotations", data.get("instance_info"))
@@ -90,7 +91,9 @@ def read_results(path: Path) -> dict[int, list[Person]]:
             number = _number(_entry(one, "frame_id", where), where, "frame_id")
             found.setdefault(number, []).extend(_instances(one["instances"], f"{where}.instances"))
         else:
-            number = _number(_entry(one, "image_id", where), where, "image_id")
+            image = _entry(one, "image_id", where)
+            number = _number(image, where, "image_id")
+            _check_camera(image, where, camera, others)
             found.setdefault(number, []).append(_person(_entry(one, "keypoints", where), where))
         _check_count(len(found[number]), f"{where}: a picture has")
     return found
@@ -114,14 +117,26 @@ def _instance(one: Any, where: str) -> Person:
 
 def _read(path: Path, most: int) -> Any:
     try:
-        return json.loads(read_text(path, most), parse_constant=_no_constant)
+        return json.loads(read_text(path, most), parse_constant=_no_constant, object_pairs_hook=_mapping)
     except OSError as error:
         raise InputError.of(f"{path} cannot be read: {error.strerror}") from None
     except json.JSONDecodeError as error:
         place = Place(str(path), error.lineno, error.colno)
         raise InputError([Mistake(place, f"this is not JSON: {error.msg}")]) from None
+    except UnicodeDecodeError:
+        raise InputError.of(f"{path} is not JSON: it is not UTF-8", "save it as UTF-8") from None
     except (ValueError, RecursionError) as error:
         raise InputError.of(f"{path} is not JSON: {error}") from None
+
+
+def _mapping(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+    """The entries of an object. Raises ValueError if one stands there twice: which of them counts?"""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise ValueError(f"an object has {json.dumps(twice)[:40]} twice")
+    return found
 
 
 def _no_constant(word: str) -> float:
@@ -141,6 +156,21 @@ def _number(image: Any, where: str, key: str) -> int:
     if type(number) is not int or not 0 <= number <= LARGEST:
         raise InputError.of(f"{where}.{key} is {str(image)[:40]!r}", "it should be a number, or end in one")
     return number
+
+
+def _check_camera(image: Any, where: str, camera: str, others: Sequence[str]) -> None:
+    """Raise InputError if the name of a picture says that another camera took it."""
+    if not isinstance(image, str) or _names(image, camera):
+        return
+    other = next((name for name in others if _names(image, name)), None)
+    if other is not None:
+        text = f"{where}.image_id is {image[:80]!r}, of camera {other}, and is read for {camera}"
+        raise InputError.of(text, "write a file for each camera, CAMERA.json")
+
+
+def _names(image: str, camera: str) -> bool:
+    """Whether the name of a picture has that of a camera in it, as a whole."""
+    return re.search(rf"(?<![A-Za-z0-9]){re.escape(camera)}(?![A-Za-z0-9])", image) is not None
 
 
 def _person(values: Any, where: str) -> Person:

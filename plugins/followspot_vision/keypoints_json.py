@@ -12,7 +12,7 @@ from followspot.errors import InputError
 from followspot.frame_times import capture_time, exact_rate
 from followspot.points import Points2D
 from followspot.room import Member
-from followspot_vision.frame_steps import doubt_of_steps
+from followspot_vision.frame_steps import doubt_of_gaps, doubt_of_steps
 from followspot_vision.frame_table import MOST_FRAMES
 from followspot_vision.keypoint_files import Person, picture_files, read_picture, read_results
 from followspot_vision.picture_points import (
@@ -66,7 +66,9 @@ class KeypointsJson(Stage):
                 one for _, path in picture_files(place, room.cameras)[:1] for one in read_picture(path)
             ]
         elif place.stat().st_size <= _SMALL:
-            persons = [person for found in read_results(place).values() for person in found]
+            camera = member.name if member is not None else ""
+            results = read_results(place, camera, room.cameras)
+            persons = [person for found in results.values() for person in found]
         else:
             persons = []
         for count in sorted({len(person) for person in persons if person}):
@@ -78,7 +80,8 @@ class KeypointsJson(Stage):
         """Find the files. Raises InputError if they are none."""
         place = of_camera(self.params.path, self.camera.name, self.room.cameras)
         self.files = dict(picture_files(place, self.room.cameras)) if place.is_dir() else {}
-        self.results = {} if place.is_dir() else read_results(place)
+        own, cameras = self.camera.name, self.room.cameras
+        self.results = {} if place.is_dir() else read_results(place, own, cameras)
         numbers = [*self.files, *self.results]
         first = self.params.first_picture
         if numbers and min(numbers) < first:
@@ -90,7 +93,7 @@ class KeypointsJson(Stage):
             raise InputError.of(text, f"at most {MOST_FRAMES} after first_picture")
         if not numbers:
             self.context.warn(f"{place} has no results")
-        if doubt := doubt_of_steps(numbers, self.params.fps):
+        if doubt := doubt_of_steps(numbers, self.params.fps) or doubt_of_gaps(self.files):
             self.context.warn(f"{place}: {doubt}")
 
     def length(self) -> int:

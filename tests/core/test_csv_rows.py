@@ -123,3 +123,20 @@ def test_every_column_that_is_missing_is_named(tmp_path: Path) -> None:
     (tmp_path / "tracks.csv").write_text("time,x\n")
     with pytest.raises(InputError, match=r"tracks\.csv:1:1: missing columns: object, y"):
         list(read_rows(tmp_path / "tracks.csv", ["time", "object", "x", "y"]))
+
+
+@pytest.mark.parametrize(
+    ("damaged", "line", "what"),
+    [
+        (b"time\n" + b"0\n" * 9000 + "\u00e9\n".encode("latin-1"), 9002, "this is not UTF-8"),
+        ("time\n0\n".encode("utf-16"), 1, "this is not UTF-8"),
+        (b"time\n0\n" + b"1" * 200_000 + b"\n", 3, "this is not CSV: field larger than field limit"),
+    ],
+)
+def test_what_is_no_text_or_no_table_is_told_by_its_line(
+    tmp_path: Path, damaged: bytes, line: int, what: str
+) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(damaged)
+    with pytest.raises(InputError, match=rf"a\.csv:{line}:1: {what}"):
+        list(read_rows(path, ["time"]))

@@ -42,7 +42,7 @@ def test_file_that_is_not_there_or_not_text_is_an_input_error(tmp_path: Path) ->
         read_truth_csv(tmp_path / "none.csv")
     binary = tmp_path / "binary.csv"
     binary.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match="is not a CSV file"):
+    with pytest.raises(InputError, match=r"binary\.csv:1:1: this is not UTF-8"):
         read_truth_csv(binary)
 
 

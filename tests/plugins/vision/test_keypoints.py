@@ -90,6 +90,7 @@ def test_other_skeletons_are_named(tmp_path: Path) -> None:
     [
         ("[\n{]", r"a\.json:2:2: this is not JSON"),
         ("[" * 100_000, "is not JSON"),
+        ('[{"image_id": 1, "keypoints": [], "keypoints": [1, 2, 1]}]', 'an object has "keypoints" twice'),
         ("3", "is no list of results"),
         ('{"annotations": 3}', "is no list of results"),
         ("[3]", r"\[0\] has no image_id"),
@@ -173,6 +174,29 @@ def test_pictures_that_the_network_left_out_are_doubted(tmp_path: Path) -> None:
     assert told[0].endswith(
         "steps of 5, and those between count as empty: number them 0, 1, 2, ... and say fps: 5"
     )
+
+
+def test_pictures_without_a_file_are_told(tmp_path: Path) -> None:
+    for number in (0, 1, 4, 5):
+        (tmp_path / f"a_{number:012}_keypoints.json").write_text('{"people": []}')
+    told: list[str] = []
+    KeypointsJson(Context("a", ROOM, Member("cameras", "cam0"), warn=told.append), path=tmp_path).setup()
+    assert told == [f"{tmp_path}: 2 pictures have no file, the first of them 2, and count as empty"]
+
+
+def test_pictures_of_another_camera_are_not_taken_for_ones_own(tmp_path: Path) -> None:
+    path = tmp_path / "results.json"
+    path.write_text(coco(("cam0_000001.jpg", body(17, 5)), ("out/cam1/000001.jpg", body(17, 6))))
+    with pytest.raises(InputError, match=r"(?s)\[1\].image_id is .*of camera cam1, and is read for cam0"):
+        read(path)
+    path.write_text(coco(("cam0_000001.jpg", body(17, 5)), ("cam1/cam0_000002.jpg", body(17, 6))))
+    assert [len(message.xy) for message in read(path)] == [0, 2, 2]
+
+
+def test_a_file_in_another_encoding_is_refused_with_the_remedy(tmp_path: Path) -> None:
+    (tmp_path / "a.json").write_bytes("[]".encode("utf-16"))
+    with pytest.raises(InputError, match=r"(?s)is not UTF-8.*save it as UTF-8"):
+        read(tmp_path / "a.json")
 
 
 def test_the_source_keeps_the_promises_of_stages(tmp_path: Path) -> None:
