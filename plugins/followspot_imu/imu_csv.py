@@ -10,6 +10,7 @@ from followspot.csv_rows import FIRST_ROWS
 from followspot.inertial import Inertial
 from followspot.reading_batches import BatchParams, batches
 from followspot.room import Member
+from followspot_imu.reading_rate import gaps_told
 from followspot_imu.readings_file import FileParams, read_readings
 from followspot_imu.units import converted, doubts_of_units
 
@@ -46,6 +47,8 @@ class ImuCsv(Stage):
         time, values = read_readings(p, name, self.room.sensors)
         if not len(time):
             self.context.warn(f"{p.path} has no readings of sensor {name}")
+        if gaps := gaps_told(time):
+            self.context.warn(f"{p.path} has {gaps}: what follows from them begins anew or coasts there")
         self.readings = Inertial(name, time, *converted(values, p.scale, p.axes))
         doubts = doubts_of_units(self.readings.turn_rate, self.readings.specific_force)
         for parameter, doubt in doubts.items():

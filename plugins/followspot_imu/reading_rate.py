@@ -9,6 +9,8 @@ from followspot.frame_times import NANOSECOND
 
 MINIMUM_READINGS, MINIMUM_TIME = 32, 0.2
 """Fewest readings, and the shortest time, s, over which their rate is measured."""
+MINIMUM_GAP, GAP_PERIODS = 0.25, 10
+"""Time, s, and number of periods without a reading beyond which readings are missing."""
 RATE_ERROR = 1.25
 """Factor by which the stated rate may differ from the measured one."""
 
@@ -26,6 +28,20 @@ def usual_period(time: Array) -> float | None:
         return None
     median, mean = float(np.median(later)), span / (len(time) - 1)
     return NANOSECOND * (median if 2 * median >= mean else mean)
+
+
+def gaps_told(time: Array) -> str:
+    """How many gaps the readings have, and the longest one; "" if there is none. time: (N,) rising, ns."""
+    period = usual_period(time)
+    if period is None:
+        return ""
+    intervals = np.diff(time) * NANOSECOND
+    gaps = intervals > max(MINIMUM_GAP, GAP_PERIODS * period)
+    if not gaps.any():
+        return ""
+    longest = int(np.argmax(intervals))
+    gap = "a gap" if gaps.sum() == 1 else f"{gaps.sum()} gaps, the longest"
+    return f"{gap} of {intervals[longest]:.3g} s without readings after {time[longest] * NANOSECOND:.3f} s"
 
 
 class RateCheck:

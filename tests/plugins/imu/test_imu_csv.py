@@ -227,3 +227,28 @@ def test_degrees_that_are_meant_as_radians_are_refused_with_their_line(tmp_path:
     with pytest.raises(InputError, match=r"(?s)readings\.csv:2:.*gx"):
         imu_csv(tmp_path / "readings.csv", rows_at_rest(9.8, turn=180.0))
     imu_csv(tmp_path / "readings.csv", rows_at_rest(9.8, turn=180.0), turn_unit="deg/s")
+
+
+@pytest.mark.parametrize(
+    ("gaps", "said"),
+    [
+        ({}, None),
+        ({200: 20_000_000}, None),
+        ({200: 3_000_000_000}, "has a gap of 3.01 s without readings after 1.990 s"),
+        (
+            {200: 1_000_000_000, 300: 2_000_000_000},
+            "has 2 gaps, the longest of 2.01 s without readings after 3.990 s",
+        ),
+    ],
+)
+def test_gaps_of_a_file_are_told(tmp_path: Path, gaps: dict[int, int], said: str | None) -> None:
+    time, rows = 0, []
+    for n in range(400):
+        time += gaps.get(n, 0)
+        rows.append(f"{time},0.1,0,0,0,0,9.8")
+        time += 10_000_000
+    told: list[str] = []
+    text = "\n".join(["time,gx,gy,gz,ax,ay,az", *rows]) + "\n"
+    imu_csv(tmp_path / "a.csv", text, told.append, time_unit="ns")
+    assert len(told) == (said is not None)
+    assert all(said in line for line in told if said)
