@@ -8,8 +8,9 @@ from weakref import WeakValueDictionary
 import numpy as np
 
 from followspot.errors import InputError, Mistake, did_you_mean
+from followspot_persons.pose_net.apart import try_apart
 from followspot_persons.pose_net.contract import Decoder, Decoders, Network
-from followspot_persons.pose_net.sessions import MissingRuntime, open_session
+from followspot_persons.pose_net.sessions import CRASHING, MissingRuntime, open_session
 
 _loaded: WeakValueDictionary[tuple[object, ...], Network] = WeakValueDictionary()
 """Networks that a stage holds, by file and decoder."""
@@ -26,7 +27,9 @@ def network(path: Path, decoder: type[Decoder]) -> Network:
         key = (str(path.resolve()), status.st_mtime_ns, status.st_size, decoder)
         found = _loaded.get(key)
         if found is None:
-            found = _loaded[key] = _tried(Network(open_session(path), decoder()))
+            if path.suffix == CRASHING:
+                try_apart(path, decoder)
+            found = _loaded[key] = loaded(path, decoder)
     except MissingRuntime as error:
         text = f"persons.pose_net needs ONNX Runtime for {path}, which is not installed"
         raise InputError([Mistake(None, text, str(error))]) from None
@@ -45,8 +48,12 @@ def decoder_named(name: str, decoders: Decoders) -> type[Decoder]:
     return decoders[name]
 
 
-def _tried(network: Network) -> Network:
-    """The network after a black image. Raises ValueError if its outputs are not what the decoder expects."""
+def loaded(path: Path, decoder: type[Decoder]) -> Network:
+    """The network of a file, after a black image.
+
+    Raises as `open_session`, and ValueError or IndexError if its outputs are not what the decoder expects.
+    """
+    network = Network(open_session(path), decoder())
     width, height = network.size or (2 * network.decoder.multiple, 2 * network.decoder.multiple)
     network.people([np.zeros((height, width, 3), np.uint8)])
     return network

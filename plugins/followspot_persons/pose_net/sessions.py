@@ -13,8 +13,11 @@ from followspot import Array
 from followspot.files import TABLE, read_bytes
 from followspot.plugins.extras import missing_extra
 from followspot_persons.pose_net.contract import Session
+from followspot_persons.pose_net.tflite_file import check_indices
 
 SUFFIXES = (".onnx", ".tflite")
+CRASHING = ".tflite"
+"""Files that can make the library which reads them crash, if they are damaged."""
 MOST_SIDE = 4096
 """Largest side of the picture that a model asks for, px."""
 _ERRORS = 3
@@ -68,6 +71,7 @@ class OpenCvSession:
     size = None
 
     def __init__(self, model: bytes) -> None:
+        check_indices(model)
         try:
             self.net = _quietly(cv2.dnn.readNetFromTFLite, np.frombuffer(model, np.uint8))
             self.outputs = self.net.getUnconnectedOutLayersNames()

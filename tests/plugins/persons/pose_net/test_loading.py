@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import sys
 import weakref
 from contextlib import suppress
@@ -20,6 +21,7 @@ from followspot_persons.pose_net.blazepose import BlazePose
 from followspot_persons.pose_net.loading import decoder_named, network
 from followspot_persons.pose_net.movenet import MoveNetMultiPose
 from followspot_persons.pose_net.stage import PoseNet
+from followspot_persons.pose_net.tflite_file import check_indices
 
 ROWS = np.zeros((6, 56))
 
@@ -69,6 +71,42 @@ def test_models_cut_short_or_changed_never_end_the_process(tmp_path):
         path = written(tmp_path, f"{number}.tflite", content[: rng.integers(100, len(content) + 1)])
         with suppress(InputError):
             network(path, BlazePose)
+
+
+class Crashing(BlazePose):
+    """Ends its process as a library does that follows an index out of a damaged file."""
+
+    def tensor(self, image):
+        os.kill(os.getpid(), signal.SIGSEGV)
+        return super().tensor(image)
+
+
+def test_a_model_that_makes_its_library_crash_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[4]))
+    told = reason(written(tmp_path, "tiny.tflite", TINY_BLAZEPOSE), Crashing)
+    assert "the file is damaged: the process that loads it ends by SIGSEGV" in told
+
+
+@pytest.mark.parametrize(
+    ("at", "said"), [(3672, "it names operator 255 of 2"), (3, "a part lies beyond its end")]
+)
+def test_indices_that_a_library_follows_blindly_are_checked(at, said):
+    check_indices(TINY_BLAZEPOSE)
+    content = bytearray(TINY_BLAZEPOSE)
+    content[at] = 255
+    with pytest.raises(ValueError, match=said):
+        check_indices(bytes(content))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_any_damage_leaves_the_indices_alone_or_is_told(seed):
+    rng = np.random.default_rng(seed)
+    for _ in range(50):
+        content = bytearray(TINY_BLAZEPOSE)
+        for at in rng.integers(0, len(content), 5):
+            content[at] = rng.integers(0, 256)
+        with suppress(ValueError):
+            check_indices(bytes(content[: rng.integers(1, len(content) + 1)]))
 
 
 def test_a_model_for_another_decoder_is_refused(tmp_path):
