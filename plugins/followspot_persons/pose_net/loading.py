@@ -14,6 +14,8 @@ from followspot_persons.pose_net.sessions import CRASHING, MissingRuntime, open_
 
 _loaded: WeakValueDictionary[tuple[object, ...], Network] = WeakValueDictionary()
 """Networks that a stage holds, by file and decoder."""
+_tried: set[tuple[object, ...]] = set()
+"""Files and decoders that have crashed no process."""
 
 
 def network(path: Path, decoder: type[Decoder]) -> Network:
@@ -27,8 +29,9 @@ def network(path: Path, decoder: type[Decoder]) -> Network:
         key = (str(path.resolve()), status.st_mtime_ns, status.st_size, decoder)
         found = _loaded.get(key)
         if found is None:
-            if path.suffix == CRASHING:
+            if path.suffix == CRASHING and key not in _tried:
                 try_apart(path, decoder)
+                _tried.add(key)
             found = _loaded[key] = loaded(path, decoder)
     except MissingRuntime as error:
         text = f"persons.pose_net needs ONNX Runtime for {path}, which is not installed"
