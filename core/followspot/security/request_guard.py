@@ -67,8 +67,12 @@ def envelope(asked: Asked, data: dict[str, Any]) -> bytes:
 class RequestGuard:
     """Admits or rejects the requests to an agent.
 
+    The time of a request is compared with the wall clock, and with the wall clock as it was at the last
+    request if it was set since: a run goes on then, and so does its operator.
+
     agent: its name; verbs: all requests that it handles; log_line: gets lines for the log; clock: wall-clock
-    time, s; open_to_hosts: verbs that every registered host may use, not only operators.
+    time, s; open_to_hosts: verbs that every registered host may use, not only operators; steady: a clock that
+    nobody sets, s.
     """
 
     def __init__(
@@ -78,12 +82,16 @@ class RequestGuard:
         log_line: Callable[[str], None] = lambda line: None,
         clock: Callable[[], float] = time.time,
         open_to_hosts: Iterable[str] = (),
+        steady: Callable[[], float] = time.monotonic,
     ) -> None:
         self._rejections = Rejections(log_line)
         self._agent = agent
         self._verbs = frozenset(verbs)
         self._open_to_hosts = frozenset(open_to_hosts)
         self._clock = clock
+        self._steady = steady
+        self._lead: float | None = None
+        """Lead of the wall clock over the steady one, s, at the last request that was fresh by the former."""
         self._remembered: dict[str, float] = {}
 
     @property
@@ -120,8 +128,10 @@ class RequestGuard:
 
     def _remember(self, name: str, sent: float) -> None:
         """Remember a request. Raises Rejected if it is too old or was received before."""
-        now = self._clock()
-        if not abs(now - sent) <= WINDOW:
+        now, steady = self._clock(), self._steady()
+        before = now if self._lead is None else steady + self._lead
+        fresh = abs(now - sent) <= WINDOW
+        if not (fresh or abs(before - sent) <= WINDOW):
             raise Rejected(
                 "stale",
                 f"the request is {now - sent:.0f} s old by the clock here, {WINDOW:.0f} s are allowed; "
@@ -130,10 +140,13 @@ class RequestGuard:
         if name in self._remembered:
             raise Rejected("replayed", "the request was received before")
         if len(self._remembered) >= MAX_REMEMBERED:
-            self._remembered = {seen: until for seen, until in self._remembered.items() if until >= now}
+            earlier = min(now, before)
+            self._remembered = {seen: until for seen, until in self._remembered.items() if until >= earlier}
             if len(self._remembered) >= MAX_REMEMBERED:
                 raise Rejected("flood", f"more than {MAX_REMEMBERED} requests in {2 * WINDOW:.0f} s")
         self._remembered[name] = sent + WINDOW
+        if fresh:
+            self._lead = now - steady
 
 
 def _opened(payload: bytes, most: int) -> dict[str, Any]:

@@ -54,7 +54,7 @@ def test_a_replayed_request_is_rejected_and_another_one_admitted() -> None:
 
 def test_a_request_is_remembered_for_as_long_as_it_is_fresh() -> None:
     now = 1000.0
-    gate = RequestGuard(HERE, {"stop"}, clock=lambda: now)
+    gate = RequestGuard(HERE, {"stop"}, clock=lambda: now, steady=lambda: now)
     sent = now + WINDOW
     gate.admit(DESK, request(time=sent))
     now = sent + WINDOW
@@ -72,6 +72,39 @@ def test_an_old_request_and_one_from_the_future_are_refused_with_the_remedy(sent
     with pytest.raises(Rejected, match="set the clocks") as refused:
         guard().admit(DESK, request(time=sent))
     assert refused.value.reason == "stale"
+
+
+@pytest.mark.parametrize("step", [-86_400.0, 1000.0])
+def test_an_operator_goes_on_although_the_clock_of_the_host_is_set(
+    step: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    true, set_by = 1e9, 0.0
+    monkeypatch.setattr("followspot.security.request_guard.time.time", lambda: true)
+    gate = RequestGuard(HERE, {"stop"}, clock=lambda: true + set_by, steady=lambda: true - 9e8)
+    old = envelope(DESK, {"run": "a"})
+    gate.admit(DESK, old)
+    set_by = step
+    for _ in range(3):
+        true += 100.0
+        gate.admit(DESK, envelope(DESK, {"run": "a"}))
+    with pytest.raises(Rejected, match="old by the clock here"):
+        gate.admit(DESK, old)
+
+
+def test_a_clock_that_was_wrong_before_the_first_request_counts_no_more(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    true, wrong_by = 1e9, -3600.0
+    monkeypatch.setattr("followspot.security.request_guard.time.time", lambda: true)
+    gate = RequestGuard(HERE, {"stop"}, clock=lambda: true + wrong_by, steady=lambda: true)
+    captured = envelope(DESK, {"run": "a"})
+    with pytest.raises(Rejected):
+        gate.admit(DESK, captured)
+    wrong_by = 0.0
+    gate.admit(DESK, envelope(DESK, {"run": "a"}))
+    true += 3600.0
+    with pytest.raises(Rejected, match="old by the clock here"):
+        gate.admit(DESK, captured)
 
 
 @pytest.mark.parametrize("role", ["camera", "worker", "router", "", "Operator"])
@@ -169,7 +202,7 @@ def test_an_unknown_verb_is_refused_with_the_known_ones() -> None:
 
 def test_a_flood_of_requests_takes_bounded_memory_and_ends_with_the_window() -> None:
     now = 1000.0
-    gate = RequestGuard(HERE, {"stop"}, clock=lambda: now)
+    gate = RequestGuard(HERE, {"stop"}, clock=lambda: now, steady=lambda: now)
     for number in range(MAX_REMEMBERED):
         gate.admit(DESK, request(id=f"{number:016}"))
     with pytest.raises(Rejected) as refused:
