@@ -12,10 +12,17 @@ _NEAR = 10_000_000_000
 
 
 class Arrival(NamedTuple):
-    """When a message came. wall: by the wall clock of this host, ns; offset: to the run's time then, ns."""
+    """When a message came. wall: by the wall clock of this host, ns; offset: to the run's time then, ns;
+    step: by how much the wall clock was set since the run began, ns.
+    """
 
     wall: int
     offset: int
+    step: int = 0
+
+    def is_near(self, time: int) -> bool:
+        """Whether a capture time, ns, can have been read from this host's clock, as it is or was at first."""
+        return min(abs(time - self.wall), abs(time - self.wall + self.step)) < _NEAR
 
 
 class Clock:
@@ -50,12 +57,15 @@ class Clock:
     def arrival(self) -> Arrival:
         """The present moment for a message that has just come. Safe from any thread."""
         captured, before = self._captured
-        return Arrival(time.time_ns(), captured - set_since(before))
+        step = set_since(before)
+        return Arrival(time.time_ns(), captured - step, step)
 
     def capture_time(self, given: int, came: Arrival | None = None) -> int:
         """A live source's capture time `given`, ns, on the reference clock; recorded times stay the same.
 
         came: when the message came, now if None.
         """
-        wall, offset = came or self.arrival()
-        return given + offset if abs(given - wall) < _NEAR else given
+        came = came or self.arrival()
+        if abs(given - came.wall) < _NEAR:
+            return given + came.offset
+        return given + came.offset + came.step if came.is_near(given) else given

@@ -17,7 +17,7 @@ class OutputPort(PortEdges):
     type: of its messages; lateness: see `InputQueue`.
     """
 
-    __slots__ = ("counts", "lateness", "type", "unfit", "watermark")
+    __slots__ = ("_refused_at", "counts", "lateness", "type", "unfit", "watermark")
 
     def __init__(self, kind: type[Message], words: memoryview, *, lateness: int) -> None:
         super().__init__(words)
@@ -25,7 +25,7 @@ class OutputPort(PortEdges):
         self.lateness = lateness
         self.counts = True
         """Whether `send` counts messages as produced; a live source counts them in its thread."""
-        self.watermark = -END
+        self.watermark = self._refused_at = -END
         self.unfit: FitCheck | None = None
         """Says why a message does not fit the room; a reader in another worker asks again, for itself."""
 
@@ -45,7 +45,7 @@ class OutputPort(PortEdges):
                 words[row + PRODUCED] += 1
         try:
             if header.time < self.watermark:
-                raise InvalidMessage(f"time {header.time} ns lies before the watermark {self.watermark} ns")
+                raise InvalidMessage(self._too_early(header.time))
             seal(message)  # also one that was sent before: copy.deepcopy makes arrays that can be written
             if self.unfit is not None and (why := self.unfit(message)):
                 raise InvalidMessage(why)
@@ -71,6 +71,13 @@ class OutputPort(PortEdges):
             words[row + AWAY] += 1
         if self._living:
             self._write(message, following)
+
+    def _too_early(self, time: int) -> str:
+        """Why a time, ns, is refused; the same words for all that follow, which may be very many."""
+        if self._refused_at == self.watermark:
+            return "later times lie before that watermark, too"
+        self._refused_at = self.watermark
+        return f"time {time} ns lies before the watermark {self.watermark} ns"
 
     def advance(self, watermark: int) -> None:
         """Advance the watermark, ns, and tell every reader."""

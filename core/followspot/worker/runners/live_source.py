@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
+from followspot.frame_times import NANOSECOND
 from followspot.graph.depths import LIVE_DEPTH
 from followspot.messages import UNSTAMPED, Header
 from followspot.output_checks import several
@@ -36,6 +37,8 @@ class LiveSourceRunner(SourceRunner):
     _thread: threading.Thread | None = None
     _came: Arrival
     """When the last message came."""
+    _by_host_clock = False
+    """Whether capture times have been near to this host's clock: those of recordings are not."""
 
     def start(self) -> None:
         """Start the thread that grabs frames."""
@@ -99,8 +102,22 @@ class LiveSourceRunner(SourceRunner):
         self._thread.start()
 
     def _time(self, given: Header) -> int:
-        """Capture time, ns, on the reference clock; the time of arrival if the device gives none."""
-        return self.clock.capture_time(self._came.wall if given is UNSTAMPED else given.time, self._came)
+        """Capture time, ns, on the reference clock.
+
+        It is the time of arrival if the device gives none, or one that leaps away from the clocks of hosts:
+        the watermark would follow it, and all else would be late.
+        """
+        came = self._came
+        if given is UNSTAMPED:
+            return self.clock.capture_time(came.wall, came)
+        near = came.is_near(given.time)
+        self._by_host_clock |= near
+        if near or not self._by_host_clock:
+            return self.clock.capture_time(given.time, came)
+        leap = round((given.time - came.wall) * NANOSECOND)
+        what = f"capture times leap {abs(leap)} s {'ahead' if leap > 0 else 'back'}"
+        self.stage.context.warn(f"{what}: those of arrival are taken; look at the clock of the device")
+        return self.clock.capture_time(came.wall, came)
 
     def _left_out(self, item: Any, error: Exception) -> None:
         for output in self._outputs_of(item):
