@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from tests.core.worker.test_live_source import Bench, Device, Note
+from tests.core.worker.live_bench import Bench, Device, Note
 
 from followspot import Context, Source, at
 from followspot.messages import Message
