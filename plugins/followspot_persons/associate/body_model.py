@@ -39,8 +39,12 @@ class BodyModel(Protocol[S]):
     def log_ratios(self, bodies: S, view: View, measured: Array) -> Array:
         """Log-likelihood ratios of detections being the bodies against clutter, (M, N)."""
 
-    def updated(self, bodies: S, rows: Array, view: View, measured: Array) -> S:
-        """The bodies after the detections (K, ...) of some of them, (K,)."""
+    def updated(self, bodies: S, rows: Array, view: View, measured: Array, probability: Array) -> S:
+        """The bodies after the detections (K, ...) of some of them, (K,).
+
+        probability: (K,) that a detection is the body's, by which it counts (probabilistic data association;
+        Bar-Shalom, Willett & Tian 2011, section 3.4).
+        """
 
     def pair_ratios(self, views: Views, camera: Array, measured: Array) -> Array:
         """Log-likelihood ratios of two detections being one body against two, (N, N). camera: (N,)."""

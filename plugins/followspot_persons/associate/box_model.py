@@ -48,11 +48,13 @@ class BoxModel:
         """(M, N) of boxes (N, 4) px being these bodies."""
         return box_tracks.fitted(tracks, view, measured, self.delay).ratio
 
-    def updated(self, tracks: BoxTracks, rows: Array, view: View, measured: Array) -> BoxTracks:
+    def updated(
+        self, tracks: BoxTracks, rows: Array, view: View, measured: Array, probability: Array
+    ) -> BoxTracks:
         """The bodies after their boxes (K, 4) px."""
         edges = box_tracks.fitted(tracks.where(rows), view, measured, self.delay).edges
         each = np.arange(len(rows))
-        return box_tracks.updated(tracks, rows, view, measured, edges[each, each], self.delay)
+        return box_tracks.updated(tracks, rows, view, measured, edges[each, each], probability, self.delay)
 
     def pair_ratios(self, views: Views, camera: Array, measured: Array) -> Array:
         """(N, N) of two boxes of different cameras being one body."""
@@ -71,7 +73,7 @@ class BoxModel:
             tracks = replace(tracks, covariance=np.diag(WIDE**2)[None], views=np.zeros(1, int))
             tracks = box_tracks.on_floor(tracks, self.floor)
             for c, box in zip(camera, measured, strict=True):
-                tracks = self.updated(tracks, np.zeros(1, int), views.each[c], box[None])
+                tracks = self.updated(tracks, np.zeros(1, int), views.each[c], box[None], np.ones(1))
         return tracks if np.isfinite(tracks.state).all() else None
 
     def before_set(self, tracks: BoxTracks) -> BoxTracks:

@@ -105,8 +105,19 @@ def _near(there: Array, unit: Array, box: Array) -> Array:
     return np.asarray(((across & down) | unknown) & known[:, None])
 
 
-def updated(tracks: BoxTracks, rows: Array, view: View, box: Array, edges: Array, delay: float) -> BoxTracks:
-    """The bodies in these rows (K,) after their boxes (K, 4) px, of which these edges (K, 4) count."""
+def updated(
+    tracks: BoxTracks,
+    rows: Array,
+    view: View,
+    box: Array,
+    edges: Array,
+    probability: Array,
+    delay: float,
+) -> BoxTracks:
+    """The bodies in these rows (K,) after their boxes (K, 4) px, of which these edges (K, 4) count.
+
+    probability: (K,) that a box is the body's.
+    """
     own = tracks.where(rows)
     there, _, slope = slopes_of(view, own.state)
     S, _ = _spread(own, there, slope, delay)
@@ -114,7 +125,7 @@ def updated(tracks: BoxTracks, rows: Array, view: View, box: Array, edges: Array
     H = np.where(edges[..., None], slope, 0.0)
     S = np.where(edges[..., :, None] & edges[..., None, :], S, _DIAGONAL)
     residual = np.where(edges, box - there, 0.0)
-    return _corrected(tracks, rows, own, H, S, residual)
+    return _corrected(tracks, rows, own, H, S, residual, probability)
 
 
 def on_floor(tracks: BoxTracks, floor: Array) -> BoxTracks:
@@ -129,7 +140,7 @@ def on_floor(tracks: BoxTracks, floor: Array) -> BoxTracks:
     own = STANDING**2 * np.maximum(1.0, residual**2 / (4 * (S[:, 0, 0] + STANDING**2)))
     S = S + own[:, None, None]
     every = np.arange(len(state))
-    return _corrected(tracks, every, tracks, H, S, residual[:, None], seen=0)
+    return _corrected(tracks, every, tracks, H, S, residual[:, None], np.ones(len(state)), seen=0)
 
 
 def _spread(tracks: BoxTracks, there: Array, slope: Array, delay: float) -> tuple[Array, Array]:
@@ -142,12 +153,22 @@ def _spread(tracks: BoxTracks, there: Array, slope: Array, delay: float) -> tupl
 
 
 def _corrected(
-    tracks: BoxTracks, rows: Array, own: BoxTracks, H: Array, S: Array, residual: Array, seen: int = 1
+    tracks: BoxTracks,
+    rows: Array,
+    own: BoxTracks,
+    H: Array,
+    S: Array,
+    residual: Array,
+    probability: Array,
+    seen: int = 1,
 ) -> BoxTracks:
-    """Kalman update of these rows."""
+    """Kalman update of these rows by measurements that are theirs with these probabilities, (K,)."""
     gain = own.covariance @ np.swapaxes(H, 1, 2) @ np.linalg.inv(S)
+    move = gain @ residual[..., None]
+    theirs = probability[:, None, None]
     state, covariance, views = tracks.state.copy(), tracks.covariance.copy(), tracks.views.copy()
-    state[rows] = own.state + (gain @ residual[..., None])[..., 0]
-    covariance[rows] = own.covariance - gain @ S @ np.swapaxes(gain, 1, 2)
+    state[rows] = own.state + (theirs * move)[..., 0]
+    less = gain @ S @ np.swapaxes(gain, 1, 2) - (1 - theirs) * move @ np.swapaxes(move, 1, 2)
+    covariance[rows] = own.covariance - theirs * less
     views[rows] += seen
     return BoxTracks(state, covariance, views)

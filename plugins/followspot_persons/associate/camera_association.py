@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from followspot import Array
+from followspot_persons.associate.association_probabilities import association_probabilities
 from followspot_persons.associate.body_model import BodyModel, S
 from followspot_persons.associate.detections import Detections
-from followspot_persons.associate.existence import missed_detection, visible_shares
+from followspot_persons.associate.existence import log_visibility, missed_detection, visible_shares
 from followspot_persons.associate.track_colors import color_log_ratios, updated_colors
 from followspot_persons.associate.tracks import Tracks
 from followspot_persons.associate.views import View
@@ -71,7 +72,11 @@ def _rivals(worth: Array) -> Array:
 
 
 def associated(
-    tracks: Tracks[S], model: BodyModel[S], view: View, before: Association, choose: Choice
+    tracks: Tracks[S],
+    model: BodyModel[S],
+    view: View,
+    before: Association,
+    choose: Choice,
 ) -> tuple[Tracks[S], Association]:
     """The tracks at the time of exposure, and what is associated, after a round of one camera.
 
@@ -79,21 +84,24 @@ def associated(
     """
     if not len(tracks.bodies):
         return tracks, before
-    visible = visible_shares(*model.bounding_boxes(tracks.bodies, view), view)
+    box, depth = model.bounding_boxes(tracks.bodies, view)
+    visible = visible_shares(box, depth, tracks.life.number > 0, view)
     one, life = before.detections, tracks.life
     if not len(one.measured):
         return tracks, replace(before, visible=visible)
     ratio = model.log_ratios(tracks.bodies, view, one.measured)
     color_ratio = color_log_ratios(life.colors, one.camera, one.colors)
-    left = ~before.found[:, None] & ~before.used
-    rows, columns = choose(np.where(left, np.where(ratio > 0, ratio + color_ratio, ratio), -np.inf))
+    score = np.where(ratio > 0, ratio + color_ratio, ratio) + log_visibility(visible)[:, None]
+    score[before.found] = score[:, before.used] = -np.inf
+    rows, columns = choose(score)
+    probability = association_probabilities(score, 1 / (1 + np.exp(-life.odds)))[rows, columns]
     found, gain, used = before.found.copy(), before.gain.copy(), before.used.copy()
     found[rows], used[columns] = True, True
-    gain[rows] = np.minimum(ratio[rows, columns], model.odds_limits.detection)
+    gain[rows] = probability * np.minimum(ratio[rows, columns], model.odds_limits.detection)
     explained = np.asarray((ratio[life.number > 0] > 0).any(axis=0))
     seen = life.seen.copy()
     seen[rows] = one.time
     colors = updated_colors(life.colors, rows, one.camera, one.colors[columns], visible[rows])
-    bodies = model.updated(tracks.bodies, rows, view, one.measured[columns])
+    bodies = model.updated(tracks.bodies, rows, view, one.measured[columns], probability)
     tracks = replace(tracks, bodies=bodies, life=replace(life, seen=seen, colors=colors))
     return tracks, Association(one, found, gain, used, explained, visible)

@@ -21,6 +21,8 @@ SHRUNK = 0.8
 """Width of a body over that of the box about it: what is behind the edge of the box is seen."""
 NEARER = 0.2
 """Difference of depth from which a body hides another, m."""
+LEAST_VISIBLE = 0.1
+"""Share of a body that is visible although nearer ones seem to hide it: boxes are wider than bodies."""
 _ACROSS, _DOWN = np.meshgrid([0.25, 0.5, 0.75], (np.arange(7) + 0.5) / 7)
 _GRID = np.column_stack([_ACROSS.ravel(), _DOWN.ravel()])
 
@@ -54,10 +56,11 @@ def independence(seconds: float) -> float:
     return min(1.0, max(seconds, 0.0) / PERSISTENCE)
 
 
-def visible_shares(box: Array, depth: Array, view: View) -> Array:
+def visible_shares(box: Array, depth: Array, confirmed: Array, view: View) -> Array:
     """Share of each body, (M,), that is in the picture and hidden by no nearer body.
 
-    box: (M, 4) px about the bodies, NaN if they are not in front; depth: (M,) m.
+    box: (M, 4) px about the bodies, NaN if they are not in front; depth: (M,) m; confirmed: (M,) bool, the
+    bodies that hide others. Others may not exist, and then they would keep detections from a real body.
     """
     size = box[:, None, 2:] - box[:, None, :2]
     point = box[:, None, :2] + size * _GRID
@@ -65,7 +68,8 @@ def visible_shares(box: Array, depth: Array, view: View) -> Array:
     middle, half = (box[:, 0] + box[:, 2]) / 2, SHRUNK * (box[:, 2] - box[:, 0]) / 2
     u, v = point[:, :, None, 0], point[:, :, None, 1]
     covered = (np.abs(u - middle) < half) & (v > box[:, 1]) & (v < box[:, 3])
-    hidden = (covered & (depth < depth[:, None] - NEARER)[:, None]).any(axis=2)
+    nearer = (depth < depth[:, None] - NEARER) & confirmed
+    hidden = (covered & nearer[:, None]).any(axis=2)
     return np.asarray((inside & ~hidden).mean(axis=1))
 
 
@@ -74,3 +78,11 @@ def missed_detection(visible: Array, detection: float) -> Array:
     body in full view is detected.
     """
     return np.asarray(np.log1p(-detection * visible))
+
+
+def log_visibility(visible: Array) -> Array:
+    """Logarithm of the probability that bodies are detected, over that of bodies in full view, (M,).
+
+    A detection of a body that others hide is improbable, however well a box fits it. visible: shares.
+    """
+    return np.asarray(np.log(np.maximum(visible, LEAST_VISIBLE)))

@@ -59,12 +59,14 @@ class JointModel:
         """(M, N) of detections (N, J, 2) px being these bodies."""
         return log_ratios(tracks, expected(tracks, view, self.noise), view, measured, self.sides)
 
-    def updated(self, tracks: JointTracks, rows: Array, view: View, measured: Array) -> JointTracks:
+    def updated(
+        self, tracks: JointTracks, rows: Array, view: View, measured: Array, probability: Array
+    ) -> JointTracks:
         """The bodies after their detections (K, J, 2) px."""
         own = tracks.where(rows)
         points = expected(own, view, self.noise)
         own, xy = labelled(own, points, view, measured, self.sides)
-        return tracks.replaced(rows, joint_tracks.updated(own, points, xy))
+        return tracks.replaced(rows, joint_tracks.updated(own, points, xy, probability))
 
     def pair_ratios(self, views: Views, camera: Array, measured: Array) -> Array:
         """(N, N) of two detections of different cameras being one body."""

@@ -128,11 +128,11 @@ def expected(tracks: JointTracks, view: View, noise: Noise) -> PredictedPoints:
     return PredictedPoints(there, slope, spread, error)
 
 
-def updated(tracks: JointTracks, points: PredictedPoints, xy: Array) -> JointTracks:
+def updated(tracks: JointTracks, points: PredictedPoints, xy: Array, probability: Array) -> JointTracks:
     """The bodies after a detection of each, by the Kalman filter of each joint.
 
-    points: of the bodies; xy: (M, J, 2) px, NaN for joints that were not found. The variance of a point far
-    from its expectation grows with its squared distance.
+    points: of the bodies; xy: (M, J, 2) px, NaN for joints that were not found; probability: (M,) that a
+    detection is the body's. The variance of a point far from its expectation grows with its squared distance.
     """
     found = np.asarray(np.isfinite(xy + points.there).all(axis=-1))
     residual = np.where(found[..., None], xy - points.there, 0.0)
@@ -145,12 +145,14 @@ def updated(tracks: JointTracks, points: PredictedPoints, xy: Array) -> JointTra
     inverse, across = np.linalg.inv(S), np.swapaxes(H, -1, -2)
     gain = tracks.position_covariance @ across @ inverse
     gain_of_velocity = np.swapaxes(tracks.cross_covariance, -1, -2) @ across @ inverse
-    gained, gained_of_velocity = gain @ S, gain_of_velocity @ S
+    theirs = probability[:, None, None, None]
+    spare = S - (1 - theirs) * residual[..., :, None] * residual[..., None, :]
+    gained, gained_of_velocity = theirs * gain @ spare, theirs * gain_of_velocity @ spare
     transposed, transposed_of_velocity = np.swapaxes(gain, -1, -2), np.swapaxes(gain_of_velocity, -1, -2)
     return replace(
         tracks,
-        xyz=tracks.xyz + (gain @ residual[..., None])[..., 0],
-        velocity=tracks.velocity + (gain_of_velocity @ residual[..., None])[..., 0],
+        xyz=tracks.xyz + (theirs * gain @ residual[..., None])[..., 0],
+        velocity=tracks.velocity + (theirs * gain_of_velocity @ residual[..., None])[..., 0],
         position_covariance=tracks.position_covariance - gained @ transposed,
         cross_covariance=tracks.cross_covariance - gained @ transposed_of_velocity,
         velocity_covariance=tracks.velocity_covariance - gained_of_velocity @ transposed_of_velocity,

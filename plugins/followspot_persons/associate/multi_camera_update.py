@@ -78,7 +78,8 @@ def _with_detections(
             tracks = predicted(tracks, model, one.detections.time)
             late = tracks.time - one.detections.time
             tracks = shifted(tracks, model, -late)
-            tracks, cameras[row] = associated(tracks, model, views.each[one.detections.camera], one, choose)
+            view = views.each[one.detections.camera]
+            tracks, cameras[row] = associated(tracks, model, view, one, choose)
             tracks = shifted(tracks, model, late)
     return tracks, cameras
 

@@ -91,5 +91,6 @@ def _initial_odds(
     for number in missed_by:
         view = views.each[number]
         box, depth = model.bounding_boxes(tracks.bodies.joined(body), view)
-        odds += missed_detection(visible_shares(box, depth, view), detection)[-1]
+        visible = visible_shares(box, depth, np.append(tracks.life.number > 0, False), view)
+        odds += missed_detection(visible, detection)[-1]
     return odds

@@ -62,8 +62,9 @@ def test_one_camera_alone_is_no_evidence_of_existence() -> None:
 def test_nearer_bodies_and_the_border_hide() -> None:
     view = VIEWS.each[0]
     box = np.array([[600, 300, 700, 600], [600, 300, 700, 600], [-200, 300, -100, 600]], float)
-    shares = visible_shares(box, np.array([3.0, 5.0, 3.0]), view)
-    assert shares.tolist() == [1.0, 0.0, 0.0]
+    depth, real = np.array([3.0, 5.0, 3.0]), np.ones(3, bool)
+    assert visible_shares(box, depth, real, view).tolist() == [1.0, 0.0, 0.0]
+    assert visible_shares(box, depth, ~real, view).tolist() == [1.0, 1.0, 0.0]  # they may not exist
 
 
 def test_the_box_of_an_ellipsoid_touches_the_images_of_its_surface() -> None:

@@ -87,7 +87,7 @@ def test_a_point_far_off_moves_a_joint_less_than_one_that_is_a_little_off() -> N
     def moved(pixels: float) -> float:
         found = points.there.copy()
         found[0, row, 0] += pixels
-        after = joint_tracks.updated(known, points, found)
+        after = joint_tracks.updated(known, points, found, np.ones(1))
         return float(np.linalg.norm(after.xyz[0, row] - known.xyz[0, row]))
 
     assert moved(400.0) < moved(60.0)
