@@ -51,25 +51,25 @@ class TargetFilterParams(StageParams):
         0.3,
         gt=0,
         unit="m",
-        description="largest step of a tentative target between evident frames, and sigma from which on "
-        "its position needs twice as many of these; raising it confirms faster targets, and vague ones",
+        description="largest step of a tentative target between evident frames; a target whose position has "
+        "a larger sigma needs twice as many of these; raising it confirms faster targets, and vague ones",
     )
     return_distance: float = Field(
         0.1,
         ge=0,
         unit="m",
-        description="distance from where it was last measured up to which one candidate confirms a "
-        "missing target that had as many measurements as it may miss frames; 0: never; raising it finds "
-        "covered targets sooner, and takes other things for them",
+        description="distance from its last measured position within which one candidate confirms a missing "
+        "target, if the target had at least as many measurements as it may miss frames; 0: never; raising it "
+        "finds covered targets sooner, and takes other things for them",
     )
     doubt_frames: int = Field(
         8,
         ge=0,
         unit="frames",
-        description="frames in a row in which fewer candidates than minimum_support show a tracked "
-        "target, after which it is also sought everywhere in every fifth frame, if three cameras have it "
-        "in their pictures and any sees colours; 0: never; raising it keeps tracks longer that have left "
-        "their targets",
+        description="after so many frames in a row in which fewer candidates than minimum_support show a "
+        "tracked target, it is also sought everywhere in every fifth frame, if three cameras have it in "
+        "their pictures and one of them sees colours; 0: never; raising it keeps tracks longer that have "
+        "left their targets",
     )
     fade_time: float = Field(
         0.1,

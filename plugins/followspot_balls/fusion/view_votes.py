@@ -1,4 +1,4 @@
-"""Votes of the views for the candidates of targets: which lies where all views make its target likeliest.
+"""Votes of the views: which candidate of a target lies where all views together make the target likeliest.
 
 Candidates that agree are no independent evidence, as one blob makes several; views are.
 """
@@ -20,27 +20,28 @@ class VoteParams(BlobParams):
         1.0,
         gt=0,
         unit="px",
-        description="error that halves what a whole blob says for a start; raising it tolerates bad "
-        "calibration",
+        description="error in the picture at which the density of a whole blob is half its largest; raising "
+        "it tolerates bad calibration",
     )
     vote_clutter: float = Field(
         0.05,
         gt=0,
         unit="1",
-        description="density of whatever else a blob may be over that of a whole blob at its target's "
-        "centre; raising it lets a few exact views outvote several inexact ones",
+        description="density of clutter over the largest of a whole blob; raising it lets a few exact views "
+        "outvote several inexact ones",
     )
     color_vote_bonus: float = Field(
         0.5,
         ge=0,
         unit="1",
-        description="extra weight of a colour camera's vote for a start; raising it helps in crowds",
+        description="extra weight of colour cameras in the vote for the candidate at which the fusion "
+        "begins; raising it helps in crowds",
     )
     prior_sigma: float = Field(
         0.1,
         gt=0,
         unit="m",
-        description="sigma of the start around the forecast; raising it lets targets jump",
+        description="sigma of that candidate around the forecast; raising it lets targets jump",
     )
 
 
@@ -61,8 +62,8 @@ class ViewVotes:
     def posterior(self, xyz: Array, prior: Array, claims: Claims) -> Array:
         """Logarithm of the posterior of each place as that of each target: (M, N).
 
-        The views are independent, so what they say multiplies: several that agree on a place outvote two
-        that fit another one better, and a forecast that is off by a ball's width. A blob is a target's by a
+        The views are independent, so their densities multiply: several that agree on a place outvote two that
+        fit another one better, and a forecast that is off by a ball's width. A blob is a target's by a
         Cauchy density whose squared width, px^2, grows with the sigma of its centre: a fragment supports an
         exact place less than a whole blob does, and contradicts a near one less. Else it lies there by
         chance.

@@ -34,8 +34,8 @@ class AssociateParams(StageParams):
         gt=0,
         le=1,
         unit="1",
-        description="share of their union from which two boxes of a picture are one person's; raising it "
-        "keeps people apart who stand close, and doubles",
+        description="intersection over union from which two boxes of a picture are one person's; raising it "
+        "keeps apart people who stand close together, and doubles of one person",
     )
     detection_probability: float = Field(
         0.9,

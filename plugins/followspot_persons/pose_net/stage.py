@@ -80,8 +80,8 @@ class PoseNet(Stage):
             gt=0,
             le=1,
             unit="1",
-            description="object keypoint similarity beyond which two finds are one person; raising it keeps "
-            "people apart who stand close together",
+            description="object keypoint similarity beyond which two detections are one person; raising it "
+            "keeps people apart who stand close together",
         )
         frame_interval: int = Field(
             1, ge=1, unit="frames", description="one frame in so many is searched; raising it saves time"
