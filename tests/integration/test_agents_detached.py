@@ -90,7 +90,7 @@ def test_a_detached_run_outlives_its_operators(hosts: TwoAgents) -> None:
     assert seen.returncode == 0, seen.stderr
     assert json.loads(seen.stdout)["faults"] == ["host pc-left is absent: nothing is heard of the run there"]
     assert {s["stage"] for s in json.loads(seen.stdout)["stages"] if s["state"] == "absent"} == {"a", "more"}
-    hosts.agent("pc-left")  # it takes up by itself what it was at
+    hosts.agent("pc-left")  # it resumes its part by itself
     grows(written, of_left, 5)
     done = command("attach", "--run", "graph", "--stop", "--json", *hosts.connect)
     assert done.returncode == 0, done.stderr + done.stdout
@@ -190,11 +190,11 @@ def test_an_agent_that_does_not_answer_hides_no_runs_of_other_agents(hosts: TwoA
 
 
 def test_a_search_for_runs_tells_endpoints_without_an_agent(tmp_path: Path) -> None:
-    nobody = f"tcp/127.0.0.1:{free_port()}"
+    unreached = f"tcp/127.0.0.1:{free_port()}"
     agent = near_agent("pc-left", tmp_path)
-    missed = command("attach", "--connect", nobody)
-    listed = command("runs", "--connect", agent.endpoint, "--connect", nobody)
+    missed = command("attach", "--connect", unreached)
+    listed = command("runs", "--connect", agent.endpoint, "--connect", unreached)
     assert agent.end() == 0
-    assert f"there is no run; runs in reach, though no agent is heard at {nobody}: none" in missed.stderr
-    assert f"warning: only 1 agent is heard at {agent.endpoint}, {nobody}: the list" in listed.stderr
+    assert f"there is no run; runs in reach, though no agent is heard at {unreached}: none" in missed.stderr
+    assert f"warning: only 1 agent is heard at {agent.endpoint}, {unreached}: the list" in listed.stderr
     assert "warning" not in command("runs").stderr

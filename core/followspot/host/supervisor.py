@@ -194,7 +194,7 @@ class Supervisor:
             self._dead.add(worker.name)
             wait = self._restarts.after_death(worker.name, now)
             self._report_event("warning", self._notes.of(worker.name, why, wait), worker.name)
-        worker.phase = "absent"  # last: whoever sees the phase finds the reason in the log
+        worker.phase = "absent"  # last: the log has the reason before the phase shows
 
     def _end_without_report(self, worker: WorkerProcess, error: str) -> None:
         """Mark a worker as ended for good, with a report in its place."""

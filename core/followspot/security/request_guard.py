@@ -71,8 +71,8 @@ class RequestGuard:
     request if it was set since: a run goes on then, and so does its operator.
 
     agent: its name; verbs: all requests that it handles; log_line: gets lines for the log; clock: wall-clock
-    time, s; open_to_hosts: verbs that every registered host may use, not only operators; steady: a clock that
-    nobody sets, s.
+    time, s; open_to_hosts: verbs that every registered host may use, not only operators; steady: a monotonic
+    clock, s.
     """
 
     def __init__(

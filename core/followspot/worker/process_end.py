@@ -1,7 +1,8 @@
 """`os._exit` while workers live: an error of the stage that calls it.
 
-Where a worker is a thread of its host, the call would end the whole run without a word, and with the code
-that the stage chose, 0 perhaps; where it is a process, nobody could tell which stage it was.
+If a worker is a thread of its host, the call would end the whole run without a message, and with the exit
+code that the stage chose, perhaps 0. If the worker is a process, its host could not tell which stage made the
+call.
 """
 
 from __future__ import annotations

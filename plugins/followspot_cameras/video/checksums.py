@@ -1,7 +1,7 @@
 """Checksums of a Matroska file: FFmpeg stores one with each cluster, some pictures or seconds of the video.
 
-A decoder shows a damaged picture as well as it can, and tells nobody: FFV1 without its own checksums decodes
-whatever bits there are. The checksums of the file tell. MP4 and AVI have none.
+A decoder shows a damaged picture as well as it can and reports no error: FFV1 without checksums of its own
+decodes any bits. The checksums of the file show the damage. MP4 and AVI have none.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _INFO = b"\x15\x49\xa9\x66"
 _OTHERS = frozenset(
     bytes.fromhex(kind) for kind in ("114d9b74", "1654ae6b", "1c53bb6b", "1941a469", "1043a770", "1254c367")
 )
-"""What else a segment has: seek head, tracks, cues, attachments, chapters, tags."""
+"""Other elements of a segment: seek head, tracks, cues, attachments, chapters, tags."""
 _SHORT = (0xBF, 0xEC)
 """Elements whose id has one byte: a checksum, void."""
 _SCALE = b"\x2a\xd7\xb1\x83"
@@ -68,7 +68,7 @@ class Checksums(Closing):
 def clusters(file: BinaryIO) -> Iterator[Cluster]:
     """The clusters of a Matroska file that have checksums; none of another file (RFC 8794, RFC 9559).
 
-    Where damage hides how the file goes on, the last one is the one before, with a checksum that no data has.
+    If damage hides where the next cluster begins, the last one comes again, with a checksum that no data has.
     """
     file.seek(0)
     if file.read(4) != EBML:

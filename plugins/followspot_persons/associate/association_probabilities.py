@@ -13,22 +13,23 @@ from followspot import Array
 
 ITERATIONS = 4
 """Exchanges of messages; more make the probabilities no better."""
-MAXIMUM_LOG_RATIO = 40.0
-"""Bound of log-likelihood ratios, so that sums of ratios stay exact."""
+MAXIMUM_LOG_RATIO = 300.0
+"""Bound of log-likelihood ratios, so that their exponentials are finite."""
 
 
 def association_probabilities(log_ratio: Array, existence: Array) -> Array:
     """Probability that each detection is each track's if that track's body exists, (M, N).
 
     log_ratio: (M, N) log-likelihood ratios of a detection being the track's against clutter and the track
-    being missed; -inf for pairs that cannot be; existence: (M,) probabilities of the bodies, by which they
-    claim detections. A track has at most one detection, a detection at most one track.
+    being missed; -inf or NaN for pairs that cannot be; existence: (M,) probabilities of the bodies, by which
+    they claim detections. A track has at most one detection, a detection at most one track.
     """
-    ratio = np.exp(np.minimum(log_ratio, MAXIMUM_LOG_RATIO))
+    ratio = np.where(log_ratio > -np.inf, np.exp(np.minimum(log_ratio, MAXIMUM_LOG_RATIO)), 0.0)
     claiming, unclaimed = existence[:, None] * ratio, np.ones_like(ratio)
+    # sums of the others by products, for a sum less its own part is wrong if that part is very large
+    other_rows, other_columns = (1.0 - np.eye(count) for count in ratio.shape)
     for _ in range(ITERATIONS):
-        free = claiming * unclaimed
-        claim = claiming / (1 + free.sum(axis=1, keepdims=True) - free)
-        unclaimed = 1 / (1 + claim.sum(axis=0, keepdims=True) - claim)
+        claim = claiming / (1 + (claiming * unclaimed) @ other_columns)
+        unclaimed = 1 / (1 + other_rows @ claim)
     free = ratio * unclaimed
     return np.asarray(free / (1 + free.sum(axis=1, keepdims=True)))

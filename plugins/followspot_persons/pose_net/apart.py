@@ -14,7 +14,7 @@ _TIMEOUT = 60.0
 """Longest time, s, that a model may take to load and to look at a black image."""
 _TRIAL = "followspot_persons.pose_net.trial"
 _FILLED = {"MALLOC_PERTURB_": "165"}
-"""Fills memory that nobody has written, so that what reads it crashes each time and not by chance."""
+"""Fills uninitialised memory, so that code that reads it crashes each time and not by chance."""
 
 
 def try_apart(path: Path, decoder: type[Decoder]) -> None:

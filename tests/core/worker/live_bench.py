@@ -18,7 +18,7 @@ class Note(Message):
 
 
 class Device(Stage):
-    """Gives what it is told to, and says when it is asked for more."""
+    """Yields as many messages as a test wants, and signals each request for another one."""
 
     live = True
 
@@ -32,7 +32,7 @@ class Device(Stage):
     def process(self) -> Source[Note]:
         yield from self.items(lambda n: at(n, Note(n)))
 
-    def items(self, made: Callable[[int], object]) -> Iterator[object]:  # type: ignore[misc]
+    def items(self, made: Callable[[int], object]) -> Iterator[object]:
         while True:
             self.asked.release()
             self.wanted.acquire()

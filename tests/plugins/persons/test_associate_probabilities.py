@@ -65,6 +65,15 @@ def test_probabilities_are_nearly_those_of_all_assignments() -> None:
             np.testing.assert_allclose(association_probabilities(one, SURE[: len(one)]), enumerated(one))
 
 
+def test_many_joints_that_fit_leave_no_doubt() -> None:
+    """Ratios of twenty joints, beside which 1 is lost in a sum."""
+    sure = np.array([[90.0, 70.0], [60.0, 80.0]])
+    np.testing.assert_allclose(association_probabilities(sure, SURE[:2]), np.eye(2), atol=1e-6)
+    np.testing.assert_allclose(association_probabilities(sure[:1, :1], SURE[:1]), 1.0)
+    rivals = association_probabilities(np.array([[500.0, np.nan], [40.0, -np.inf]]), SURE[:2])[:, :1]
+    np.testing.assert_allclose(rivals, [[1.0], [0.0]], atol=1e-6)
+
+
 def test_a_rival_that_may_not_exist_claims_less() -> None:
     log_ratio = np.array([[4.0], [4.0]])
     alone, beside_nobody, rivals = (

@@ -6,7 +6,6 @@ import hashlib
 import importlib
 import multiprocessing
 import os
-import pickle
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -14,6 +13,8 @@ from multiprocessing.connection import Connection
 from operator import attrgetter
 from types import ModuleType
 from typing import Any, NamedTuple
+
+from pydantic_core import PydanticSerializationError
 
 from followspot import room_file
 from followspot.errors import InputError
@@ -28,7 +29,7 @@ _HASH_SEED = "PYTHONHASHSEED"
 
 
 class _Order(NamedTuple):
-    """A trial for another process. params: None to import the stage only; room: in JSON types."""
+    """A trial for another process. params, room: in JSON types; params: None to import the stage only."""
 
     module: str
     name: str
@@ -37,21 +38,21 @@ class _Order(NamedTuple):
 
 
 class _Answer(NamedTuple):
-    """What another process found. error: of the import; digest: of the outputs; each may be empty."""
+    """The answer of another process. error: of the import; digest: of the outputs; each may be empty."""
 
     error: str
     digest: str = ""
 
 
 def does_the_same_in_a_fresh_process(trial: Trial) -> Iterator[str]:
-    """A worker imports the stage with nothing but the runtime imported before.
+    """A worker that has imported only the runtime imports the stage, and gets the same outputs.
 
-    `hash` of a text, and the order of a set of texts, are others there.
+    In another process `hash` of a text, and the order of a set of texts, differ.
     """
     stage = trial.stage
     file = sys.modules[stage.__module__].__file__
     if stage.__module__ == "__main__" or "<locals>" in stage.__qualname__ or file is None:
-        return  # is_found_by_its_name says so
+        return  # `is_found_by_its_name` reports it
     answer = _answer(_order(trial))
     if answer.error:
         yield f"a fresh process cannot import it: {answer.error}"
@@ -63,18 +64,21 @@ def does_the_same_in_a_fresh_process(trial: Trial) -> Iterator[str]:
 
 
 def _order(trial: Trial) -> _Order:
-    """The order for a trial; to import the stage only if it cannot be called, or parameters do not travel."""
+    """The order for a trial: to import the stage only, if it cannot be called, or if its parameters or the
+    room cannot be written in JSON types.
+    """
     module, name = trial.stage.__module__, trial.stage.__qualname__
-    params = dict(trial.params) if trial.computes or trial.yields else None
+    if not (trial.computes or trial.yields):
+        return _Order(module, name, None, {})
     try:
-        pickle.dumps(params)
+        params = trial.stage.Params(**trial.params).model_dump(mode="json")
         return _Order(module, name, params, room_file.to_data(trial.room))
-    except (pickle.PicklingError, TypeError, AttributeError, InputError):
+    except (PydanticSerializationError, InputError):
         return _Order(module, name, None, {})
 
 
 def _answer(order: _Order) -> _Answer:
-    """What a new process answers, which has what every worker has imported before it looks for stages."""
+    """The answer of a new process, which has imported what every worker imports before its stages."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(["followspot.worker.main"])
     here, there = context.Pipe(duplex=False)
@@ -93,7 +97,7 @@ def _answer(order: _Order) -> _Answer:
 
 @contextmanager
 def _without_main() -> Iterator[None]:
-    """Let a process that starts meanwhile not run the script of this one, which may have no guard."""
+    """Keep processes that start in this block from running this process's script, which may have no guard."""
     main, sys.modules["__main__"] = sys.modules["__main__"], ModuleType("__main__")
     try:
         yield
@@ -103,7 +107,7 @@ def _without_main() -> Iterator[None]:
 
 @contextmanager
 def _other_hashes() -> Iterator[None]:
-    """Let a fork server that starts meanwhile hash texts in another way, also if the environment says how."""
+    """Give a fork server that starts in this block another hash of texts, even if PYTHONHASHSEED is set."""
     seed = os.environ.get(_HASH_SEED, "random")
     if not seed.isdecimal():  # then each process has its own
         yield
@@ -116,7 +120,7 @@ def _other_hashes() -> Iterator[None]:
 
 
 def _carry_out(order: _Order, answer: Connection) -> None:
-    """Tell what the import of a stage raises, or what the stage gives."""
+    """Send the error that the import of a stage raises, or the checksum of its outputs."""
     try:
         module = importlib.import_module(order.module)
     except BaseException as error:
@@ -131,6 +135,6 @@ def _carry_out(order: _Order, answer: Connection) -> None:
 
 
 def _digest(trial: Trial) -> str:
-    """Checksum of what an instance gives for a few frames."""
+    """Checksum of the outputs of an instance for a few frames."""
     found = first_or_none(trial) if trial.ports.source else sent(trial)
     return hashlib.sha256(repr([contents(message) for message in found]).encode()).hexdigest()
