@@ -198,6 +198,14 @@ def test_every_file_that_a_page_for_developers_names_is_there(page: str) -> None
     assert missing == []
 
 
+def test_the_architecture_lists_the_files_at_the_root_of_the_core() -> None:
+    """A file that is no API for plugin authors belongs in a folder."""
+    section = PAGES["architecture.md"].partition("## Three roles")[2].partition("Everything else")[0]
+    listed = re.findall(r"`(\w+\.py)`", section)
+    at_root = [path.name for path in (ROOT / "core/followspot").glob("*.py")]
+    assert sorted(listed) == sorted({*at_root} - {"__init__.py"})
+
+
 def test_make_help_lists_every_target() -> None:
     words = ["make", "--no-print-directory", "help"]  # the tests may run under make
     listed = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True).stdout

@@ -24,9 +24,9 @@ import yaml
 
 from followspot import Camera, Context, Room, Target, at
 from followspot.geometry import ray, triangulate_views
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array
 from followspot.plugins.registry import load_stage
-from followspot.sealing import seal
 from followspot.tracking import Positions
 from scripting import options_of
 

@@ -33,7 +33,7 @@ from bench_situations import FUSIONS, GRAPH, rmse_mm, tracked
 from benching.room_copy import Copy, copied
 from followspot import room_file
 from followspot.messages import Array
-from followspot.tables import table
+from followspot.tables.terminal import table
 from followspot_accuracy import TrackTable, TruthTable, truth_of
 from followspot_accuracy.targets.metrics import within_ellipsoid
 from followspot_accuracy.targets.scoring import REACH, trajectory

@@ -18,9 +18,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from followspot import Context, Room, Stage, Target, at
+from followspot.message_checks.sealing import seal
 from followspot.plugins.registry import load_stage
-from followspot.sealing import seal
-from followspot.tables import table
+from followspot.tables.terminal import table
 from followspot.tracking import Positions
 from scripting import options_of
 

@@ -35,8 +35,8 @@ import numpy as np
 
 from benching.bare_ring import SMALL, BareReader, BareWriter, create
 from benching.edge_writer import DEPTH
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, Message, stamped
-from followspot.sealing import seal
 from followspot.tracking import Frame
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter

@@ -21,9 +21,9 @@ import numpy as np
 
 from followspot import Array, Context, Member, Room, Sensor, Stage, Target, at
 from followspot.inertial import Inertial, PosedTracks
+from followspot.message_checks.sealing import seal
 from followspot.plugins.registry import load_stage
 from followspot.rotation import inverse, multiply, rotation_vector, turned
-from followspot.sealing import seal
 from followspot.tracking import Positions
 from scripting import options_of
 

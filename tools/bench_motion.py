@@ -25,7 +25,7 @@ from followspot.frame_times import NANOSECOND
 from followspot.messages import Array
 from followspot.plugins.registry import load_stage
 from followspot.room_file import load
-from followspot.tables import table
+from followspot.tables.terminal import table
 from followspot.tracking import LOST, Positions, Truth
 from scripting import options_of
 

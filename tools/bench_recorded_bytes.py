@@ -29,8 +29,8 @@ import numpy as np
 import zstandard
 
 from benching.lossless_video import LosslessVideo
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array, Header, stamped
-from followspot.sealing import seal
 from followspot.tracking import Frame
 from followspot.wire import differenced, pack, restored
 from scripting import options_of

@@ -31,7 +31,7 @@ import followspot as fs
 from bench_motion import truths
 from followspot import room_file
 from followspot.messages import Array
-from followspot.tables import table
+from followspot.tables.terminal import table
 from followspot_accuracy import TrackTable, TruthTable, read_tracks_csv, truth_of
 from followspot_accuracy.targets.scoring import REACH, trajectory
 from scripting import options_of

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from followspot.tables import table
+from followspot.tables.terminal import table
 
 
 def options_of(description: str | None) -> argparse.ArgumentParser:

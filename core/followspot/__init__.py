@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from followspot.library.subscription import Subscription
     from followspot.library.table import Table
     from followspot.messages import Array, Header, Message, at, column
-    from followspot.port_marks import Deferred, Joined, Lagged, Latest, Nearest, Outputs, Source, Window
+    from followspot.ports.marks import Deferred, Joined, Lagged, Latest, Nearest, Outputs, Source, Window
     from followspot.room import Camera, Member, Room, Sensor, Target
     from followspot.stage import Stage
     from followspot.stage_params import (
@@ -70,23 +70,23 @@ _HOME = {
     "Sensor": "room",
     "Target": "room",
     "Context": "context",
-    "Deferred": "port_marks",
+    "Deferred": "ports.marks",
     "Field": "stage_params",
     "InputAddress": "stage_params",
     "InputDevice": "stage_params",
     "InputPath": "stage_params",
-    "Joined": "port_marks",
-    "Lagged": "port_marks",
-    "Latest": "port_marks",
-    "Nearest": "port_marks",
+    "Joined": "ports.marks",
+    "Lagged": "ports.marks",
+    "Latest": "ports.marks",
+    "Nearest": "ports.marks",
     "OutputHost": "stage_params",
     "OutputFolder": "stage_params",
     "OutputPath": "stage_params",
-    "Outputs": "port_marks",
-    "Source": "port_marks",
+    "Outputs": "ports.marks",
+    "Source": "ports.marks",
     "Stage": "stage",
     "StageParams": "stage_params",
-    "Window": "port_marks",
+    "Window": "ports.marks",
 }
 
 __all__ = [

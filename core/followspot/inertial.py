@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from followspot.messages import Array, Message, column
 from followspot.room import Room
-from followspot.table_column import TableColumn
+from followspot.tables.table_column import TableColumn
 from followspot.tracking import Tracks, Truth
 
 

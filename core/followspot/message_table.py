@@ -19,7 +19,7 @@ from followspot.columns import Column
 from followspot.errors import FollowspotError
 from followspot.messages import Array, Message
 from followspot.room import Room
-from followspot.table_column import TableColumn
+from followspot.tables.table_column import TableColumn
 from followspot.tracking import STATES
 
 Table = Sequence[TableColumn]

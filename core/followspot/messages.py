@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from followspot.columns import Column, check_column
-from followspot.html import html_table
-from followspot.table_column import TableColumn
+from followspot.tables.html import html_table
+from followspot.tables.table_column import TableColumn
 
 Array = NDArray[Any]
 

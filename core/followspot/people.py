@@ -14,7 +14,7 @@ import numpy as np
 from followspot.geometry import direction, seen_from_above, wrap
 from followspot.messages import Array, Message, column
 from followspot.room import Camera, Room
-from followspot.table_column import TableColumn
+from followspot.tables.table_column import TableColumn
 from followspot.tracking import STATES
 
 

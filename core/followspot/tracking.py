@@ -13,7 +13,7 @@ import numpy as np
 
 from followspot.messages import Array, Message, column
 from followspot.room import Room
-from followspot.table_column import TableColumn
+from followspot.tables.table_column import TableColumn
 
 LOST, TRACKED, MISSING, PREDICTED = 0, 1, 2, 3
 STATES = ("lost", "tracked", "missing", "predicted")

@@ -8,8 +8,8 @@ from typing import ClassVar
 from followspot import Mistake, Room, Source, Stage, at
 from followspot.csv_rows import FIRST_ROWS
 from followspot.inertial import Inertial
-from followspot.reading_batches import BatchParams, batches
 from followspot.room import Member
+from followspot.sensors.reading_batches import BatchParams, batches
 from followspot_imu.reading_rate import gaps_told
 from followspot_imu.readings_file import FileParams, read_readings
 from followspot_imu.units import converted, doubts_of_units

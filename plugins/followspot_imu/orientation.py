@@ -11,7 +11,7 @@ from followspot.frame_times import NANOSECOND
 from followspot.inertial import Inertial, Orientation
 from followspot.messages import MAX_TIME
 from followspot.rotation import canonical
-from followspot.stuck_readings import REMEDY, runs, stuck
+from followspot.sensors.stuck_readings import REMEDY, runs, stuck
 from followspot_imu.attitude import AttitudeFilter, Complementary
 from followspot_imu.inclination_error import first_inclination
 from followspot_imu.reading_rate import MINIMUM_READINGS, RateCheck, usual_period

@@ -10,7 +10,7 @@ from typing import Literal, NoReturn
 
 from followspot.errors import FollowspotError
 from followspot.files import removed, unused_path
-from followspot.system_limits import limit_remedy
+from followspot.operating_system.limits import limit_remedy
 from followspot_recording.writer import McapWriter
 
 Compression = Literal["lz4", "zstd", "none"]

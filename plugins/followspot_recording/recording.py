@@ -14,8 +14,8 @@ from mcap.opcode import Opcode
 from followspot.closing import Closing
 from followspot.errors import FollowspotError
 from followspot.files import open_regular
-from followspot.firing import is_firings
 from followspot.messages import InvalidMessage
+from followspot.ports.firing import is_firings
 from followspot.wire import restored
 from followspot_recording.contents import read_contents
 from followspot_recording.records import (

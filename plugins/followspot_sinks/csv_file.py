@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from followspot import Field, Joined, Message, OutputPath, StageParams
 from followspot.errors import FollowspotError
 from followspot.message_table import Table, head_of, plain, table_of
-from followspot.table_column import TableColumn
+from followspot.tables.table_column import TableColumn
 from followspot_sinks.chosen_columns import chosen_columns
 from followspot_sinks.line_sink import LineSink, seconds
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from followspot import Stage
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.files import removed
-from followspot.system_limits import limit_remedy
+from followspot.operating_system.limits import limit_remedy
 
 FLUSH_BYTES = 1 << 13
 

@@ -16,7 +16,7 @@ import numpy as np
 from followspot.errors import FollowspotError
 from followspot.files import opencv_name
 from followspot.messages import Array
-from followspot.system_limits import limit_remedy
+from followspot.operating_system.limits import limit_remedy
 
 SMALLEST = 16
 """Smallest width and height for the codec, px; it needs even ones."""

@@ -8,6 +8,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from followspot.message_checks.sealing import seal
 from followspot.messages import (
     MAX_TEXTS,
     UNSTAMPED,
@@ -20,7 +21,6 @@ from followspot.messages import (
     identical,
     stamped,
 )
-from followspot.sealing import seal
 from followspot.transport.codec import pack, unpack
 from followspot.transport.ring.memory import Memory
 

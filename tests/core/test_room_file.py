@@ -14,8 +14,9 @@ from tests.core.graph.files import ROOM
 
 from followspot.errors import InputError
 from followspot.room import Camera, Member, Room, Sensor, StageUse, Target
-from followspot.room_file import from_data, load, save, to_data, update
-from followspot.valid_names import HOST_NAME, is_title
+from followspot.room_document.data import from_data, to_data
+from followspot.room_file import load, save, update
+from followspot.valid_values.names import HOST_NAME, is_title
 
 finite = st.floats(allow_nan=False, allow_infinity=False, width=64)
 near = st.floats(-1e4, 1e4)

@@ -23,14 +23,14 @@ from followspot.control.tapping import PlaceTaps
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.load import load
 from followspot.graph.plan_data import plan_from_data
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, InvalidMessage, Message, stamped
-from followspot.room_form.room import room_of
-from followspot.sealing import seal
+from followspot.room_document.room import room_of
 from followspot.security.request_guard import Asked, Rejected, RequestGuard
 from followspot.tracking import Blobs, Frame, Pairs, Tracks
 from followspot.transport.wire import ALIGN, PREFIX
 from followspot.transport.zenoh.codec import pack_as, unpack_as
-from followspot.yaml_reader import parse
+from followspot.yaml.reader import parse
 
 KINDS: tuple[type[Message], ...] = (Frame, Blobs, Pairs, Tracks)
 SCALARS = st.none() | st.booleans() | st.integers(-(2**63), 2**64 - 1) | st.floats() | st.text() | st.binary()

@@ -22,7 +22,7 @@ import numpy as np
 from pathlib import Path
 from followspot import Context
 from followspot.messages import Header, stamped
-from followspot.sealing import seal
+from followspot.message_checks.sealing import seal
 from followspot.tracking import Frame
 from followspot_recording.sink import RecordingSink
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from tests.promises.edge_model import Advance, Missing, Spoken, Word
 
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array, Header, Message, column, stamped
-from followspot.sealing import seal
 from followspot.transport.token import Invalid, Token, Watermark
 
 SMALL = 100

@@ -10,7 +10,8 @@ import pytest
 from bench_rooms import BY_CHANCE, PERFORMED, Case, table, weaknesses
 from benching.random_rooms import random_room
 from followspot.geometry import project
-from followspot.room_file import load, to_data
+from followspot.room_document.data import to_data
+from followspot.room_file import load
 
 ROOMS = Path(__file__).parents[2] / "graphs" / "rooms"
 

@@ -15,8 +15,8 @@ import numpy as np
 import zenoh
 
 from benching.bare_ring import SMALL, BareWriter
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array, Header, stamped
-from followspot.sealing import seal
 from followspot.tracking import Frame
 from followspot.transport.edge import PortWriter
 from followspot.transport.ring.writer import RingWriter

@@ -19,8 +19,8 @@ from followspot.context import Context
 from followspot.graph.plan import Plan
 from followspot.messages import at
 from followspot.plugins.registry import load_stage
-from followspot.port_marks import Source
-from followspot.ports import ports
+from followspot.ports.marks import Source
+from followspot.ports.signature import ports
 from followspot.stage import Stage
 from followspot.tracking import LOST, Forecast, Frame, Positions, Tracks
 from followspot.worker.build import build_worker

@@ -9,8 +9,8 @@ import msgpack
 import numpy as np
 
 from followspot.graph.plan import EdgeCodec
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array, InvalidMessage, Message, stamped
-from followspot.sealing import seal
 from followspot.transport.wire import ALIGN, MAX_HEAD, PREFIX, VERSION, pack_head, unpack_head
 from followspot.transport.zenoh.codec import pack_as
 from fuzzing.mutation import NASTY_FLOATS

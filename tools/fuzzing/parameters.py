@@ -14,7 +14,6 @@ from typing import Any
 import cv2
 import numpy as np
 
-from followspot.document import node_of
 from followspot.errors import FollowspotError, InputError, Mistake, Place
 from followspot.graph.parameters import validated
 from followspot.library.sink import SINK
@@ -22,6 +21,7 @@ from followspot.plugins.catalogue import catalogue
 from followspot.plugins.registry import load_stage
 from followspot.testing.samples import Content
 from followspot.testing.trial import Trial
+from followspot.yaml.node import node_of
 from fuzzing.target import Target
 from fuzzing.trees import Raw, extreme, extreme_like
 

@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from followspot.message_checks.room_fit import fit_check
+from followspot.message_checks.sealing import seal
 from followspot.messages import MAX_SEQ, MAX_TIME, Header, InvalidMessage, Message, stamped
 from followspot.plugins.catalogue import catalogue
 from followspot.plugins.registry import PluginError, load_stage
-from followspot.room_fit import fit_check
-from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.testing.samples import BLACK, sample
 from followspot.testing.tiny_room import tiny_room

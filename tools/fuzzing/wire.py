@@ -10,8 +10,8 @@ import msgpack
 import numpy as np
 
 from followspot import people, tracking
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array, Header, InvalidMessage, Message, stamped
-from followspot.sealing import seal
 from followspot.transport.codec import codec_of, pack
 from followspot.transport.ring.heads import HeadPacker
 from followspot.transport.ring.notification import (

@@ -161,7 +161,7 @@ def _told(item: Any, result: Any) -> str:
 
 
 def _print_table(results: Sequence[tuple[Any, Any]], expected: int) -> int:
-    from followspot.tables import table
+    from followspot.tables.terminal import table
 
     total = Counter(_package(item) for item, _ in results)
     killed = Counter(_package(item) for item, result in results if _killed(result))

@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from followspot import Field, Message, OutputPath, Source, Stage, at
-from followspot.port_specs import Ports
-from followspot.ports import ports
+from followspot.ports.signature import ports
+from followspot.ports.specs import Ports
 from followspot.tracking import TRACKED, Frame, Tracks
 from followspot_balls.associate_tracked import AssociateTracked as PlainAssociateTracked
 from followspot_balls.bridge import Bridge as PlainBridge

@@ -117,7 +117,7 @@ def checked_of(args: argparse.Namespace) -> Checked:
 
 def frame_count(text: str) -> int:
     """Parse --frames. Raises argparse.ArgumentTypeError."""
-    from followspot.ranges import MAX_EXACT
+    from followspot.valid_values.numbers import MAX_EXACT
 
     return _whole(text, 1, MAX_EXACT)
 

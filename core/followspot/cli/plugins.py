@@ -74,7 +74,7 @@ def _list(files: Sequence[StageEntry], *, as_json: bool) -> None:
     from followspot.plugins.catalogue import catalogue
     from followspot.plugins.loaded_hooks import load_hooks
     from followspot.plugins.registry import examined
-    from followspot.tables import table
+    from followspot.tables.terminal import table
 
     stages = [*(examined(entry) for entry in catalogue().values()), *files]
     hooks = load_hooks().modules
@@ -87,7 +87,7 @@ def _list(files: Sequence[StageEntry], *, as_json: bool) -> None:
 
 
 def _page(described: dict[str, Any]) -> str:
-    from followspot.tables import table
+    from followspot.tables.terminal import table
 
     lines = [described["name"], "", described["description"], ""]
     for port in described["inputs"]:

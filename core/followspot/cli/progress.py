@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from followspot.library.execute import Progress
-from followspot.tables import BAD_STYLE, is_screen, literal_console
+from followspot.tables.terminal import BAD_STYLE, is_screen, literal_console
 
 if TYPE_CHECKING:
     from rich.console import Console

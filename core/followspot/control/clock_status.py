@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from followspot.ranges import Count, Figure
+from followspot.valid_values.numbers import Count, Figure
 
 LIMIT_MS = 5.0
 """Offset, ms, from which users are told to set their clocks."""

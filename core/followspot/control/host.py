@@ -18,7 +18,7 @@ from followspot.control.swap import ChangeStatus
 from followspot.control.worker_report import WorkerReport
 from followspot.errors import FollowspotError
 from followspot.log.run_log import RunLog
-from followspot.ranges import Age, Count, Incarnation, Last, Nanoseconds
+from followspot.valid_values.numbers import Age, Count, Incarnation, Last, Nanoseconds
 
 WorkerPhase = Literal["starting", "ready", "running", "absent", "over"]
 """absent: the worker died and will be restarted, or its host does not answer; over: it has ended for good."""

@@ -10,7 +10,7 @@ import pydantic
 from followspot.control.dispatch import Request, Role, RunRequest
 from followspot.control.host import RunOrder
 from followspot.control.process_identity import ProcessIdentity
-from followspot.ranges import Age, Count, Nanoseconds
+from followspot.valid_values.numbers import Age, Count, Nanoseconds
 
 Known = Literal["here", "timed out", "unknown"]
 """How an agent knows a run; timed out: the agent ended it because its operator was silent."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 from followspot.control.dispatch import Role, RunRequest
-from followspot.ranges import Count
+from followspot.valid_values.numbers import Count
 
 MOVE_TIMEOUT = 60.0
 """Seconds after which workers that left for a move are started again if no operator ends the move."""

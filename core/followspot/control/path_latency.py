@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from followspot.ranges import Count, Figure
+from followspot.valid_values.numbers import Count, Figure
 
 
 @dataclass(frozen=True)

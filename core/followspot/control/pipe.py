@@ -16,7 +16,7 @@ from contextlib import suppress
 from typing import NamedTuple
 
 from followspot.control.dispatch import Request, from_wire, to_wire
-from followspot.descriptors import crowded, send_descriptors
+from followspot.operating_system.descriptors import crowded, send_descriptors
 
 MAX_LINE = 64 << 20
 """Longest message, bytes; the plan of a room with a thousand cameras is shorter."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from followspot.ranges import Age, Count, Figure, Nanoseconds
+from followspot.valid_values.numbers import Age, Count, Figure, Nanoseconds
 
 StageState = Literal[
     "starting", "getting", "waiting", "processing", "sending", "paused", "old", "absent", "over"

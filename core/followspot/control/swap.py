@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Literal
 from followspot.control.dispatch import Role, RunRequest
 from followspot.graph.plan import PlannedStage
 from followspot.graph.subgraph_use import SubgraphUse
-from followspot.ranges import Count, Nanoseconds
+from followspot.valid_values.numbers import Count, Nanoseconds
 
 Step = Literal["build", "hold", "rest", "take_over", "go_on", "discard"]
 ChangePhase = Literal["building", "built", "held", "resting", "done", "failed"]

@@ -11,7 +11,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.parameters import path_parameters
 from followspot.graph.plan import Plan
 from followspot.plugins.registry import load_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.stage import Stage
 from followspot.stage_params import PathIn, PathOut
 

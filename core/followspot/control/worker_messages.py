@@ -11,7 +11,7 @@ from followspot.control.stage_status import PathStatus, StageStatus
 from followspot.control.swap import ChangeStatus
 from followspot.control.worker_report import WorkerReport
 from followspot.log.record import LogRecord
-from followspot.ranges import Count, Nanoseconds
+from followspot.valid_values.numbers import Count, Nanoseconds
 
 
 class WorkerMessage(Request):

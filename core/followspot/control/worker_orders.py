@@ -12,8 +12,8 @@ from followspot.control.swap import ChangeOrder
 from followspot.control.tapping import PlaceTaps, RemoveTaps
 from followspot.errors import FollowspotError, did_you_mean
 from followspot.graph.plan import Plan
-from followspot.ranges import Count, Incarnation, Nanoseconds
 from followspot.transport.zenoh.network import Network
+from followspot.valid_values.numbers import Count, Incarnation, Nanoseconds
 
 Side = Literal["sending", "receiving"]
 Correction = tuple[Nanoseconds, Nanoseconds, Nanoseconds]

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from followspot.control.path_latency import PathLatency
-from followspot.ranges import Count, Figure, Nanoseconds
+from followspot.valid_values.numbers import Count, Figure, Nanoseconds
 
 RUN_AGAIN = "the results are not whole, so run the replay again"
 

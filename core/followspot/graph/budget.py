@@ -9,10 +9,10 @@ from typing import Annotated
 
 from pydantic import Field
 
-from followspot.document import Node
 from followspot.errors import Mistake, did_you_mean
-from followspot.form import kind_of
 from followspot.graph.cycles import successors
+from followspot.yaml.form import kind_of
+from followspot.yaml.node import Node
 
 _PATH = re.compile(r"\s*(?P<origin>\S+)\s*->\s*(?P<end>\S+)\s*")
 _TIME = re.compile(r"(?P<number>\d{1,6}(\.\d{1,6})?)\s*(?P<unit>us|ms|s)")

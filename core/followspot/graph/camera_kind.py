@@ -5,7 +5,7 @@ from __future__ import annotations
 from followspot.errors import Mistake
 from followspot.graph.instances import Instance
 from followspot.plugins.registry import PluginError, load_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.room import Camera, Member, Room
 from followspot.stage import Stage
 from followspot.tracking import DepthImage, Frame

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from followspot.document import Node, child
 from followspot.errors import Mistake, Place
 from followspot.graph.camera_kind import gives_picture
 from followspot.graph.checks.fast_loops import joins_in_fast_loops
@@ -27,9 +26,10 @@ from followspot.graph.subgraph_ports import subgraph_ports
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.plugins.loaded_hooks import load_scorers
 from followspot.plugins.registry import PluginError, load_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.room import Room, StageUse
 from followspot.stage import Stage
+from followspot.yaml.node import Node, child
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ from followspot.graph.cycles import cycles, cyclic, successors
 from followspot.graph.instances import Wire
 from followspot.graph.sampling import FlowEdge
 from followspot.messages import Message
-from followspot.port_specs import InputKind, InputSpec, OutputSpec, Ports, accepts
-from followspot.ports import ports
+from followspot.ports.signature import ports
+from followspot.ports.specs import InputKind, InputSpec, OutputSpec, Ports, accepts
 from followspot.stage import Stage
 
 

@@ -6,9 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import cast
 
-from followspot.document import Node
 from followspot.errors import Mistake, Place
-from followspot.form import Form, kind_of
 from followspot.graph.depths import MAX_DEPTH
 from followspot.graph.names import SENDER, is_stage_name
 from followspot.graph.plan import (
@@ -21,8 +19,10 @@ from followspot.graph.plan import (
     PlannedStage,
 )
 from followspot.graph.selector import Selector, read_selector
-from followspot.ranges import MAX_WAIT
 from followspot.stage_params import ENVELOPE
+from followspot.valid_values.numbers import MAX_WAIT
+from followspot.yaml.form import Form, kind_of
+from followspot.yaml.node import Node
 
 ROOM_SOURCE = "room.source"
 """Stands for the source stage that the room declares for each camera or sensor."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from followspot.document import Node, child
 from followspot.errors import Mistake, Place
 from followspot.graph.camera_kind import source_for
 from followspot.graph.declaration import ROOM_SOURCE, StageDeclaration
@@ -15,6 +14,7 @@ from followspot.graph.load import Loaded
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.graph.wiring import InstanceWiring
 from followspot.room import Member, Room
+from followspot.yaml.node import Node, child
 
 MAX_INSTANCES = 10_000
 MAX_EDGES = 50_000

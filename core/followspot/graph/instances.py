@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from followspot.document import Node
 from followspot.errors import Place
 from followspot.graph.declaration import Feed, StageDeclaration
 from followspot.room import Member
 from followspot.stage import Stage
+from followspot.yaml.node import Node
 
 ANY = Member("", "?")
 """Stands for the members of a room that has mistakes, so that the rest of the graph is still checked."""

@@ -7,9 +7,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
 
-from followspot.document import Node
 from followspot.errors import InputError, Mistake, Place
-from followspot.form import kind_of
 from followspot.graph.compose.compose import Composed, compose
 from followspot.graph.compose.interface_targets import StageTarget
 from followspot.graph.compose.optional_use import OptionalUse
@@ -18,8 +16,10 @@ from followspot.graph.override import read_override
 from followspot.graph.room_part import part_of
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.room import Room
-from followspot.room_form.room import room_of
-from followspot.yaml_reader import read
+from followspot.room_document.room import room_of
+from followspot.yaml.form import kind_of
+from followspot.yaml.node import Node
+from followspot.yaml.reader import read
 
 MAX_STAGES = 1000
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from followspot.valid_names import is_name
+from followspot.valid_values.names import is_name
 
 LONGEST_NAME = 200
 SENDER = re.compile(r"([^.]+)(?:\.([^.]+))?")

@@ -10,7 +10,7 @@ from followspot.graph.names import enclosing
 from followspot.graph.plan import Plan
 from followspot.messages import Message
 from followspot.plugins.registry import load_stage
-from followspot.ports import ports as ports_of
+from followspot.ports.signature import ports as ports_of
 
 
 def output_ports(plan: Plan) -> Mapping[str, type[Message]]:

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from followspot.document import MAX_DEPTH, Node, child
 from followspot.errors import FollowspotError, InputError, Mistake, Place
 from followspot.stage_params import ENVELOPE
-from followspot.yaml_reader import parse
+from followspot.yaml.node import MAX_DEPTH, Node, child
+from followspot.yaml.reader import parse
 
 SUBGRAPH = ("graph", "cameras", "each", "optional", "with", "in")
 """Keys of a stage that is a sub-graph."""

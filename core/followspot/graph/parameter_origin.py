@@ -6,13 +6,13 @@ import json
 from collections import defaultdict
 from collections.abc import Iterator
 
-from followspot.document import Node
 from followspot.errors import shown
 from followspot.graph.check import Checked
 from followspot.graph.instances import CheckedStage, Instance
 from followspot.graph.override import WHILE_IT_RAN, is_set, options
 from followspot.graph.parameters import plain_default
 from followspot.graph.provenance import ParameterOrigin
+from followspot.yaml.node import Node
 
 _Row = tuple[str, str, str]
 """A parameter, its value, and the origin of the value."""

@@ -13,11 +13,11 @@ import pydantic
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticSerializationError
 
-from followspot.document import Node, plain
 from followspot.errors import Mistake, Place, did_you_mean
 from followspot.plugins.former_names import new_names
 from followspot.stage import Stage
 from followspot.stage_params import FolderOut, PathIn, PathOut, StageParams
+from followspot.yaml.node import Node, plain
 
 _PROBLEMS = {
     **dict.fromkeys(("float_parsing", "float_type"), "it must be a number"),

@@ -8,9 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
-from followspot.document import Node, child
 from followspot.errors import InputError, Mistake, Place, did_you_mean
-from followspot.form import Form, kind_of
 from followspot.graph.auto_placement.costs import MEASURE, read_costs
 from followspot.graph.auto_placement.measured import (
     Measured,
@@ -26,8 +24,10 @@ from followspot.graph.names import enclosing
 from followspot.graph.plan import PlannedWorker
 from followspot.graph.scheduling import KEYS, Scheduling, read_scheduling
 from followspot.room import Member
-from followspot.valid_names import is_name
-from followspot.yaml_reader import read
+from followspot.valid_values.names import is_name
+from followspot.yaml.form import Form, kind_of
+from followspot.yaml.node import Node, child
+from followspot.yaml.reader import read
 
 MAIN = "main"
 """The worker of all stages that the placement assigns to no other."""

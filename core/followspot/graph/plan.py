@@ -10,15 +10,15 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from followspot.document import Node
 from followspot.errors import Mistake
 from followspot.graph.budget import Budget
 from followspot.graph.depths import LIVE_DEPTH, MAX_DEPTH, MAX_IN_TRANSIT
 from followspot.graph.provenance import ParameterOrigin, Written
 from followspot.graph.scheduling import Scheduling
 from followspot.graph.subgraph_use import SubgraphUse
-from followspot.ranges import Wait
 from followspot.room import Member, Room
+from followspot.valid_values.numbers import Wait
+from followspot.yaml.node import Node
 
 EdgeKind = Literal["reference", "ring", "zenoh"]
 EdgeCodec = Literal["raw", "lossless", "jpeg"]

@@ -12,7 +12,7 @@ from followspot.graph.budget import Budget
 from followspot.graph.plan import MAX_SEED, Plan, PlannedEdge, PlannedStage, PlannedWorker
 from followspot.graph.scheduling import Scheduling
 from followspot.graph.subgraph_use import SubgraphUse
-from followspot.room_file import from_data, to_data
+from followspot.room_document.data import from_data, to_data
 
 VERSION = 2
 """Of the form of the data."""

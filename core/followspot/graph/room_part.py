@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 
-from followspot.document import Node, child
 from followspot.errors import Mistake, Place, did_you_mean
+from followspot.yaml.node import Node, child
 
 _BY_CAMERA = ("hue_histogram", "area", "gray")
 """Keys of a target that have a value for each camera."""

@@ -12,7 +12,7 @@ from followspot.errors import Mistake, Place
 from followspot.graph.cycles import components, cycle_through, cyclic, successors
 from followspot.graph.plan import Plan
 from followspot.plugins.registry import load_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 
 _MOST_NAMED = 20
 """Cycles that are searched for and named; the time to find one grows with the graph."""

@@ -7,8 +7,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from followspot.document import Node
-from followspot.form import Form, kind_of
+from followspot.yaml.form import Form, kind_of
+from followspot.yaml.node import Node
 
 KEYS = ("cores", "nice", "realtime")
 MAX_CORE = 1023

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from followspot.graph.instances import CheckedStage
 from followspot.graph.selector import related
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.room import Member, Room
 
 

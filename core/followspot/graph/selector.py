@@ -11,10 +11,10 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
-from followspot.document import Node
 from followspot.errors import Mistake, Place, did_you_mean
-from followspot.form import kind_of
 from followspot.room import SETS, Camera, Member, Room, Sensor, Target
+from followspot.yaml.form import kind_of
+from followspot.yaml.node import Node
 
 PROPERTIES: Mapping[str, tuple[str, ...]] = {
     "cameras": ("name", "kind", "model", "host"),

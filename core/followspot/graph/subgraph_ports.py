@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from followspot.document import Node
 from followspot.graph.compose.feeds import option, sender
 from followspot.graph.instances import CheckedStage
 from followspot.graph.selector import read_selector
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.room import Room
+from followspot.yaml.node import Node
 
 
 def subgraph_ports(

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from followspot.document import Node, child
 from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.expand import Expanded
 from followspot.graph.instances import Instance
@@ -20,6 +19,7 @@ from followspot.graph.override import below_set
 from followspot.graph.plan import PlannedStage
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.room import Member
+from followspot.yaml.node import Node, child
 
 
 @dataclass(frozen=True)

@@ -36,12 +36,12 @@ from followspot.host.agent_runs import AgentRuns
 from followspot.host.clocks.host import HostClock
 from followspot.host.local_host import LocalHost
 from followspot.log.file import LogFile
+from followspot.operating_system.limits import limit_remedy
 from followspot.plugins.code_digest import other_code
 from followspot.plugins.registry import use_plugin_files
-from followspot.system_limits import limit_remedy
 from followspot.transport.wakeup_event import WakeupEvent
 from followspot.transport.zenoh.session import close_session, connected, locators
-from followspot.valid_names import HOST_NAME
+from followspot.valid_values.names import HOST_NAME
 
 _POLL_MS = 100
 """Longest wait between two polls of the workers, ms."""

@@ -24,9 +24,9 @@ from pathlib import Path
 import cv2  # noqa: F401 - its threads are not those of stages
 import numpy as np
 
-from followspot.child_processes import ignore_terminal, module_command
-from followspot.descriptors import send_descriptors
 from followspot.host.forked_worker import EXIT_CODE, PID
+from followspot.operating_system.child_processes import ignore_terminal, module_command
+from followspot.operating_system.descriptors import send_descriptors
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.worker.main import run_worker
 

@@ -12,8 +12,8 @@ import subprocess
 from collections.abc import Iterable
 from contextlib import suppress
 
-from followspot.child_processes import module_command, start_apart
-from followspot.descriptors import send_descriptors
+from followspot.operating_system.child_processes import module_command, start_apart
+from followspot.operating_system.descriptors import send_descriptors
 
 PID = struct.Struct("=q")
 """The server's answer to an order."""

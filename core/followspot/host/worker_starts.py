@@ -5,9 +5,9 @@ from __future__ import annotations
 import socket
 from collections.abc import Collection, Iterable
 
-from followspot.child_processes import module_command, start_apart
 from followspot.host.forked_worker import ForkServerProcess
 from followspot.host.worker_process import Process
+from followspot.operating_system.child_processes import module_command, start_apart
 from followspot.plugins.catalogue import is_builtin
 
 

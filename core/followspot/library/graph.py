@@ -8,7 +8,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Literal
 
-from followspot.document import dump
 from followspot.errors import FollowspotError, InputError, Mistake, Place
 from followspot.graph.compile import compile_graph
 from followspot.graph.compose.graph_file import input_names
@@ -17,8 +16,9 @@ from followspot.graph.drawing.svg import svg
 from followspot.graph.plan import Plan
 from followspot.library.arguments import PortOf, StageOf, inputs_and_params, refuse_fed
 from followspot.plugins.registry import load_stage, offer_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.stage import Stage
+from followspot.yaml.node import dump
 
 
 class Graph:

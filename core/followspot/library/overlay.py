@@ -17,7 +17,7 @@ from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.provenance import Written
 from followspot.operator.run_handle import RunHandle
-from followspot.valid_names import is_name
+from followspot.valid_values.names import is_name
 
 Entries = Mapping[str, Mapping[str, Any]]
 """The entry of each stage in an overlay: `uses`, if the plugin stage is another, and `with`."""

@@ -14,15 +14,15 @@ import pydantic
 from followspot.context import Context
 from followspot.control.checkpoint import state_from_data
 from followspot.errors import FollowspotError
-from followspot.firing import Firing
 from followspot.graph.plan import Plan, PlannedStage
+from followspot.message_checks.room_fit import fit_check
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, InvalidMessage, Message
 from followspot.plugins.registry import load_stage
-from followspot.port_specs import InputSpec
-from followspot.ports import ports
+from followspot.ports.firing import Firing
+from followspot.ports.signature import ports
+from followspot.ports.specs import InputSpec
 from followspot.room import Room
-from followspot.room_fit import fit_check
-from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.transport.codec import unpack
 from followspot.worker.build import RUNNERS

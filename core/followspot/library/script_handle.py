@@ -9,13 +9,13 @@ from typing import Any
 from followspot.closing import Closing
 from followspot.control.dispatch import Ask
 from followspot.errors import FollowspotError
-from followspot.html import html_table
 from followspot.library.overlay import save_overlay
 from followspot.library.plan_settings import several
 from followspot.library.subscription import M, Subscription
 from followspot.library.tap_subscriptions import TapSubscriptions
 from followspot.operator.change_outcome import MoveOutcome
 from followspot.operator.run_handle import RunHandle
+from followspot.tables.html import html_table
 
 
 class ScriptHandle(RunHandle, Closing):

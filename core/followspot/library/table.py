@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-from followspot.html import html_table
-from followspot.tables import table
+from followspot.tables.html import html_table
+from followspot.tables.terminal import table
 
 
 def data_frame(columns: Iterable[str], rows: Iterable[Sequence[Any]]) -> Any:

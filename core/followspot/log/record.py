@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 import pydantic
 
-from followspot.ranges import Last, Nanoseconds
+from followspot.valid_values.numbers import Last, Nanoseconds
 
 Level = Literal["info", "warning", "error"]
 LEVELS: tuple[Level, ...] = ("info", "warning", "error")

@@ -19,6 +19,7 @@ from followspot.graph.plan_data import plan_to_data
 from followspot.log.merged import MergedLog
 from followspot.log.record import LogPage
 from followspot.log.run_log import OnLog
+from followspot.operating_system.limits import limit_remedy
 from followspot.operator.change_under_way import ChangeUnderWay
 from followspot.operator.host_plans import PlanConflict
 from followspot.operator.order_relay import OrderRelay
@@ -29,7 +30,6 @@ from followspot.operator.run_status import RunStatus
 from followspot.operator.run_view import RunView
 from followspot.operator.sensor_end import order_at_end, order_at_start
 from followspot.operator.silent_hosts import SilentHosts
-from followspot.system_limits import limit_remedy
 
 _LIMITS = "raise the limits of this user, see ulimit -a, or take fewer workers: --placement"
 """Remedy if the system refuses a run its workers for a reason of its own."""

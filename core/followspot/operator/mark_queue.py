@@ -11,7 +11,7 @@ from typing import Literal
 from followspot.control.dispatch import NoAnswer
 from followspot.errors import FollowspotError
 from followspot.log.record import Level
-from followspot.ranges import Count, Figure
+from followspot.valid_values.numbers import Count, Figure
 
 _SILENT = 10.0
 """Seconds without a report after which a flight recorder counts as gone."""

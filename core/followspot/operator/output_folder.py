@@ -11,8 +11,8 @@ from pathlib import Path
 from followspot.errors import FollowspotError
 from followspot.graph.parameters import output_paths
 from followspot.graph.plan import Plan
+from followspot.operating_system.limits import limit_remedy
 from followspot.plugins.registry import load_stage
-from followspot.system_limits import limit_remedy
 
 
 @contextmanager

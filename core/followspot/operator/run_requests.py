@@ -13,8 +13,8 @@ from followspot.graph.provenance import Written
 from followspot.operator.change_outcome import ChangeOutcome, MoveOutcome
 from followspot.operator.mark_queue import Mark, RecorderState
 from followspot.operator.run_status import RunStatus
-from followspot.ranges import Count
 from followspot.transport.zenoh.network import Network
+from followspot.valid_values.numbers import Count
 
 
 @dataclass(frozen=True)

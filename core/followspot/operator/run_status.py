@@ -9,7 +9,7 @@ from followspot.control.clock_status import ClockStatus
 from followspot.control.host import WorkerStatus
 from followspot.graph.plan import Plan, PlannedEdge
 from followspot.operator.stalls import stalled
-from followspot.ranges import Age, Count
+from followspot.valid_values.numbers import Age, Count
 from followspot.worker.ledger import COLUMNS, EdgeCount, tally
 
 OLD = 1.0

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from followspot.files import read_bytes
 from followspot.plugins.registry import OFFERED, load_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.stage import Stage
 
 

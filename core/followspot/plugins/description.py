@@ -6,7 +6,7 @@ import inspect
 from dataclasses import asdict
 from typing import Any, Literal, get_args, get_origin
 
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.stage import Stage
 
 _SIGNS = {

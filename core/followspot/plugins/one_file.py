@@ -14,7 +14,7 @@ from types import ModuleType
 
 from followspot.errors import FollowspotError
 from followspot.files import DOCUMENT, read_bytes
-from followspot.ports import SignatureError, check_init, ports
+from followspot.ports.signature import SignatureError, check_init, ports
 from followspot.stage import Stage
 
 

@@ -15,7 +15,7 @@ from followspot.messages import Message
 from followspot.plugins.catalogue import StageEntry, catalogue
 from followspot.plugins.extras import missing_extra
 from followspot.plugins.one_file import FileStage, load_file
-from followspot.ports import SignatureError, check_init, ports
+from followspot.ports.signature import SignatureError, check_init, ports
 from followspot.stage import Stage
 
 _SEE = "`followspot plugins` lists every plugin and its state"

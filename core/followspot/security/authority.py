@@ -31,7 +31,7 @@ from followspot.transport.host_registry import (
     read_host_registry,
     registry_text,
 )
-from followspot.valid_names import HOST_NAME
+from followspot.valid_values.names import HOST_NAME
 
 AUTHORITY = "authority"
 HOST_DAYS = 825

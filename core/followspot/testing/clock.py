@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TypeVar
 
 from followspot.frame_times import SECOND
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, InvalidMessage, Message, stamped
-from followspot.sealing import seal
 from followspot.transport.codec import pack, unpack
 
 M = TypeVar("M", bound=Message)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
-from followspot.ports import SignatureError, ports
+from followspot.ports.signature import SignatureError, ports
 from followspot.room import Room
 from followspot.stage import Stage
 from followspot.testing.promises import (

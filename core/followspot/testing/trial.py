@@ -19,12 +19,12 @@ import numpy as np
 import pydantic
 
 from followspot.context import Context
+from followspot.message_checks.room_fit import fit_check
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array, Header, InvalidMessage, Message, stamped
-from followspot.port_specs import Ports
-from followspot.ports import ports
+from followspot.ports.signature import ports
+from followspot.ports.specs import Ports
 from followspot.room import Member, Room
-from followspot.room_fit import fit_check
-from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.testing.samples import BLACK, Content, sample
 from followspot.testing.tiny_room import tiny_room

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from followspot.message_checks.sealing import beyond_truth, check_shape
 from followspot.messages import (
     MAX_BYTES,
     MAX_INTEGER,
@@ -21,7 +22,6 @@ from followspot.messages import (
     Message,
     in_range,
 )
-from followspot.sealing import beyond_truth, check_shape
 from followspot.transport.token import Watermark, is_watermark
 from followspot.transport.wire import ALIGN, MAX_HEAD, RAW, aligned, pack_head, padded, unpack_head
 

@@ -16,7 +16,7 @@ from typing import Any, Literal, get_args
 
 from followspot.errors import FollowspotError
 from followspot.files import DOCUMENT, read_bytes
-from followspot.valid_names import HOST_NAME
+from followspot.valid_values.names import HOST_NAME
 
 HostRole = Literal["camera", "worker", "operator", "router"]
 """camera, worker: runs an agent (a worker's stages may see every port); operator: may also start, stop and

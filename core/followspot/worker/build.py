@@ -12,12 +12,12 @@ from itertools import groupby
 import numpy as np
 
 from followspot.context import Context, SourceLoss
-from followspot.firing import FIRINGS
 from followspot.graph.frame_count import accompanying_sources
 from followspot.graph.plan import PlannedStage
+from followspot.message_checks.room_fit import fit_check
 from followspot.messages import Array
-from followspot.port_specs import Giving
-from followspot.room_fit import fit_check
+from followspot.ports.firing import FIRINGS
+from followspot.ports.specs import Giving
 from followspot.stage import Stage
 from followspot.transport.edge import PortWriter
 from followspot.worker.build_inputs import InputBuilder

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from followspot.graph.depths import MAX_IN_TRANSIT
 from followspot.graph.plan import PlannedEdge, PlannedStage
-from followspot.port_specs import InputSpec
-from followspot.room_fit import fit_check
-from followspot.sealing import seal
+from followspot.message_checks.room_fit import fit_check
+from followspot.message_checks.sealing import seal
+from followspot.ports.specs import InputSpec
 from followspot.transport.token import ABSENT
 from followspot.worker.edge_factory import EdgeFactory
 from followspot.worker.inputs.input_queue import UNCHANGED, InputQueue

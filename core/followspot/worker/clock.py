@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import NamedTuple
 
-from followspot.wall_clock import lead, set_since
+from followspot.operating_system.wall_clock import lead, set_since
 
 _NEAR = 10_000_000_000
 """ns: a capture time this close to the host's clock was read from it, and not from a recording."""

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from followspot.firing import Firing
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, Message, stamped
-from followspot.sealing import seal
+from followspot.ports.firing import Firing
 from followspot.worker.inputs.join import Join
 from followspot.worker.inputs.join_input import JoinInput
 from followspot.worker.inputs.sampled_input import NearestInput, NewestInput, WindowInput

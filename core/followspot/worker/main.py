@@ -11,7 +11,6 @@ import socket
 import sys
 from pathlib import Path
 
-from followspot.child_processes import ignore_terminal
 from followspot.control.lifecycle import StartRun, StopRun
 from followspot.control.pipe import Channel, ChannelClosed, Received
 from followspot.control.worker_messages import Built, Done, Failed, Listening, Ready
@@ -19,6 +18,7 @@ from followspot.control.worker_orders import ORDERS, BuildWorker, Side, TakeRing
 from followspot.errors import FollowspotError
 from followspot.graph.plan_data import plan_from_data
 from followspot.log.collector import LogCollector, collecting
+from followspot.operating_system.child_processes import ignore_terminal
 from followspot.plugins.registry import use_plugin_files
 from followspot.worker.blas_limit import ONE_BLAS_THREAD
 from followspot.worker.build import build_worker

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from followspot.context import SourceLoss
+from followspot.message_checks.room_fit import FitCheck
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, InvalidMessage, Message, stamped
-from followspot.room_fit import FitCheck
-from followspot.sealing import seal
 from followspot.transport.token import ABSENT, END, UNKNOWN, Watermark
 from followspot.worker.ledger import AWAY, OVERRUN, PRODUCED, REFUSED, SOURCE_LOSSES
 from followspot.worker.port_edges import PortEdges

@@ -11,8 +11,8 @@ import numpy as np
 import pydantic
 
 from followspot.control.checkpoint import state_to_data
-from followspot.firing import FIRINGS
 from followspot.messages import Header
+from followspot.ports.firing import FIRINGS
 from followspot.stage import Stage
 from followspot.transport.codec import pack
 from followspot.worker.inputs.input_queue import InputQueue

@@ -16,8 +16,8 @@ from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
 from followspot.graph.sampling import plan_sampled_cycles
 from followspot.messages import Message
 from followspot.plugins.registry import load_stage
-from followspot.port_specs import InputSpec, Ports
-from followspot.ports import ports
+from followspot.ports.signature import ports
+from followspot.ports.specs import InputSpec, Ports
 from followspot.stage import Stage
 from followspot.transport.token import END
 from followspot.worker.clock import Clock

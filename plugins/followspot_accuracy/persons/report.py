@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from textwrap import dedent
 from typing import Any
 
-from followspot.tables import table
+from followspot.tables.terminal import table
 from followspot_accuracy.persons.scoring import PersonScore, PersonsScore, Spread
 from followspot_accuracy.persons.tracking import Tracking
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from textwrap import dedent
 from typing import Any
 
-from followspot.tables import table as drawn
+from followspot.tables.terminal import table as drawn
 from followspot_accuracy.targets.scoring import TargetScore
 
 HEADINGS = (

@@ -10,7 +10,7 @@ import numpy as np
 from followspot import Array
 from followspot.inertial import Inertial, Orientation
 from followspot.messages import MAX_TIME
-from followspot.stuck_readings import stuck
+from followspot.sensors.stuck_readings import stuck
 
 MAXIMUM_ROWS = 8192
 """Rows that are kept at most, whatever the rate."""

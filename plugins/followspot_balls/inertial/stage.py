@@ -11,7 +11,7 @@ import numpy as np
 from followspot import Camera, Mistake, Room, Window
 from followspot.inertial import Inertial, Orientation, PosedTracks
 from followspot.messages import stamped
-from followspot.stuck_readings import REMEDY
+from followspot.sensors.stuck_readings import REMEDY
 from followspot.tracking import PREDICTED, TRACKED, Forecast, Positions, Tracks
 from followspot_balls.filtering.predicted_positions import with_predicted
 from followspot_balls.inertial.fix import Fix, fix_at

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Literal
 
-from followspot.device_clock import DeviceClock
+from followspot.sensors.device_clock import DeviceClock
 from followspot_cameras.genicam.camera_clock import CameraClock, Reading
 
 By = Literal["", "camera", "shared", "delay", "arrival"]

@@ -11,7 +11,7 @@ from typing import Any
 from followspot import room_file
 from followspot.errors import writing
 from followspot.room import Room
-from followspot.tables import table
+from followspot.tables.terminal import table
 from followspot_cameras.genicam.backends import BackendName, backend, discovered
 from followspot_cameras.genicam.camera import CameraInfo
 from followspot_cameras.genicam.facts import Facts, facts

@@ -6,7 +6,7 @@ import numpy as np
 
 from followspot import Array
 from followspot.frame_times import to_ns
-from followspot.reading_batches import BatchParams
+from followspot.sensors.reading_batches import BatchParams
 from followspot_imu.units import VALUES
 
 

@@ -11,9 +11,9 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from followspot import Array, Field, InputAddress, Source, Stage, at
-from followspot.device_clock import DeviceClock
 from followspot.inertial import Inertial
-from followspot.reading_batches import BatchParams
+from followspot.sensors.device_clock import DeviceClock
+from followspot.sensors.reading_batches import BatchParams
 from followspot_imu.network.collection import Collection
 from followspot_imu.network.first_readings import FirstReadings
 from followspot_imu.network.listener import Datagram, datagrams, opened

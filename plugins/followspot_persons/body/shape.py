@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from followspot import Array
-from followspot.document import plain
 from followspot.errors import InputError, Mistake
-from followspot.yaml_reader import read
+from followspot.yaml.node import plain
+from followspot.yaml.reader import read
 
 SHIPPED = Path(__file__).parents[1] / "shape.yaml"  # plans of older recordings have this path
 MAX_FEATURES = 1000

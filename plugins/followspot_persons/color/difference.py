@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Array
-from followspot.document import plain
 from followspot.errors import InputError, Mistake
-from followspot.yaml_reader import read
+from followspot.yaml.node import plain
+from followspot.yaml.reader import read
 from followspot_persons.color.hsi import from_plane, plane
 from followspot_persons.color.model import FIRST_VARIANCE, ColorModel
 

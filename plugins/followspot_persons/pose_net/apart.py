@@ -7,7 +7,7 @@ import signal
 import subprocess
 from pathlib import Path
 
-from followspot.child_processes import module_command
+from followspot.operating_system.child_processes import module_command
 from followspot_persons.pose_net.contract import Decoder
 
 _TIMEOUT = 60.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from followspot import Field
-from followspot.reading_batches import BatchParams
+from followspot.sensors.reading_batches import BatchParams
 from followspot_sim.parameters import SimParams
 
 Vector = tuple[float, float, float]

@@ -11,8 +11,8 @@ import numpy as np
 from followspot import Array, InputError, Source, Stage, at
 from followspot.errors import Mistake
 from followspot.inertial import Inertial
-from followspot.reading_batches import batches
 from followspot.rotation import inverse, turned
+from followspot.sensors.reading_batches import batches
 from followspot_sim.imu.errors import channel
 from followspot_sim.imu.motion import Mount
 from followspot_sim.imu.parameters import ImuParams

@@ -10,8 +10,8 @@ from typing import Any
 from followspot import Field, Message, Mistake, OutputHost, OutputPath, Room, Stage, StageParams
 from followspot.errors import FollowspotError
 from followspot.files import unused_path
+from followspot.operating_system.requirements import is_importable
 from followspot.room import Member
-from followspot.system import is_importable
 from followspot_sinks.line_sink import below
 from followspot_sinks.rerun.layout import layout_of
 from followspot_sinks.rerun.scene import entity_of, log_cameras, parts_of, shape_of

@@ -11,7 +11,7 @@ import pytest
 
 from followspot.cli.main import main
 from followspot.cli.parser import build_parser
-from followspot.tables import line, literal_console
+from followspot.tables.terminal import line, literal_console
 
 ROOT = Path(__file__).parents[3]
 

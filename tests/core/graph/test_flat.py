@@ -11,10 +11,10 @@ from tests.core.graph.files import TOY
 from tests.core.graph.subgraph_files import MIDDLE, NESTED, SHARED, TWO
 
 from followspot.cli.main import main
-from followspot.document import dump, plain
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan_data import plan_to_data
-from followspot.yaml_reader import parse
+from followspot.yaml.node import dump, plain
+from followspot.yaml.reader import parse
 
 
 def printed(capsys: pytest.CaptureFixture[str], *words: object) -> str:

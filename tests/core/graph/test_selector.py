@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import pytest
 
-from followspot.document import Node
 from followspot.errors import Mistake, Place
 from followspot.graph.selector import Selector, intersection, ranks, read_selector, related, within
 from followspot.room import Member, Room, Sensor, Target
 from followspot.testing import tiny_room
+from followspot.yaml.node import Node
 
 HERE = Place("graph.yaml", 1, 1)
 

@@ -12,7 +12,8 @@ from followspot.cli.main import main
 from followspot.errors import InputError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
-from followspot.room_file import load, save, to_data
+from followspot.room_document.data import to_data
+from followspot.room_file import load, save
 
 GRAPH = """\
 graph: tuned

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from followspot import wall_clock
 from followspot.control.clock_status import LIMIT_MS, ClockStatus, ClockWarnings
 from followspot.host.clocks import host as host_clock
 from followspot.host.clocks.filter import ClockFilter, Exchange
 from followspot.host.clocks.host import HostClock
+from followspot.operating_system import wall_clock
 from followspot.security.request_guard import Asked, Rejected, RequestGuard, envelope
 from followspot.worker import clock as worker_clock
 from followspot.worker.clock import Clock

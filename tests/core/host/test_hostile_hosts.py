@@ -25,10 +25,10 @@ from followspot.log.record import LogPage, LogRecord
 from followspot.messages import MAX_TIME
 from followspot.operator.attach import find_runs
 from followspot.operator.remote.remote_host import RemoteHost
-from followspot.ranges import MAX_EXACT
 from followspot.transport.keys import agent_key, request_key
 from followspot.transport.zenoh.edge import locators, open_session
 from followspot.transport.zenoh.network import UNPROVEN, Network
+from followspot.valid_values.numbers import MAX_EXACT
 
 HOST = "pc-left"
 GOOD = answer_to_wire(

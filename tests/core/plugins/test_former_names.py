@@ -11,7 +11,7 @@ from followspot.plugins.former_names import new_names
 from followspot.plugins.registry import load_stage
 from followspot.stage import Stage
 from followspot.stage_params import StageParams
-from followspot.yaml_reader import parse
+from followspot.yaml.reader import parse
 
 NAMES = [name for name, entry in catalogue().items() if entry.distribution == "followspot"]
 

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, Message, stamped
-from followspot.sealing import seal
 from followspot.tracking import Blobs, Frame
 from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.ring.reader import RingReader

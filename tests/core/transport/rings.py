@@ -6,8 +6,8 @@ import socket
 
 import numpy as np
 
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array, Header, Message, stamped
-from followspot.sealing import seal
 from followspot.tracking import Frame
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter

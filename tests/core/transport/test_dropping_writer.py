@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import socket
 
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, Message, stamped
-from followspot.sealing import seal
 from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter

@@ -17,8 +17,8 @@ import pytest
 from tests.core.transport.far import KEY, frame, intact, receive, send_all
 from tests.integration.running import unused_memory
 
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, Message, identical, stamped
-from followspot.sealing import seal
 from followspot.tracking import Blobs, Frame
 from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.ring.reader import RingReader

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from tests.core.transport.rings import DEPTH, Ring, frame, messages
 
+from followspot.message_checks.sealing import seal
 from followspot.messages import MAX_TIME, Array, Header, Message, column, identical, stamped
-from followspot.sealing import seal
 from followspot.transport.codec import codec_of
 from followspot.transport.ring import heads
 from followspot.transport.ring.heads import HeadPacker, HeadReader

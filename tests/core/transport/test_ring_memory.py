@@ -15,8 +15,8 @@ import pytest
 from tests.core.transport.rings import DEPTH, SHAPE, Ring, frame, messages
 
 from followspot.errors import FollowspotError
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array, Header, Message, column, identical, stamped
-from followspot.sealing import seal
 from followspot.tracking import Frame
 from followspot.transport.ring.slots import Slots
 from followspot.transport.ring.writer import RingWriter

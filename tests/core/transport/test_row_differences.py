@@ -10,8 +10,8 @@ import zstandard
 from hypothesis import given
 from hypothesis import strategies as st
 
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array, Header, InvalidMessage, Message, column, stamped
-from followspot.sealing import seal
 from followspot.tracking import Frame, Tracks
 from followspot.transport.codec import pack
 from followspot.transport.row_differences import ROWS, differenced, restored

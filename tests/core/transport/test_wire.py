@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
+from followspot.message_checks.sealing import seal
 from followspot.messages import (
     MAX_SEQ,
     MAX_TIME,
@@ -24,7 +25,6 @@ from followspot.messages import (
     identical,
     stamped,
 )
-from followspot.sealing import seal
 from followspot.tracking import Blobs, Forecast, Frame, Pairs
 from followspot.transport.codec import codec_of, pack, unpack
 from followspot.transport.token import ABSENT, END, MAX_WATERMARK, Watermark

@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from followspot.graph.plan import EdgeCodec
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array, Header, InvalidMessage, identical, stamped
-from followspot.sealing import seal
 from followspot.tracking import Blobs, Frame
 from followspot.transport.codec import pack
 from followspot.transport.token import Watermark

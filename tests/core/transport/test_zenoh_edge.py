@@ -8,8 +8,8 @@ import pytest
 import zenoh
 from tests.core.transport.zenoh_pair import DEPTH, KEY, NAME, QUOTED, SAID, Pair, arrived, frame, until
 
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, Message, identical, stamped
-from followspot.sealing import seal
 from followspot.tracking import Blobs, Frame
 from followspot.transport.codec import pack
 from followspot.transport.token import END, MAX_WATERMARK, Invalid, Watermark

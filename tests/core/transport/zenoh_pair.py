@@ -9,8 +9,8 @@ from contextlib import ExitStack
 import numpy as np
 import zenoh
 
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, stamped
-from followspot.sealing import seal
 from followspot.tracking import Frame
 from followspot.transport.keys import reader_key
 from followspot.transport.token import Token

@@ -14,7 +14,7 @@ from tests.core.worker.solo import Solo
 from followspot import Deferred, Outputs, Stage, at
 from followspot.graph.compile import compile_graph
 from followspot.messages import Header, stamped
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.transport.token import END
 from followspot.worker.runners import deferred_runner
 from followspot.worker.runners.deferred_runner import DeferredRunner

@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 from followspot.graph.compile import compile_graph
+from followspot.message_checks.sealing import seal
 from followspot.messages import MAX_SEQ, MAX_TIME, Header, stamped
 from followspot.plugins.registry import load_stage, use_plugin_files
-from followspot.sealing import seal
 from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import END, Watermark
 from followspot.worker.build import build_worker

@@ -13,7 +13,6 @@ import pytest
 from tests.core.worker.solo import Solo
 
 from followspot import Message
-from followspot.firing import Firing
 from followspot.graph.compile import compile_graph
 from followspot.graph.output_ports import output_ports
 from followspot.graph.plan import Plan
@@ -24,8 +23,9 @@ from followspot.library.repeat import (
     held_in,
     missing_in,
 )
+from followspot.message_checks.sealing import seal
 from followspot.messages import identical, stamped
-from followspot.sealing import seal
+from followspot.ports.firing import Firing
 
 RATES = Path(__file__).parents[2] / "stages" / "rates.py"
 MEMORIES = """

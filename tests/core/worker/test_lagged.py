@@ -14,7 +14,7 @@ from followspot import Lagged, Stage, at
 from followspot.errors import InputError
 from followspot.graph.compile import compile_graph
 from followspot.messages import Header
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.transport.token import END
 from followspot.worker.runners.error_policy import StageError
 from followspot.worker.runners.lagged_runner import LaggedRunner

@@ -9,12 +9,12 @@ import pytest
 
 from followspot import Header, Message, at
 from followspot.graph.compile import compile_graph
+from followspot.message_checks.outputs import WrongOutput, check_returned, check_yielded
 from followspot.messages import InvalidMessage, stamped
 from followspot.operator.launch import local_run
 from followspot.operator.reporting.report import RunReport
-from followspot.output_checks import WrongOutput, check_returned, check_yielded
 from followspot.plugins.registry import load_stage
-from followspot.port_specs import OutputSpec
+from followspot.ports.specs import OutputSpec
 from followspot.worker.wiring import RunOptions
 
 WRONG = Path(__file__).parents[2] / "stages" / "wrong.py"

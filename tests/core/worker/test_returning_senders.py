@@ -5,8 +5,8 @@ from __future__ import annotations
 import socket
 
 from followspot import Context, Message, Stage
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, stamped
-from followspot.sealing import seal
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import ABSENT, END, Watermark

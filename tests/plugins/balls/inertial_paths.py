@@ -10,8 +10,8 @@ import numpy as np
 
 from followspot import Array, Context, Member, Room, Sensor, Target, at
 from followspot.inertial import Inertial, Orientation, PosedTracks
+from followspot.message_checks.sealing import seal
 from followspot.rotation import canonical, from_rotation_vector, inverse, multiply, rotation_vector, turned
-from followspot.sealing import seal
 from followspot.tracking import Positions
 from followspot_balls.inertial.stage import InertialFilter
 

@@ -8,9 +8,9 @@ import numpy as np
 from tests.plugins.balls.scene import blobs_of, make_room
 
 from followspot.context import Context
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array
 from followspot.room import Room
-from followspot.sealing import seal
 from followspot.tracking import Blobs, Candidates, Forecast
 from followspot_balls.associate import Associate
 from followspot_balls.association.view_association import ViewAssociation

@@ -12,9 +12,9 @@ from tests.datasets import dataset
 from tests.plugins.balls.scene import learn_color
 
 from followspot.context import Context
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array, Header, stamped
 from followspot.room import Camera, Room, Target
-from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.tracking import Forecast, Frame
 from followspot_balls.bridge import Bridge

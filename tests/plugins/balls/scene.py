@@ -8,9 +8,9 @@ from typing import TypeVar
 import numpy as np
 
 from followspot.geometry import project, undistort
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array, Header, stamped
 from followspot.room import Camera, Room, Target
-from followspot.sealing import seal
 from followspot.tracking import TRACKED, Blobs, Candidates, Forecast, Frame, Positions
 from followspot_balls.detection.strip import Strip
 from followspot_balls.fusion.validation import Fusion

@@ -9,9 +9,9 @@ from tests.plugins.balls.scene import RADIUS, forecast_at, make_room
 
 from followspot.context import Context
 from followspot.geometry import back_projection, triangulate_pairs
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array
 from followspot.room import Room
-from followspot.sealing import seal
 from followspot.tracking import Candidates, Forecast
 from followspot_balls.bundle_fusion import Bundle
 

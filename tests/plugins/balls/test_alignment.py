@@ -12,9 +12,9 @@ from tests.plugins.balls.scene import blobs_of, forecast_at, make_room
 
 from followspot.context import Context
 from followspot.geometry import project, undistort
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array, Header, identical, stamped
 from followspot.room import Room
-from followspot.sealing import seal
 from followspot.tracking import LOST, Blobs, Forecast, Pairs
 from followspot_balls.pairs.time_alignment import delays
 from followspot_balls.verify_pairs import VerifyPairs

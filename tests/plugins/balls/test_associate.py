@@ -23,7 +23,7 @@ from tests.plugins.balls.made_candidates import (
 from tests.plugins.balls.scene import forecast_at
 
 from followspot.context import Context
-from followspot.sealing import seal
+from followspot.message_checks.sealing import seal
 from followspot.tracking import LOST, MISSING, Forecast
 from followspot_balls.associate_tracked import AssociateTracked
 from followspot_balls.association.existence import Existence, Rivals

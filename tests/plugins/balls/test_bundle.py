@@ -22,7 +22,7 @@ from tests.plugins.balls.seen_points import (
     whole,
 )
 
-from followspot.sealing import seal
+from followspot.message_checks.sealing import seal
 from followspot.tracking import Candidates, Positions
 from followspot_balls.bundle_fusion import Bundle
 from followspot_balls.measurement.blob_table import blob_table

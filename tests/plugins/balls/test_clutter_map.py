@@ -9,8 +9,8 @@ import pytest
 from tests.plugins.balls.scene import blobs_of, forecast_at, make_room
 
 from followspot.context import Context
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array
-from followspot.sealing import seal
 from followspot.tracking import LOST, TRACKED, Pairs
 from followspot_balls.pairs.clutter_map import EVERY, FEW, KNOWN, NEW, USUAL, ClutterMap
 from followspot_balls.verify_pairs import VerifyPairs

@@ -10,7 +10,7 @@ from tests.plugins.balls.scene import blobs_of, forecast_at, make_room, position
 
 from followspot.context import Context
 from followspot.geometry import ray
-from followspot.sealing import seal
+from followspot.message_checks.sealing import seal
 from followspot.tracking import MISSING, Candidates, Forecast
 from followspot_balls.association.infrared_only import Colorless, ColorlessParams
 from followspot_balls.bundle_fusion import Bundle

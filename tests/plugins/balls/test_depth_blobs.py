@@ -12,9 +12,9 @@ from tests.plugins.balls.scene import RADIUS, blobs_of, forecast_at, look_at
 import followspot as fs
 from followspot import Context, InputError, Room, room_file
 from followspot.geometry import depth_rays
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, stamped
 from followspot.room import Camera, Target
-from followspot.sealing import seal
 from followspot.testing import check_stage, tiny_room
 from followspot.tracking import LOST, TRACKED, Candidates, DepthImage, Forecast
 from followspot_balls.depth_blobs import DepthBlobs

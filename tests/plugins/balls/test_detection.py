@@ -11,7 +11,7 @@ from tests.plugins.balls.two_balls import ROOM, discs, painted
 
 from followspot.context import Context
 from followspot.geometry import project
-from followspot.sealing import seal
+from followspot.message_checks.sealing import seal
 from followspot.stage import Stage
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.color_blobs import ColorBlobs

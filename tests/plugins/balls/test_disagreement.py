@@ -8,7 +8,7 @@ from tests.plugins.balls.epipolar_pairs import NO, YES, candidates
 from tests.plugins.balls.scene import RADIUS, blobs_of, forecast_at, make_room
 
 from followspot.context import Context
-from followspot.sealing import seal
+from followspot.message_checks.sealing import seal
 from followspot_balls.pairs.disagreement import EACH, Disagreement
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs

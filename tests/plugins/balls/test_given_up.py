@@ -11,9 +11,9 @@ from tests.plugins.balls.made_candidates import BALL, EVERYWHERE, INFRARED, ROOM
 from tests.plugins.balls.scene import RADIUS, look_at
 
 from followspot.context import Context
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, stamped
 from followspot.room import Room
-from followspot.sealing import seal
 from followspot.tracking import PREDICTED, TRACKED, Blobs, Forecast
 from followspot_balls.associate import Associate
 from followspot_balls.associate_tracked import AssociateTracked

@@ -21,8 +21,8 @@ from tests.plugins.balls.inertial_paths import (
 
 from followspot import Array, Context, Room, Sensor, at
 from followspot.inertial import Inertial
+from followspot.message_checks.sealing import seal
 from followspot.messages import identical
-from followspot.sealing import seal
 from followspot.tracking import LOST, PREDICTED, TRACKED
 from followspot_balls.inertial.stage import InertialFilter
 from followspot_balls.kalman import Kalman

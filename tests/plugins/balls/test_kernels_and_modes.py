@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import arrays
 from tests.plugins.balls.scene import candidates_at, forecast_at, make_room, unweighed
 
 from followspot.context import Context
-from followspot.sealing import seal
+from followspot.message_checks.sealing import seal
 from followspot.stage import Stage
 from followspot.tracking import Candidates
 from followspot_balls.fusion.kernels import epipolar_weight, kernel, scales, squared_distances

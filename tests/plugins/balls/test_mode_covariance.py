@@ -10,8 +10,8 @@ from tests.plugins.balls.scene import RADIUS, forecast_at
 from tests.plugins.balls.seen_points import COLOR, HIGH, ROOM, candidates, near, one_ball, undistorted, whole
 
 from followspot.context import Context
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array
-from followspot.sealing import seal
 from followspot.tracking import Candidates, Forecast
 from followspot_balls.fusion.mode_covariance import ModeCovariance, rivals_covariance
 from followspot_balls.fusion.modes import Modes

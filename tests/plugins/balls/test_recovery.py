@@ -9,9 +9,9 @@ import pytest
 from tests.plugins.balls.scene import blobs_of, forecast_at, look_at, make_room
 
 from followspot.context import Context
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array
 from followspot.room import Room
-from followspot.sealing import seal
 from followspot.tracking import LOST, MISSING, Blobs, Candidates, Forecast, Positions
 from followspot_balls.association.recovery import AGREEING, Recovery, RecoveryParams
 from followspot_balls.association.view_params import ViewParams

@@ -10,9 +10,9 @@ from tests.plugins.balls.scene import RADIUS, blobs_of, forecast_at, make_room
 
 from followspot.context import Context
 from followspot.geometry import project
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array
 from followspot.room import Camera, LensModel, Room
-from followspot.sealing import seal
 from followspot.tracking import LOST, MISSING, TRACKED, Blobs, Forecast, Pairs
 from followspot_balls.detection.search_circles import search_circles, search_radius
 from followspot_balls.detection.search_spheres import search_spheres

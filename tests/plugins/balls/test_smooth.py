@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from tests.plugins.balls.scene import make_room
 
 from followspot.context import Context
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array, Header, identical, stamped
-from followspot.sealing import seal
 from followspot.testing import check_stage
 from followspot.tracking import PREDICTED, TRACKED, Positions, Tracks
 from followspot_balls.smooth.stage import Smooth

@@ -13,10 +13,10 @@ from tests.travelled import travelled
 
 from followspot import Camera, Context, Header, Room, Target
 from followspot.cli.main import main
+from followspot.message_checks.sealing import seal
 from followspot.messages import identical, stamped
 from followspot.room import StageUse
 from followspot.room_file import save
-from followspot.sealing import seal
 from followspot.tracking import Blobs, ImageTracks
 from followspot_balls.throws.parabola import bend, residual
 from followspot_balls.throws.stage import Throws

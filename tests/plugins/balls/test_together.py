@@ -10,9 +10,9 @@ from tests.plugins.balls.scene import BGR, SIZE, disc, forecast_at, look_at, mak
 
 from followspot.context import Context
 from followspot.geometry import project
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array, identical
 from followspot.room import Camera, Room
-from followspot.sealing import seal
 from followspot.tracking import LOST, Forecast, Frame
 from followspot_balls.color_blobs import ColorBlobs
 from followspot_balls.detection.components import MOST

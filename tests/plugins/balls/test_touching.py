@@ -8,8 +8,8 @@ from tests.plugins.balls.scene import RADIUS, forecast_at, make_room, picture
 
 from followspot.context import Context
 from followspot.geometry import project
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array
-from followspot.sealing import seal
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.color_blobs import ColorBlobs
 from followspot_balls.ir_blobs import IrBlobs

@@ -10,8 +10,8 @@ import pytest
 from tests.plugins.balls.recorded import track
 from tests.plugins.balls.scene import SIZE, make_room, picture
 
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array
-from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.tracking import Frame
 from followspot_accuracy.targets.metrics import within_ellipsoid

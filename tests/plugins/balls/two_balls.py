@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from tests.plugins.balls.scene import SIZE, disc, make_room
 
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array
-from followspot.sealing import seal
 from followspot.tracking import Frame
 
 ROOM = make_room()

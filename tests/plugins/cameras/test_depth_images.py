@@ -10,7 +10,7 @@ import pytest
 from tests.plugins.cameras.recordings import SIZE, context
 
 from followspot import InputError
-from followspot.sealing import seal
+from followspot.message_checks.sealing import seal
 from followspot.testing import check_stage, tiny_room
 from followspot_cameras.depth_images import DepthImages, written
 

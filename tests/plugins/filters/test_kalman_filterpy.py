@@ -9,8 +9,8 @@ import pytest
 from tests.plugins.balls.scene import make_room, positions_at
 
 from followspot.context import Context
+from followspot.message_checks.sealing import seal
 from followspot.messages import Array, Header, stamped
-from followspot.sealing import seal
 from followspot.testing import check_stage
 from followspot.tracking import PREDICTED, TRACKED, Positions
 from followspot_balls.kalman import Kalman

@@ -15,7 +15,7 @@ from pythonosc.osc_message_builder import OscMessageBuilder
 
 from followspot import Context, Member
 from followspot.inertial import Inertial
-from followspot.sealing import seal
+from followspot.message_checks.sealing import seal
 from followspot.testing import tiny_room
 from followspot_imu.network.sensor import NetworkSensor
 

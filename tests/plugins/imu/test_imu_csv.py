@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from followspot import Context, InputError, Member
 from followspot.csv_rows import FIRST_ROWS
 from followspot.inertial import Inertial
-from followspot.sealing import seal
+from followspot.message_checks.sealing import seal
 from followspot.testing import check_stage, tiny_room
 from followspot_imu.imu_csv import ImuCsv
 

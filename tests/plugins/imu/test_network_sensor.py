@@ -11,7 +11,7 @@ from tests.plugins.imu.network import AtWork, bundle, osc
 from tests.plugins.imu.ximu3_messages import binary
 
 from followspot import Context, InputError, Member
-from followspot.device_clock import LEAST, DeviceClock
+from followspot.sensors.device_clock import LEAST, DeviceClock
 from followspot.testing import tiny_room
 from followspot_imu.network import sensor
 from followspot_imu.network.listener import Datagram

@@ -12,9 +12,9 @@ import pytest
 from followspot import Array, Context, Member, Room, Sensor, at
 from followspot.errors import InputError
 from followspot.inertial import Inertial, Orientation
+from followspot.message_checks.sealing import seal
 from followspot.messages import identical
 from followspot.rotation import from_rotation_vector, inverse, multiply, rotation_vector, turned
-from followspot.sealing import seal
 from followspot_imu.attitude import Complementary
 from followspot_imu.inclination_error import first_inclination
 from followspot_imu.orientation import FindOrientation

@@ -26,7 +26,7 @@ import sys, threading, time
 import numpy as np
 from followspot import Context, Room, Target
 from followspot.messages import Header, stamped
-from followspot.sealing import seal
+from followspot.message_checks.sealing import seal
 from followspot.tracking import Tracks
 from followspot_lsl.outlet import Outlet
 

@@ -14,8 +14,8 @@ from tests.full_disk import full_disk
 
 from followspot import Context
 from followspot.errors import FollowspotError
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, stamped
-from followspot.sealing import seal
 from followspot.tracking import Positions
 from followspot_recording.recording import Recording
 from followspot_recording.records import HEAD, MAGIC

@@ -20,13 +20,13 @@ from mcap.stream_reader import StreamReader
 
 from followspot import Context
 from followspot.errors import FollowspotError
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, Message, identical, stamped
 from followspot.people import Poses, PoseTruth
 from followspot.plugins.registry import load_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.room import Camera, LensModel, Room
 from followspot.rotation import matrix
-from followspot.sealing import seal
 from followspot.testing import tiny_room
 from followspot.tracking import Blobs, Frame, Positions, Tracks, Truth
 from followspot.wire import differenced, pack, unpack

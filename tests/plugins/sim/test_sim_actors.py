@@ -15,9 +15,9 @@ import pytest
 from followspot import Camera, Context, Room, room_file
 from followspot.cli.main import main
 from followspot.geometry import project
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header
 from followspot.room import Member
-from followspot.sealing import seal
 from followspot_accuracy import read_pose_truth_csv
 from followspot_sim.actor.body import SKULL
 from followspot_sim.actor.camera import PersonCamera

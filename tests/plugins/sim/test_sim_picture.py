@@ -13,8 +13,8 @@ import pytest
 
 from followspot import Context, InputError, Room, room_file
 from followspot.geometry import project
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header
-from followspot.sealing import seal
 from followspot_sim.camera import SimCamera
 from followspot_sim.parameters import SimParams
 from followspot_sim.rendering.picture import Picture

@@ -8,8 +8,8 @@ import numpy as np
 
 from followspot import Camera, Context, Room, room_file
 from followspot.geometry import project
+from followspot.message_checks.sealing import seal
 from followspot.room import Target
-from followspot.sealing import seal
 from followspot_sim.actor.show import ShowCamera, ShowTruth
 
 ROOMS = Path(__file__).parents[3] / "graphs" / "rooms"

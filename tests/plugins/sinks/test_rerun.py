@@ -12,9 +12,9 @@ import pytest
 from followspot import Context, Message
 from followspot.errors import FollowspotError
 from followspot.inertial import PosedTracks
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, stamped
 from followspot.people import Poses, PoseTruth, Skeletons, bones_of
-from followspot.sealing import seal
 from followspot.testing import tiny_room
 from followspot.tracking import Blobs, Candidates, Frame, Pairs, Positions, Tracks, Truth
 from followspot_sinks.rerun.layout import layout_of

@@ -13,8 +13,8 @@ import pytest
 import followspot as fs
 from followspot import Camera, Context, room_file
 from followspot.geometry import project, undistort
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, stamped
-from followspot.sealing import seal
 from followspot.testing import check_stage
 from followspot.tracking import Frame
 from followspot_sim.marker_camera import MarkerCamera, marker_pose

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 
 from followspot import Context, InputError, Stage
 from followspot.geometry import distort, undistort
+from followspot.message_checks.sealing import seal
 from followspot.plugins.registry import load_stage
 from followspot.room import Member
-from followspot.sealing import seal
 from followspot.testing import check_stage, tiny_room
 from followspot_vision.frame_table import MOST_FRAMES, MOST_IN_A_FRAME
 

@@ -16,7 +16,7 @@ from followspot import at
 from followspot.errors import InputError
 from followspot.messages import Array
 from followspot.plugins.catalogue import catalogue
-from followspot.port_marks import Source
+from followspot.ports.marks import Source
 from followspot.room import Camera, Room, StageUse
 from followspot.room_file import load, save
 from followspot.stage import Stage

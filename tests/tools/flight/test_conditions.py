@@ -14,7 +14,7 @@ from followspot import Array, Message, column
 from followspot.errors import InputError
 from followspot.graph.compile import compile_graph
 from followspot.library.handle import RunStatus
-from followspot.sealing import seal
+from followspot.message_checks.sealing import seal
 from followspot.testing import tiny_room
 from followspot.tracking import STATES, Tracks
 from followspot.wire import pack

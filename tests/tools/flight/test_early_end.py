@@ -8,7 +8,7 @@ import socket
 import subprocess
 import threading
 
-from followspot.child_processes import module_command
+from followspot.operating_system.child_processes import module_command
 from followspot_record.flight.order import FlightEnd, FlightOrder
 
 RUN = "0123456789abcdef"

@@ -15,8 +15,8 @@ from tests.full_disk import full_disk
 from followspot import Message
 from followspot.graph.compile import compile_graph
 from followspot.library.handle import Moment, RecorderState
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, stamped
-from followspot.sealing import seal
 from followspot.tracking import Frame, Tracks
 from followspot.wire import pack
 from followspot_record.flight import moment_file

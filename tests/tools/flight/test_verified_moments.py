@@ -11,9 +11,9 @@ from tests.tools.flight.bars import PORTS, differing, verified, wait_until
 
 import followspot as fs
 from followspot import Message
-from followspot.firing import Firing, firings_of
 from followspot.graph.output_ports import output_ports
 from followspot.messages import stamped
+from followspot.ports.firing import Firing, firings_of
 from followspot.wire import pack
 from followspot_record.embedded import recorded_plan
 from followspot_record.firings import firing_types

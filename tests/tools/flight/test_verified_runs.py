@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from tests.tools.flight.bars import PORTS, differing, fire, running, verified
 
-from followspot.firing import Firing, firings_of
+from followspot.ports.firing import Firing, firings_of
 from followspot_recording.decoding import decoded
 from followspot_recording.recording import Recording
 

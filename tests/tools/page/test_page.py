@@ -23,9 +23,9 @@ from websockets.sync.client import ClientConnection
 from followspot.control.host import WorkerStatus
 from followspot.control.stage_status import EdgeAge, PathStatus, StageStatus
 from followspot.errors import FollowspotError
-from followspot.firing import firings_of
 from followspot.graph.plan import Plan
 from followspot.operator.run_status import RunStatus
+from followspot.ports.firing import firings_of
 from followspot.tracking import Frame, Tracks
 from followspot.wire import unpack
 from followspot.worker.ledger import AWAY, COLUMNS, DELIVERED, DROPPED, LATE, PRODUCED, UNMATCHED

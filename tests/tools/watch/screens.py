@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from io import StringIO
 
-from followspot.tables import literal_console
+from followspot.tables.terminal import literal_console
 from followspot_watch.screen import Draw, Fitted
 
 

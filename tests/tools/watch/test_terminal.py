@@ -35,7 +35,7 @@ from followspot.operator.connect import runs_here
 from followspot.operator.run_requests import GetPlan, GetStatus, GetSurroundings, Surroundings
 from followspot.operator.run_status import RunStatus
 from followspot.plugins.registry import load_stage
-from followspot.tables import grid, line
+from followspot.tables.terminal import grid, line
 from followspot.taps.sender import TapSender
 from followspot.tracking import Blobs, Frame, Tracks
 from followspot.wire import pack

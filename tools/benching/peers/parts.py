@@ -19,9 +19,9 @@ import numpy as np
 from followspot.context import Context
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedStage
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, M, stamped
 from followspot.plugins.registry import load_stage
-from followspot.sealing import seal
 from followspot.stage import Stage
 from followspot.tracking import Blobs, Forecast, Frame, Tracks
 

@@ -19,7 +19,7 @@ from followspot.graph.plan import Plan
 from followspot.library.execute import OnProgress, RunOptions, run_plan, scored_file
 from followspot.messages import Array
 from followspot.plugins.registry import load_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.tracking import TRACKED, Blobs, Tracks
 from followspot_accuracy import TrackTable, read_tracks_csv
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from followspot.tables import table
+from followspot.tables.terminal import table
 from followspot_accuracy import PersonsScore
 from followspot_compare.columns import Column, finite, mean
 

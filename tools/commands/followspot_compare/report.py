@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from followspot.tables import table
+from followspot.tables.terminal import table
 from followspot_accuracy import PersonsScore, persons_to_json, to_json
 from followspot_compare.columns import COLUMNS, Figures, finite, measured
 from followspot_compare.persons import persons_means, persons_text

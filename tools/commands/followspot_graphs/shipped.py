@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from itertools import takewhile
 from pathlib import Path
 
-from followspot.document import Node, child
 from followspot.errors import InputError, did_you_mean
-from followspot.yaml_reader import read
+from followspot.yaml.node import Node, child
+from followspot.yaml.reader import read
 
 _HERE = Path(__file__).parent
 DEMO = "glowballs"

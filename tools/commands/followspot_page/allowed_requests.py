@@ -21,7 +21,7 @@ from followspot.graph.plan import Plan, PlannedStage
 from followspot.plugins.catalogue import catalogue
 from followspot.plugins.description import describe
 from followspot.plugins.registry import PluginError, load_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.stage import Stage
 from followspot.stage_params import DeviceIn, NetworkOut
 

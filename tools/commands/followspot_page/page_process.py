@@ -9,8 +9,8 @@ from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 
 from followspot import Network
-from followspot.child_processes import module_command
 from followspot.errors import FollowspotError
+from followspot.operating_system.child_processes import module_command
 
 
 @dataclass(frozen=True)

@@ -19,10 +19,10 @@ from pathlib import Path
 from typing import Any
 
 from followspot import Network
-from followspot.child_processes import module_command
 from followspot.errors import FollowspotError
 from followspot.library.attach import runs_under
 from followspot.library.handle import runs_here
+from followspot.operating_system.child_processes import module_command
 from followspot_page.page_process import PageOrder
 from followspot_watch.runs import Listed, listed_here, listed_there
 

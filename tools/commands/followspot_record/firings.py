@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 from followspot import Message, Stage
-from followspot.firing import Firing, firings_of
 from followspot.graph.plan import Plan
 from followspot.plugins.registry import load_stage
-from followspot.ports import ports
+from followspot.ports.firing import Firing, firings_of
+from followspot.ports.signature import ports
 
 MOMENT = "moment"
 """The fact in a recording that it begins in the middle of a run."""

@@ -16,13 +16,13 @@ from followspot.cli.graph_options import plan_of
 from followspot.cli.run import execute
 from followspot.errors import FollowspotError, InputError
 from followspot.files import read_text
-from followspot.firing import is_firings
 from followspot.graph.load import composed_graph
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker, nearest_kind
 from followspot.graph.plan_data import plan_to_data
 from followspot.plugins.catalogue import catalogue
 from followspot.plugins.registry import load_stage
+from followspot.ports.firing import is_firings
 from followspot_record.firings import facts_of_firings, firing_types
 
 SINK = "recording.sink"

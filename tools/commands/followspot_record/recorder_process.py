@@ -18,10 +18,10 @@ from typing import Any
 
 from followspot import Context, Message
 from followspot.errors import FollowspotError
-from followspot.firing import Firing, is_firings
 from followspot.graph.output_ports import output_ports
 from followspot.messages import InvalidMessage
 from followspot.plugins.registry import use_plugin_files
+from followspot.ports.firing import Firing, is_firings
 from followspot.taps.framing import Record
 from followspot.taps.receivers import Consume, Gaps, LocalReceiver, RemoteReceiver
 from followspot.wire import unpack

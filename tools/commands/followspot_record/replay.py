@@ -9,7 +9,6 @@ from dataclasses import replace
 from functools import partial
 
 from followspot.cli.run import execute
-from followspot.document import Node
 from followspot.errors import InputError, Mistake, did_you_mean
 from followspot.frame_times import to_seconds
 from followspot.graph.compile import compile_graph
@@ -20,7 +19,8 @@ from followspot.graph.plan import Plan
 from followspot.graph.sampling import plan_sampled_cycles
 from followspot.plugins.loaded_hooks import load_plan_options
 from followspot.plugins.registry import load_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
+from followspot.yaml.node import Node
 from followspot_record.embedded import offered_ports, recorded_plan
 from followspot_record.replay_plan import NAMES, Clip, replay_plan, replay_stages
 from followspot_recording.recording import Recording

@@ -10,7 +10,7 @@ from typing import Any
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, nearest_kind
 from followspot.plugins.registry import load_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot_recording.contract import type_name
 from followspot_recording.recording import Recording
 from followspot_recording.replays import REPLAYS

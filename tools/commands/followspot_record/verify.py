@@ -18,7 +18,7 @@ from followspot.frame_times import to_seconds
 from followspot.graph.output_ports import output_ports
 from followspot.graph.plan import Plan
 from followspot.library.execute import RunOptions, run_plan
-from followspot.tables import table
+from followspot.tables.terminal import table
 from followspot_record.comparison import Compared, compare
 from followspot_record.embedded import recorded_plan
 from followspot_record.firings import MOMENT

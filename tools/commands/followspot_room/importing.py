@@ -15,9 +15,9 @@ from followspot.errors import InputError, Mistake, did_you_mean, require_unused,
 from followspot.files import DOCUMENT, read_text
 from followspot.graph.room_part import part_of
 from followspot.room import StageUse
+from followspot.room_document import room as room_document
 from followspot.room_file import save
-from followspot.room_form import room as room_form
-from followspot.yaml_reader import read
+from followspot.yaml.reader import read
 from followspot_cameras.recorded_times.beside import TABLE, spread_of_moments, times_beside
 from followspot_cameras.recordings import POSE_TRUTH, find_recordings
 from followspot_room.calibration import read_calibration
@@ -88,7 +88,7 @@ def part_of_file(path: Path, only: Sequence[str]) -> Room:
     """
     document, mistakes = read(path), list[Mistake]()
     part = part_of(document, only, mistakes) if only else document
-    return room_form.room_of(document if mistakes else part, str(path.parent))
+    return room_document.room_of(document if mistakes else part, str(path.parent))
 
 
 def without_recordings(room: Room) -> Room:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from followspot.graph.declaration import ROOM_SOURCE
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.stage import Stage
 from followspot_schema.parts import NAME, TEXT, Schema, form, named
 from followspot_schema.stages import models, parameters, stages_offered

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from followspot.points import Points2D
-from followspot.ports import ports
-from followspot.room_form.sync import LARGEST_KEY, MATCHES, TRIGGERS
-from followspot.room_form.target import BINS
+from followspot.ports.signature import ports
+from followspot.room_document.sync import LARGEST_KEY, MATCHES, TRIGGERS
+from followspot.room_document.target import BINS
 from followspot.stage import Stage
 from followspot.tracking import DepthImage, Frame
 from followspot_schema.parts import NAME, TEXT, Schema, form, matrix, named, numbers

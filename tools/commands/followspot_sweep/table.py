@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from followspot.errors import writing
-from followspot.tables import table
+from followspot.tables.terminal import table
 from followspot_sweep.axes import Axis
 from followspot_sweep.trial import Result
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from followspot.child_processes import module_command
 from followspot.errors import writing
 from followspot.files import read_bytes
+from followspot.operating_system.child_processes import module_command
 from followspot_sweep.axes import Point
 from followspot_sweep.figures import figures_of
 

@@ -16,8 +16,8 @@ from followspot.library.handle import RunHandle, connected_run
 from followspot.message_table import as_json, rows_of, table_of
 from followspot.messages import Message, stamped
 from followspot.plugins.registry import use_plugin_files
-from followspot.table_column import TableColumn
-from followspot.tables import table
+from followspot.tables.table_column import TableColumn
+from followspot.tables.terminal import table
 from followspot.tracking import Frame
 from followspot_dashboard.picture import Picture
 from followspot_watch.run_monitor import RunMonitor

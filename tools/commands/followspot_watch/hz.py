@@ -16,7 +16,7 @@ from followspot.cli.agent_options import network_of
 from followspot.library.handle import LOSSES, RunHandle, connected_run, is_stale
 from followspot.messages import Message
 from followspot.plugins.registry import use_plugin_files
-from followspot.tables import blocks, grid, is_screen, line, plain
+from followspot.tables.terminal import blocks, grid, is_screen, line, plain
 from followspot_dashboard.meter import Rhythm
 from followspot_watch.run_monitor import RunMonitor
 from followspot_watch.screen import live_screen

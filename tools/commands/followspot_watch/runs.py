@@ -13,7 +13,7 @@ from followspot.cli.agent_options import network_of
 from followspot.errors import FollowspotError, shown
 from followspot.library.attach import FoundRun, runs_under
 from followspot.library.handle import RunHandle, runs_here, user_of
-from followspot.tables import table
+from followspot.tables.terminal import table
 
 _ANSWER = 1.0
 """Seconds that a run has to answer."""

@@ -10,7 +10,7 @@ from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
 from rich.live import Live
 from rich.segment import Segment
 
-from followspot.tables import WIDEST, line, literal_console
+from followspot.tables.terminal import WIDEST, line, literal_console
 
 Draw = Callable[[int | None], RenderableType]
 """Draws a report. It gets the most rows to draw of each table, None for all: rich needs 0.7 ms for a row."""

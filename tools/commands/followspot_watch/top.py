@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from followspot.cli.agent_options import network_of
 from followspot.library.handle import LIMIT_MS, LOSSES, SOURCE_LOSSES, RunHandle, connected_run
-from followspot.tables import blocks, grid, is_screen, line, plain
+from followspot.tables.terminal import blocks, grid, is_screen, line, plain
 from followspot_watch.run_monitor import RunMonitor
 from followspot_watch.screen import live_screen
 

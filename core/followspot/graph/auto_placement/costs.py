@@ -12,7 +12,7 @@ import pydantic
 
 from followspot.errors import InputError
 from followspot.files import read_text
-from followspot.ranges import Count
+from followspot.valid_values.numbers import Count
 
 _LARGEST = 64 << 20
 """Bytes of a report."""

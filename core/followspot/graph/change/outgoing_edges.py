@@ -10,8 +10,8 @@ from followspot.graph.change.subgraph_plan import ComposedFile
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, nearest_kind
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.plugins.registry import load_stage
-from followspot.port_specs import OutputSpec, accepts
-from followspot.ports import ports
+from followspot.ports.signature import ports
+from followspot.ports.specs import OutputSpec, accepts
 
 
 def leaving(

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.messages import Message
 from followspot.plugins.registry import load_stage
-from followspot.port_specs import InputSpec, Ports, accepts
-from followspot.ports import ports
+from followspot.ports.signature import ports
+from followspot.ports.specs import InputSpec, Ports, accepts
 from followspot.room import SETS
 from followspot.stage import Stage
 

@@ -10,7 +10,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from followspot.errors import InputError, Mistake, Place
-from followspot.firing import FIRINGS
 from followspot.graph.arrange import planned_edge, planned_stage
 from followspot.graph.change.outgoing_edges import leaving
 from followspot.graph.change.subgraph_plan import ComposedFile
@@ -21,7 +20,8 @@ from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
 from followspot.graph.sampling import plan_sampled_cycles
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.plugins.registry import load_stage
-from followspot.ports import ports
+from followspot.ports.firing import FIRINGS
+from followspot.ports.signature import ports
 
 
 def rewired(plan: Plan, use: SubgraphUse, found: ComposedFile, place: Place) -> Plan:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from followspot.document import Node, node_of
 from followspot.errors import InputError, Mistake, Place, did_you_mean
 from followspot.graph.change.change_arguments import as_set_option, as_typed, sets_parameter
 from followspot.graph.change.replacement import mismatches
@@ -24,6 +23,7 @@ from followspot.graph.subgraph_use import SubgraphUse, is_given_by_set
 from followspot.graph.tune import tunes_of
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.stage import Stage
+from followspot.yaml.node import Node, node_of
 
 _BY_SET = ParameterOrigin("--set", kept=True)
 

@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from followspot.document import Node
 from followspot.errors import InputError, Mistake
 from followspot.graph.change.rewiring import rewired
 from followspot.graph.change.subgraph_plan import GIVEN, ComposedFile, composed_in
@@ -21,6 +20,7 @@ from followspot.graph.parameter_origin import origin_of
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.provenance import ParameterOrigin
 from followspot.graph.subgraph_use import SubgraphUse
+from followspot.yaml.node import Node
 
 BY_A_CHANGE = ParameterOrigin("while it ran", kept=True)
 _Edge = tuple[str, str, str, str, int]

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from followspot.document import Node, node_of
 from followspot.errors import Mistake, Place
 from followspot.graph.checks.inputs import check_inputs
 from followspot.graph.checks.interfaces import check_interface
@@ -25,6 +24,7 @@ from followspot.graph.subgraph_use import SubgraphUse
 from followspot.graph.tune import tuned
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.stage import Stage
+from followspot.yaml.node import Node, node_of
 
 GIVEN = "(given by the graph)"
 """File of the places of values that the use of a file passes on."""

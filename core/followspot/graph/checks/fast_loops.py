@@ -11,7 +11,7 @@ from followspot.graph.checks.rates import rates
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.cycles import cyclic
 from followspot.graph.instances import CheckedStage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.room import Room
 
 _SPARE = 0.9

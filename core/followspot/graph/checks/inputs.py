@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from followspot.errors import Mistake, did_you_mean
 from followspot.graph.declaration import InputDeclaration
 from followspot.graph.instances import Instance
-from followspot.port_specs import Ports
-from followspot.ports import ports
+from followspot.ports.signature import ports
+from followspot.ports.specs import Ports
 from followspot.room import SETS
 from followspot.stage import Stage
 

@@ -9,7 +9,7 @@ from followspot.graph.compose.interface_targets import Noun, StageTarget, is_not
 from followspot.graph.declaration import ROOM_SOURCE
 from followspot.graph.expand import Expanded
 from followspot.plugins.registry import PluginError, load_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.stage import Stage
 
 

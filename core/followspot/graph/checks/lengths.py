@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from followspot.document import Node, child
 from followspot.errors import Mistake, Place
 from followspot.messages import Array
 from followspot.room import Room
+from followspot.yaml.node import Node, child
 
 SMALLEST_RADIUS, LARGEST_RADIUS = 0.0005, 3.0
 """Smallest and largest radius of a target, m."""

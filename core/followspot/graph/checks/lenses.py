@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from followspot.document import Node, child
 from followspot.errors import Mistake
 from followspot.geometry import project_local
 from followspot.lens import fold, local_rays
 from followspot.room import Camera, Room
+from followspot.yaml.node import Node, child
 
 _SIDE = 17
 """Pixels that are tried along each side of a picture."""

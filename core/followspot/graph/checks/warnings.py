@@ -7,7 +7,6 @@ from dataclasses import replace
 from functools import reduce
 from operator import or_
 
-from followspot.document import Node, child
 from followspot.errors import Mistake
 from followspot.graph.checks.flow import Flow
 from followspot.graph.checks.lengths import implausible_lengths
@@ -19,9 +18,10 @@ from followspot.graph.distinct_mistakes import distinct_mistakes
 from followspot.graph.expand import Expanded
 from followspot.graph.instances import CheckedStage, Instance
 from followspot.graph.seen_cameras import seen_cameras
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.room import Camera, Member, Room, Sensor
 from followspot.stage import Stage
+from followspot.yaml.node import Node, child
 
 MOST_NAMED = 6
 """Most cameras that a warning names."""

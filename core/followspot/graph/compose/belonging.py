@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from followspot.document import Node, child
 from followspot.graph.compose.feeds import items, option, sender, with_option
 from followspot.graph.compose.narrowing import Limit, both, narrowed
 from followspot.graph.compose.unit import Unit
 from followspot.graph.names import below
 from followspot.graph.selector import Condition, Selector, read_selector
 from followspot.room import Member
+from followspot.yaml.node import Node, child
 
 
 def belonging(entry: Mapping[str, Node], node: Node, limits: Sequence[Limit]) -> dict[str, Node]:

@@ -6,7 +6,6 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from followspot.document import Node, child
 from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.compose.belonging import belonging, seen_only
 from followspot.graph.compose.feeds import items, origin
@@ -23,6 +22,7 @@ from followspot.graph.names import below
 from followspot.graph.override import Override
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.room import Room
+from followspot.yaml.node import Node, child
 
 
 @dataclass(frozen=True)

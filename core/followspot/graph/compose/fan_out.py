@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from followspot.document import Node
 from followspot.errors import Mistake
-from followspot.form import Form
 from followspot.graph.compose.narrowing import Limit, narrowed, read_cameras
 from followspot.graph.names import below
 from followspot.graph.selector import Selector, read_selector
 from followspot.room import Member, Room
+from followspot.yaml.form import Form
+from followspot.yaml.node import Node
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from followspot.document import Node
 from followspot.graph.compose.narrowing import both
 from followspot.graph.names import SENDER
+from followspot.yaml.node import Node
 
 
 def items(feeds: Node) -> tuple[Node, ...]:

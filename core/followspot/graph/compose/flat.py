@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from followspot.document import Node, dump, plain
 from followspot.graph.compose.compose import Composed
 from followspot.graph.compose.feeds import items, sender
 from followspot.graph.declaration import ROOM_SOURCE
@@ -16,6 +15,7 @@ from followspot.graph.parameters import path_parameters
 from followspot.graph.plan import Plan
 from followspot.plugins.registry import load_stage
 from followspot.stage_params import PathIn
+from followspot.yaml.node import Node, dump, plain
 
 
 def flat_text(composed: Composed, plan: Plan, room: str | None) -> str:

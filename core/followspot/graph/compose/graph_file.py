@@ -8,12 +8,12 @@ from copy import copy
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from followspot.document import MAX_NODES, Node
 from followspot.errors import InputError, Mistake, Place
-from followspot.form import Form, kind_of
 from followspot.graph.compose.overlay import merged_mapping, merged_stages
 from followspot.graph.plan import MAX_SEED
-from followspot.yaml_reader import read
+from followspot.yaml.form import Form, kind_of
+from followspot.yaml.node import MAX_NODES, Node
+from followspot.yaml.reader import read
 
 MAX_FILES = 100
 """Most different files of one graph."""

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
-from followspot.document import Node, node_of
 from followspot.errors import Mistake
-from followspot.form import Form
 from followspot.graph.compose.belonging import seen_only
 from followspot.graph.compose.compose import outputs_below, stages_of, units_below
 from followspot.graph.compose.fan_out import Use
@@ -24,6 +22,8 @@ from followspot.graph.override import SUBGRAPH, overridden
 from followspot.graph.selector import read_selector
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.room import Room
+from followspot.yaml.form import Form
+from followspot.yaml.node import Node, node_of
 
 
 @dataclass(frozen=True)

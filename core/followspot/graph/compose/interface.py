@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from followspot.document import Node
 from followspot.errors import Mistake, did_you_mean
-from followspot.form import kind_of
 from followspot.graph.compose.feeds import items, sender
 from followspot.graph.compose.graph_file import GraphFile
-from followspot.valid_names import is_name
+from followspot.valid_values.names import is_name
+from followspot.yaml.form import kind_of
+from followspot.yaml.node import Node
 
 _FORMS = {
     "params": "STAGE.PARAMETER, or a list of them",

@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from followspot.document import child
 from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.compose.interface import SECTION, InterfaceTarget
 from followspot.graph.compose.unit import Unit
 from followspot.graph.names import below
+from followspot.yaml.node import child
 
 Noun = Literal["parameter", "input", "output"]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from followspot.document import Node
 from followspot.errors import Mistake
 from followspot.graph.selector import Selector, intersection, read_selector, within
 from followspot.room import Member
+from followspot.yaml.node import Node
 
 Limit = Selector | Member
 """A limit of a sub-graph: the cameras that it serves, or the member of a set or tag."""

@@ -6,9 +6,9 @@ import json
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from followspot.document import Node, plain
 from followspot.errors import Place, shown
 from followspot.graph.compose.compose import Composed
+from followspot.yaml.node import Node, plain
 
 _BY_KEY = ("in", "with")
 

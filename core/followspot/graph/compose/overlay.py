@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from followspot.document import Node
 from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.override import SUBGRAPH
 from followspot.stage_params import ENVELOPE
+from followspot.yaml.node import Node
 
 _OF_BOTH = {"in", "each", "optional"}
 _OF_A_STAGE = {*ENVELOPE} - _OF_BOTH

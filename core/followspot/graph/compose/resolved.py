@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from followspot.document import plain
 from followspot.graph.compose.feeds import items
 from followspot.graph.compose.interface import InterfaceTarget
 from followspot.graph.compose.senders import senders
@@ -14,6 +13,7 @@ from followspot.graph.override import WHILE_IT_RAN, is_set
 from followspot.graph.selector import Selector
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.room import Member
+from followspot.yaml.node import plain
 
 
 def resolved_uses(unit: Unit) -> Iterator[SubgraphUse]:

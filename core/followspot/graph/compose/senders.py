@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from followspot.document import Node
 from followspot.errors import Mistake, did_you_mean
 from followspot.graph.compose.feeds import (
     items,
@@ -20,6 +19,7 @@ from followspot.graph.compose.feeds import (
 from followspot.graph.compose.narrowing import Limit, both, narrowed
 from followspot.graph.compose.unit import Unit
 from followspot.graph.names import below, enclosing
+from followspot.yaml.node import Node
 
 _Visited = tuple[tuple[str, str, str | None], ...]
 """The senders that led to one: unit, stage and port of each."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from followspot.document import Node, child
 from followspot.graph.override import Override
+from followspot.yaml.node import Node, child
 
 
 def subgraph_tunes(room: Node | None) -> Iterator[Override]:

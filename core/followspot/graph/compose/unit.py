@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from followspot.document import Node
 from followspot.errors import Mistake, Place
 from followspot.graph.compose.graph_file import GraphFile
 from followspot.graph.compose.interface import Interface
 from followspot.graph.compose.narrowing import Limit
+from followspot.yaml.node import Node
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from followspot.document import Node
 from followspot.errors import Mistake, Place
-from followspot.form import Form
 from followspot.graph.compose.fan_out import Use, UseContext, fan_out
 from followspot.graph.compose.graph_file import GraphFile, GraphFiles
 from followspot.graph.compose.interface import read_interface
@@ -17,6 +15,8 @@ from followspot.graph.compose.unit import Unit, Wired
 from followspot.graph.names import below
 from followspot.graph.override import SUBGRAPH, Override, overridden
 from followspot.room import Room
+from followspot.yaml.form import Form
+from followspot.yaml.node import Node
 
 
 class UnitBuilder:

@@ -12,7 +12,7 @@ from followspot.control.worker_orders import Correction
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.host.clocks.filter import ClockFilter, Exchange
-from followspot.wall_clock import lead, set_since
+from followspot.operating_system.wall_clock import lead, set_since
 
 if TYPE_CHECKING:
     from followspot.control.zenoh_rpc import RpcClient

@@ -7,7 +7,7 @@ from pathlib import Path
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.messages import Message
 from followspot.plugins.registry import PluginError, load_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.stage import Stage
 
 

@@ -6,11 +6,11 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from followspot.firing import FIRINGS
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
 from followspot.operator.reporting.scored import class_of
-from followspot.port_specs import Ports
-from followspot.ports import gives_always, ports
+from followspot.ports.firing import FIRINGS
+from followspot.ports.signature import gives_always, ports
+from followspot.ports.specs import Ports
 from followspot.worker.ledger import EdgeCount
 
 Counted = tuple[PlannedEdge, EdgeCount]

@@ -12,7 +12,7 @@ from followspot.graph.plan import Plan, PlannedEdge
 from followspot.operator.reporting.report import RunReport
 from followspot.operator.reporting.truth import scorable
 from followspot.plugins.loaded_hooks import load_scorers
-from followspot.tables import table
+from followspot.tables.terminal import table
 from followspot.worker.ledger import COUNTS, SOURCE_LOSSES, EdgeCount
 
 

@@ -15,7 +15,7 @@ from followspot.graph.plan import Plan
 from followspot.operator.reporting.scored import scored_file, written_tables
 from followspot.plugins.loaded_hooks import load_scorers
 from followspot.plugins.registry import load_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.scoring import Score, Scoring
 from followspot.stage import Stage
 

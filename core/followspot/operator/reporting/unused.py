@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
 from followspot.operator.reporting.scored import class_of
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.worker.ledger import EdgeCount
 
 FEWEST, SHARE = 5, 0.02

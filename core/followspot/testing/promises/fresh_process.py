@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 
 from pydantic_core import PydanticSerializationError
 
-from followspot import room_file
 from followspot.errors import InputError
+from followspot.room_document.data import from_data, to_data
 from followspot.stage import Stage
 from followspot.testing.promises.sources import first_or_none
 from followspot.testing.promises.work import contents, sent
@@ -72,7 +72,7 @@ def _order(trial: Trial) -> _Order:
         return _Order(module, name, None, {})
     try:
         params = trial.stage.Params(**trial.params).model_dump(mode="json")
-        return _Order(module, name, params, room_file.to_data(trial.room))
+        return _Order(module, name, params, to_data(trial.room))
     except (PydanticSerializationError, InputError):
         return _Order(module, name, None, {})
 
@@ -130,7 +130,7 @@ def _carry_out(order: _Order, answer: Connection) -> None:
         answer.send(_Answer(""))
         return
     stage: type[Stage] = attrgetter(order.name)(module)
-    trial = Trial(stage, order.params, room_file.from_data(order.room))
+    trial = Trial(stage, order.params, from_data(order.room))
     answer.send(_Answer("", _digest(trial)))
 
 

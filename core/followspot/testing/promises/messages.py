@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, InvalidMessage, Message, identical, stamped
-from followspot.sealing import seal
 from followspot.testing.samples import BLACK, Content, sample
 from followspot.testing.trial import Trial
 from followspot.transport.codec import pack, unpack

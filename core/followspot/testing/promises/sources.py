@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from itertools import islice, pairwise
 from typing import Any
 
+from followspot.message_checks.outputs import WrongOutput, check_yielded
 from followspot.messages import InvalidMessage, Message
-from followspot.output_checks import WrongOutput, check_yielded
 from followspot.testing.promises.work import contents
 from followspot.testing.trial import Trial, outputs, reason
 

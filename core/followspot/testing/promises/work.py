@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from followspot.errors import FollowspotError
+from followspot.message_checks.outputs import WrongOutput, check_one_of_several, check_returned
+from followspot.message_checks.sealing import seal
 from followspot.messages import UNSTAMPED, InvalidMessage, Message, identical
-from followspot.output_checks import WrongOutput, check_one_of_several, check_returned
-from followspot.sealing import seal
 from followspot.testing.samples import BLACK
 from followspot.testing.trial import PERIOD, Trial, noise, outputs, reason
 

@@ -7,7 +7,7 @@ import logging
 import socket
 from collections import deque
 
-from followspot.descriptors import crowded
+from followspot.operating_system.descriptors import crowded
 from followspot.transport.ring.control import ARENAS, SENT, WAITING, Control, fence
 from followspot.transport.ring.memory import Memory
 from followspot.transport.ring.notification import INLINE, OVER, SLOT, WATERMARK

@@ -12,7 +12,7 @@ import numpy as np
 
 from followspot.errors import FollowspotError
 from followspot.messages import Array, InvalidMessage
-from followspot.system_limits import limit_remedy
+from followspot.operating_system.limits import limit_remedy
 from followspot.transport.ring.control import ARENAS, WAITING, Control, fence, released_word
 from followspot.transport.ring.heads import Head, HeadReader
 from followspot.transport.ring.memory import Memory

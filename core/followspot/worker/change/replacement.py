@@ -9,7 +9,7 @@ from functools import partial
 from followspot.errors import FollowspotError
 from followspot.graph.plan import PlannedStage
 from followspot.plugins.registry import load_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.stage import Stage
 from followspot.worker.runners.stage_runner import StageRunner
 from followspot.worker.scheduler import Scheduler

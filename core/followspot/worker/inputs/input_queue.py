@@ -6,8 +6,8 @@ import time
 from collections import deque
 from collections.abc import Callable
 
+from followspot.message_checks.room_fit import FitCheck
 from followspot.messages import Message
-from followspot.room_fit import FitCheck
 from followspot.transport.edge import PortReader
 from followspot.transport.token import ABSENT, END, Invalid, Token, Watermark
 from followspot.worker.ledger import DELIVERED, DROPPED, INVALID, UNMATCHED

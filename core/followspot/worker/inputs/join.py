@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from followspot.messages import Message
-from followspot.port_specs import InputSpec
+from followspot.ports.specs import InputSpec
 from followspot.transport.token import ABSENT, END
 from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.inputs.join_input import JoinInput, rearranged, with_former_samples

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from followspot.port_specs import InputSpec
+from followspot.ports.specs import InputSpec
 from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.inputs.sampled_input import SampledInput
 

@@ -9,8 +9,8 @@ from concurrent.futures import CancelledError, Future
 from typing import Any
 
 from followspot.errors import FollowspotError
+from followspot.message_checks.outputs import WrongOutput
 from followspot.messages import Header
-from followspot.output_checks import WrongOutput
 from followspot.stage import Stage
 from followspot.transport.token import UNKNOWN
 from followspot.worker.runners.answer_pool import AnswerPool

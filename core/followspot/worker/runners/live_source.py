@@ -12,8 +12,8 @@ from typing import Any
 
 from followspot.frame_times import NANOSECOND
 from followspot.graph.depths import LIVE_DEPTH
+from followspot.message_checks.outputs import several
 from followspot.messages import UNSTAMPED, Header
-from followspot.output_checks import several
 from followspot.stage import Stage
 from followspot.worker.clock import Arrival
 from followspot.worker.inputs.input_queue import InputQueue

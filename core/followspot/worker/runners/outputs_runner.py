@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import Any
 
+from followspot.message_checks.outputs import WrongOutput, check_one_of_several, several
 from followspot.messages import UNSTAMPED, Header, in_range
-from followspot.output_checks import WrongOutput, check_one_of_several, several
 from followspot.transport.token import END
 from followspot.worker.runners.error_policy import RAISED, recover
 from followspot.worker.runners.stage_runner import FiringInputs, StageRunner

@@ -9,8 +9,8 @@ import time
 from collections.abc import Iterator
 from typing import Any
 
+from followspot.message_checks.outputs import WrongOutput, check_yielded, several
 from followspot.messages import Header, InvalidMessage, in_range
-from followspot.output_checks import WrongOutput, check_yielded, several
 from followspot.transport.token import END
 from followspot.worker.runners.error_policy import RAISED, recover
 from followspot.worker.runners.stage_runner import StageRunner

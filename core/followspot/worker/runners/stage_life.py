@@ -6,9 +6,9 @@ from collections.abc import Callable
 from typing import Any
 
 from followspot.graph.plan import ErrorPolicy
+from followspot.message_checks.outputs import WrongOutput, check_returned
 from followspot.messages import Header
-from followspot.output_checks import WrongOutput, check_returned
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.stage import Stage
 from followspot.worker.runners.error_policy import RAISED, StageError, recover, text_of
 from followspot.worker.runners.runner_count import RunnerCount

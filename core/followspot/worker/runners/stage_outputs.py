@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from followspot.firing import FIRINGS
 from followspot.messages import Header
-from followspot.port_specs import ONE_OUTPUT, Ports
+from followspot.ports.firing import FIRINGS
+from followspot.ports.specs import ONE_OUTPUT, Ports
 from followspot.transport.token import UNKNOWN
 from followspot.worker.output_port import OutputPort
 

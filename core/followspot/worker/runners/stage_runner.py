@@ -9,9 +9,9 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
 from followspot.graph.plan import ErrorPolicy
+from followspot.message_checks.outputs import untimed
 from followspot.messages import Header, Message
-from followspot.output_checks import untimed
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.stage import Stage
 from followspot.worker.clock import Clock
 from followspot.worker.inputs.input_queue import InputQueue

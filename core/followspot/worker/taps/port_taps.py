@@ -10,9 +10,9 @@ from dataclasses import replace
 
 from followspot.context import Post
 from followspot.control.tapping import Tapping
-from followspot.firing import firings_of
 from followspot.messages import Message
 from followspot.plugins.registry import load_stage
+from followspot.ports.firing import firings_of
 from followspot.stage import Stage
 from followspot.worker.runners.stage_runner import StageRunner
 from followspot.worker.scheduler import Scheduler

@@ -8,9 +8,9 @@ from contextlib import suppress
 import zenoh
 from zenoh.handlers import Callback
 
-from followspot.firing import FIRINGS
 from followspot.graph.plan import Plan
 from followspot.messages import InvalidMessage, Message
+from followspot.ports.firing import FIRINGS
 from followspot.transport.codec import pack
 from followspot.transport.keys import port_key
 from followspot.transport.zenoh.terms import has_subscriber

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from followspot.messages import Array
-from followspot.tables import table
+from followspot.tables.terminal import table
 from followspot_calibrate.check.against import CameraDifference, Comparison
 from followspot_calibrate.check.agreement import Agreement
 from followspot_calibrate.check.findings import Drift, Findings

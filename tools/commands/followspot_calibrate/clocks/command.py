@@ -18,7 +18,7 @@ from followspot.errors import FollowspotError, InputError, did_you_mean, writing
 from followspot.graph.plan import Plan
 from followspot.messages import Array
 from followspot.notes import progress_is_shown
-from followspot.tables import table
+from followspot.tables.terminal import table
 from followspot_calibrate.clocks.estimation import Offsets, estimated
 from followspot_calibrate.clocks.moments import moments
 from followspot_calibrate.clocks.page import HEAD, cells, page_of

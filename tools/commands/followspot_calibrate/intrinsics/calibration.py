@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from followspot.room_form.camera import MOST_DISTORTION, MOST_FOCAL
+from followspot.room_document.camera import MOST_DISTORTION, MOST_FOCAL
 from followspot_calibrate.boards.board import Board
 from followspot_calibrate.boards.detection import View
 from followspot_calibrate.intrinsics.coverage import Coverage, coverage

@@ -9,7 +9,7 @@ from typing import TextIO
 from rich.live import Live
 
 from followspot.errors import InputError, Mistake
-from followspot.tables import literal_console
+from followspot.tables.terminal import literal_console
 from followspot_calibrate.boards.detection import Detector, View
 from followspot_calibrate.boards.pictures import Numbered
 from followspot_calibrate.intrinsics.coverage import coverage

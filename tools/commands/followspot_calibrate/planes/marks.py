@@ -10,7 +10,7 @@ import numpy as np
 from followspot import Camera
 from followspot.csv_rows import Row, read_rows
 from followspot.errors import InputError
-from followspot.valid_names import is_name
+from followspot.valid_values.names import is_name
 from followspot_calibrate.sightings import Sightings
 
 COLUMNS = ("plane", "point", "camera", "u", "v")

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from followspot.messages import Array
-from followspot.tables import table
+from followspot.tables.terminal import table
 from followspot_calibrate.planes.fit import FittedPlane
 
 HEAD = ("plane", "points", "left out", "rms mm", "max mm", "a", "b", "c", "d (m)")

@@ -11,7 +11,7 @@ from followspot import Camera
 from followspot.csv_rows import Row, read_rows
 from followspot.errors import InputError
 from followspot.files import open_text
-from followspot.valid_names import is_name
+from followspot.valid_values.names import is_name
 from followspot_calibrate.points_file.naming import sizes_of
 from followspot_calibrate.sightings import Sightings
 

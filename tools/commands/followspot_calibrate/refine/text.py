@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from followspot.tables import table
+from followspot.tables.terminal import table
 from followspot_calibrate.adjust.prior import rotation_vector
 from followspot_calibrate.refine.cross_validation import Comparison
 from followspot_calibrate.refine.solving import Refinement

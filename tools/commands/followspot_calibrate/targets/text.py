@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from followspot.tables import table
+from followspot.tables.terminal import table
 from followspot_calibrate.refine.text import as_json as correction_as_json
 from followspot_calibrate.refine.text import as_text
 from followspot_calibrate.targets.learning import Learnt

@@ -11,7 +11,7 @@ import numpy as np
 
 from followspot import Camera
 from followspot.messages import Array
-from followspot.tables import table
+from followspot.tables.terminal import table
 from followspot_calibrate.wand.alignment import Alignment
 from followspot_calibrate.wand.rods import measured
 from followspot_calibrate.wand.solving import Solved

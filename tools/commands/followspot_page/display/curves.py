@@ -14,7 +14,7 @@ from followspot.errors import FollowspotError
 from followspot.message_table import head_of, table_of
 from followspot.messages import Message
 from followspot.room import Room
-from followspot.table_column import TableColumn
+from followspot.tables.table_column import TableColumn
 from followspot_dashboard.picture import PICTURES
 from followspot_page.allowed_requests import Curve
 from followspot_page.display.feed import Feed

@@ -13,11 +13,11 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from followspot.child_processes import module_command
 from followspot.errors import FollowspotError
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan
 from followspot.library.handle import RunHandle, Tapping
+from followspot.operating_system.child_processes import module_command
 from followspot.taps.receivers import tap_key
 from followspot_record.firings import firing_types
 from followspot_record.order import Order

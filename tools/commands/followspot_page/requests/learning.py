@@ -17,7 +17,7 @@ from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.library.handle import RunHandle
 from followspot.plugins.registry import load_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.room_file import load, update
 from followspot.tracking import Frame
 from followspot_balls.templates.from_picture import (

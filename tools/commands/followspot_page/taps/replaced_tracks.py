@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 
 from followspot.graph.plan import Plan
 from followspot.plugins.registry import load_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot.tracking import Tracks
 
 

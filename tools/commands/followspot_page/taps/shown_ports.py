@@ -13,7 +13,7 @@ from followspot.inertial import Inertial
 from followspot.library.handle import Tapping
 from followspot.messages import Message
 from followspot.plugins.registry import load_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot_dashboard.gate import SOCKET
 from followspot_dashboard.picture import FARTHEST, PICTURES, Picture
 from followspot_page.display.message_views import SHOWN, SMOOTH

@@ -12,11 +12,11 @@ from typing import Literal
 
 from followspot import Context, Message
 from followspot.errors import FollowspotError
-from followspot.firing import is_firings
 from followspot.frame_times import to_seconds
 from followspot.graph.plan import Plan
 from followspot.library.handle import Moment
 from followspot.messages import InvalidMessage
+from followspot.ports.firing import is_firings
 from followspot.wire import unpack
 from followspot_record.firings import facts_of_middle
 from followspot_record.flight.kept_messages import KeptMessage

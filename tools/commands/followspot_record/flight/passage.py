@@ -9,7 +9,6 @@ from pathlib import Path
 
 from followspot import Message
 from followspot.errors import InputError
-from followspot.firing import Firing, firings_of
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.library.repeat import (
     Checkpoint,
@@ -21,8 +20,9 @@ from followspot.library.repeat import (
 )
 from followspot.messages import stamped
 from followspot.plugins.registry import load_stage
-from followspot.port_specs import Giving
-from followspot.ports import ports
+from followspot.ports.firing import Firing, firings_of
+from followspot.ports.signature import ports
+from followspot.ports.specs import Giving
 from followspot.wire import pack
 from followspot_record.comparison import RunningComparison
 from followspot_record.embedded import stage_mistakes

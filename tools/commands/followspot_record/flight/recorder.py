@@ -6,8 +6,8 @@ import threading
 import time
 from collections.abc import Callable
 
-from followspot.firing import is_firings
 from followspot.library.handle import Moment, RecorderState
+from followspot.ports.firing import is_firings
 from followspot_record.flight.kept_messages import KeptMessages
 from followspot_record.flight.moment_file import MomentFile
 from followspot_record.flight.moment_span import MomentSpan

@@ -14,7 +14,7 @@ from followspot import Stage
 from followspot.graph.output_ports import output_ports
 from followspot.graph.plan import Plan
 from followspot.plugins.registry import load_stage
-from followspot.ports import ports
+from followspot.ports.signature import ports
 from followspot_record.comparison import Compared, RunningComparison
 from followspot_record.flight.passage import NO_CHECKPOINT, RepeatedStage
 from followspot_recording.recording import Recording

@@ -8,9 +8,9 @@ import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 
-from followspot.child_processes import module_command
 from followspot.errors import FollowspotError
 from followspot.library.handle import run_here
+from followspot.operating_system.child_processes import module_command
 from followspot_record.flight.order import FlightEnd, FlightOrder
 
 _WRITING = 300.0

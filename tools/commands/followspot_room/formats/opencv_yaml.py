@@ -10,10 +10,10 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from followspot.document import plain
 from followspot.errors import InputError
 from followspot.room import Camera, LensModel
-from followspot.yaml_reader import parse as parse_yaml
+from followspot.yaml.node import plain
+from followspot.yaml.reader import parse as parse_yaml
 from followspot_room.checks import (
     Unfit,
     array,

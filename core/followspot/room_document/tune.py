@@ -6,7 +6,7 @@ import re
 from typing import Any
 
 from followspot.errors import Mistake
-from followspot.form import Form
+from followspot.yaml.form import Form
 
 MAX_TUNES = 1000
 _TUNE = re.compile(r"[^.\s]+(\.[^.\s]+)+")

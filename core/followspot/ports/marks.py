@@ -1,6 +1,6 @@
 """Marks of a stage's inputs and outputs in the signature of `process`: `Latest[Forecast]`, `Outputs[Tracks]`.
 
-An input without a mark fires the stage. `followspot.ports` reads the marks.
+An input without a mark fires the stage. `followspot.ports.signature` reads the marks.
 """
 
 from __future__ import annotations

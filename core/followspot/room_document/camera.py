@@ -6,12 +6,12 @@ from typing import cast
 
 import numpy as np
 
-from followspot.document import Node
 from followspot.errors import Mistake
-from followspot.form import Form, Shape
 from followspot.messages import MAX_BYTES, Array
 from followspot.room import Camera, LensModel
-from followspot.room_form.parts import FAR, TOLERANCE, stage_use, tags_of, word
+from followspot.room_document.parts import FAR, TOLERANCE, stage_use, tags_of, word
+from followspot.yaml.form import Form, Shape
+from followspot.yaml.node import Node
 
 _MAX_SIDE = 1 << 15
 _MAX_PIXELS = MAX_BYTES // 3

@@ -11,9 +11,9 @@ from typing import Any
 
 import yaml
 
-from followspot.document import MAX_DEPTH, MAX_NODES, Node
 from followspot.errors import Mistake, Place
-from followspot.yaml_scalars import STR_TAG, Scalar, resolve
+from followspot.yaml.node import MAX_DEPTH, MAX_NODES, Node
+from followspot.yaml.scalars import STR_TAG, Scalar, resolve
 
 MAX_TEXT = 4096
 """Longest scalar, characters; the longest path has as many."""

@@ -6,18 +6,18 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from followspot.document import Node
 from followspot.errors import InputError, Mistake
-from followspot.form import Form
 from followspot.messages import Array
 from followspot.room import Camera, Room
-from followspot.room_form.camera import camera_of
-from followspot.room_form.parts import FAR, ROUNDING, TOLERANCE, stage_use
-from followspot.room_form.sensor import sensor_of
-from followspot.room_form.sync import sync_of
-from followspot.room_form.target import target_of
-from followspot.room_form.tune import tune_of
-from followspot.valid_names import is_name
+from followspot.room_document.camera import camera_of
+from followspot.room_document.parts import FAR, ROUNDING, TOLERANCE, stage_use
+from followspot.room_document.sensor import sensor_of
+from followspot.room_document.sync import sync_of
+from followspot.room_document.target import target_of
+from followspot.room_document.tune import tune_of
+from followspot.valid_values.names import is_name
+from followspot.yaml.form import Form
+from followspot.yaml.node import Node
 
 MAX_CAMERAS = 1000
 MAX_SENSORS = 1000

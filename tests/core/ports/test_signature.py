@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from followspot import Joined, Lagged, Latest, Message, Nearest, Outputs, Source, Stage, Window
-from followspot.port_specs import InputSpec, OutputSpec, Ports, accepts
-from followspot.ports import SignatureError, check_init, gives_always, ports
+from followspot.ports.signature import SignatureError, check_init, gives_always, ports
+from followspot.ports.specs import InputSpec, OutputSpec, Ports, accepts
 
 
 class Wheat(Message):

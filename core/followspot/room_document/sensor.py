@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from followspot.document import Node
 from followspot.errors import Mistake, did_you_mean
-from followspot.form import Form
 from followspot.room import Member, Sensor
-from followspot.room_form.parts import stage_use, tags_of, word
+from followspot.room_document.parts import stage_use, tags_of, word
+from followspot.yaml.form import Form
+from followspot.yaml.node import Node
 
 _MOST_RATE = 1e6
 """Highest rate of a sensor, 1/s."""

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from followspot.document import Node
 from followspot.errors import Mistake
-from followspot.form import Form, kind_of
 from followspot.room import SETS, StageUse, Tags
-from followspot.valid_names import is_name
+from followspot.valid_values.names import is_name
+from followspot.yaml.form import Form, kind_of
+from followspot.yaml.node import Node
 
 MAX_TAGS = 100
 """Most tags of one camera, sensor or target, and most values of one tag."""

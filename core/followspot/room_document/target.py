@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from followspot.document import Node
 from followspot.errors import Mistake
-from followspot.form import Form, Shape
 from followspot.messages import Array
 from followspot.room import Target
-from followspot.room_form.parts import FAR, ROUNDING, tags_of
+from followspot.room_document.parts import FAR, ROUNDING, tags_of
+from followspot.yaml.form import Form, Shape
+from followspot.yaml.node import Node
 
 BINS = 16
 """Bins of a hue histogram (Jin & Qian 2008, section 2.1)."""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-GRAPH = Path(__file__).parents[2] / "graphs/glowballs.yaml"
+GRAPH = Path(__file__).parents[3] / "graphs/glowballs.yaml"
 AS_MACOS = """
 import os, sys, fcntl, pathlib
 for name in ("memfd_create", "eventfd", "sched_setaffinity", "sched_getaffinity"):

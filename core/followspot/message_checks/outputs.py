@@ -7,7 +7,7 @@ from typing import Any
 
 from followspot.errors import FollowspotError
 from followspot.messages import UNSTAMPED, Header, Message
-from followspot.port_specs import ONE_OUTPUT, OutputSpec
+from followspot.ports.specs import ONE_OUTPUT, OutputSpec
 
 _MISSING = object()
 

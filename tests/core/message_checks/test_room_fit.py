@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from followspot.message_checks.room_fit import fit_check
+from followspot.message_checks.sealing import seal
 from followspot.messages import Message, column
 from followspot.people import Poses
 from followspot.room import Room
-from followspot.room_fit import fit_check
-from followspot.sealing import seal
 from followspot.testing.samples import BLACK, sample
 from followspot.testing.tiny_room import tiny_room
 from followspot.tracking import (

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from followspot.document import Node, plain
 from followspot.errors import Guess, Mistake, did_you_mean
 from followspot.messages import Array
-from followspot.valid_names import HOST_NAME, is_title
+from followspot.valid_values.names import HOST_NAME, is_title
+from followspot.yaml.node import Node, plain
 
 Shape = tuple[int, ...]
 MAX_QUOTED = 80

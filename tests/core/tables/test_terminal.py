@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from followspot.tables import table
+from followspot.tables.terminal import table
 
 
 def test_columns_are_as_wide_as_their_widest_cell_and_lines_are_never_wrapped() -> None:

@@ -12,7 +12,7 @@ from typing import Any, get_args, get_origin
 
 from followspot.errors import FollowspotError
 from followspot.messages import Message
-from followspot.port_marks import (
+from followspot.ports.marks import (
     DeferredMark,
     JoinedMark,
     LaggedMark,
@@ -22,7 +22,7 @@ from followspot.port_marks import (
     Source,
     WindowMark,
 )
-from followspot.port_specs import ONE_OUTPUT, SEVERAL, Giving, InputKind, InputSpec, OutputSpec, Ports
+from followspot.ports.specs import ONE_OUTPUT, SEVERAL, Giving, InputKind, InputSpec, OutputSpec, Ports
 from followspot.stage import Stage
 from followspot.stage_params import StageParams
 

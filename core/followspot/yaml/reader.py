@@ -7,10 +7,10 @@ from pathlib import Path
 
 import yaml
 
-from followspot.document import Node
 from followspot.errors import InputError, Mistake, Place
 from followspot.files import DOCUMENT, read_bytes
-from followspot.yaml_tree import DocumentTooLarge, TreeBuilder
+from followspot.yaml.node import Node
+from followspot.yaml.tree_builder import DocumentTooLarge, TreeBuilder
 
 VIDEOS = frozenset({".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpg", ".webm"})
 """Suffixes of videos, which people give where a room is expected."""

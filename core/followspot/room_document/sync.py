@@ -6,8 +6,8 @@ from collections.abc import Collection
 from typing import cast
 
 from followspot.errors import did_you_mean
-from followspot.form import Form
 from followspot.room import Match, Sync, Trigger
+from followspot.yaml.form import Form
 
 KEYS = ("trigger", "camera", "rate", "device_key", "group_key", "group_mask", "match")
 TRIGGERS = ("line", "software", "action")

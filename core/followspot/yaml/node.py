@@ -1,6 +1,6 @@
 """The tree of a YAML document: nodes with their places; from and to plain Python values.
 
-`followspot.yaml_reader` makes the tree of a file.
+`followspot.yaml.reader` makes the tree of a file.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 import yaml
 
 from followspot.errors import InputError, Mistake, Place
-from followspot.yaml_scalars import STR_TAG, Scalar, fits, resolve
+from followspot.yaml.scalars import STR_TAG, Scalar, fits, resolve
 
 MAX_DEPTH = 50
 """Most levels of nested values."""
@@ -55,7 +55,7 @@ def node_of(value: Any, place: Place) -> Node:
 
 
 def dump(data: Any) -> str:
-    """The text of a document from plain Python values; `yaml_reader.parse` gives the same values back."""
+    """The text of a document from plain Python values; `reader.parse` gives the same values back."""
     return str(
         yaml.dump(
             data, Dumper=_Dumper, sort_keys=False, width=110, default_flow_style=None, allow_unicode=True

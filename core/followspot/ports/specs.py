@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from followspot.firing import FIRINGS, Firing
 from followspot.messages import Message
+from followspot.ports.firing import FIRINGS, Firing
 
 InputKind = Literal["plain", "latest", "joined", "nearest", "window"]
 Giving = Literal["one", "several", "later", "lagged"]

@@ -12,10 +12,10 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from followspot import files
-from followspot.document import MAX_DEPTH, Node, child, dump, node_of, plain
 from followspot.errors import InputError, Mistake, Place
-from followspot.yaml_reader import parse, read
-from followspot.yaml_scalars import LARGEST_INT
+from followspot.yaml.node import MAX_DEPTH, Node, child, dump, node_of, plain
+from followspot.yaml.reader import parse, read
+from followspot.yaml.scalars import LARGEST_INT
 
 
 def value(text: str) -> Any:

@@ -1,0 +1,1 @@
+"""What sources of inertial readings share: clocks of devices, batches of readings, stuck readings."""

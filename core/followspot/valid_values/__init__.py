@@ -1,0 +1,1 @@
+"""Which names and numbers from files, other processes and hosts are valid."""
