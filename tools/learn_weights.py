@@ -87,6 +87,7 @@ def measured(room: Room, frames: int, every: int, rng: np.random.Generator) -> I
     truth = PosesScoring().read_truth(told, room)
     tracker, gradients = made("persons.pose_tracker", room), made("persons.gradients", room)
     assert isinstance(tracker, PoseTracker)
+    cues = tracker.cues
     for shot in shots(room, frames, every):
         edges = after(shot.frame, gradients.process(shot.frame))
         row = int(np.abs(truth.time - shot.frame.header.time * NANOSECOND).argmin())
@@ -96,7 +97,7 @@ def measured(room: Room, frames: int, every: int, rng: np.random.Generator) -> I
                 continue
             picture = pictured(tracker.camera, shot.frame, edges)
             colors = known.mean[0].astype(np.float32), known.variance[0].astype(np.float32)
-            fitness = Fitness(picture, tracker.shape, tracker.weights, colors=colors, pairs=tracker.pairs)
+            fitness = Fitness(picture, cues.shape, cues.weights, colors=colors, pairs=cues.pairs)
             rivals = pose + SPREAD * rng.standard_normal((RIVALS, 6))
             seen = view(tracker.camera, tracker.shape, np.concatenate([pose[None], rivals]))
             yield np.column_stack([getattr(fitness, cue)(seen) for cue in CUES])

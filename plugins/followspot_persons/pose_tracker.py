@@ -16,9 +16,8 @@ from followspot.plain_values import from_plain, to_plain
 from followspot.tracking import PREDICTED, TRACKED, Frame
 from followspot_persons.background.illumination import Illumination, in_usual_light
 from followspot_persons.body.shape import read_shape, with_girth
-from followspot_persons.color.difference import read_relations
-from followspot_persons.color.pairs import telling_pairs
 from followspot_persons.fast_instance.box_detections import person_detections
+from followspot_persons.fast_instance.cue_model import CueModel
 from followspot_persons.fast_instance.pose_history import propagated_contact, propagated_pose
 from followspot_persons.fast_instance.pose_tracker_params import PoseTrackerParams
 from followspot_persons.fast_instance.reprocessing import PastPicture, PastPictures, reprocessed
@@ -31,7 +30,6 @@ from followspot_persons.fast_instance.slow_pose import (
 from followspot_persons.fast_instance.tracked_person import TrackedPerson, nearest_first, poses_of
 from followspot_persons.likelihood.fitness import Detection, Fitness, Picture, pictured
 from followspot_persons.likelihood.occlusion import covered
-from followspot_persons.likelihood.walkable import Walkable
 from followspot_persons.particles.condensation import Search
 from followspot_persons.particles.girth import girths_of
 from followspot_persons.particles.identity_change import changed
@@ -56,9 +54,7 @@ class PoseTracker(Stage):
         self.shape = read_shape(self.params.shape)
         self.bodies = girths_of(self.shape)
         p = self.params
-        self.weights = p.weights
-        self.walkable = Walkable.within(p.walkable)
-        self.pairs = telling_pairs(self.shape, read_relations(p.color_relations, self.shape.names))
+        self.cues = CueModel.of(p, self.shape)
         self.search = Search(
             p.particles, p.random_share, p.ascent_share, p.search_rounds, p.local_search == "swarm"
         )
@@ -114,31 +110,15 @@ class PoseTracker(Stage):
     def fitness(
         self, people: Appearances, row: int, picture: Picture, time: int, detection: Detection | None = None
     ) -> Fitness:
-        """The fitness of poses of one of the people in a picture of a time, ns."""
-        colors = (people.mean[row].astype(np.float32), people.variance[row].astype(np.float32))
-        usable = self.has_features_of(people) and self.params.use_colors
-        contact = propagated_contact(people.contact[row], (time - int(people.seen[row])) * NANOSECOND)
-        return Fitness(
-            picture,
-            self.shape,
-            self.weights,
-            colors=colors if usable else None,
-            detection=detection,
-            contact=contact,
-            contact_vague=contact is not None and not contact.sure,
-            pairs=self.pairs,
-            walkable=self.walkable,
-        )
+        """The fitness of poses of one of the people in a picture of a time, ns.
 
-    def has_features_of(self, people: Appearances) -> bool:
-        """Whether the colours are of the features of this shape; if not, they do not count, and a warning
-        says so once.
+        If the colours are those of another shape's features, they do not count, and a warning says so once.
         """
-        given, own = people.mean.shape[1], len(self.shape.names)
-        if given != own and not self.told:
+        if not (self.told or self.cues.has_features_of(people)):
             self.told = True
+            given, own = people.mean.shape[1], len(self.shape.names)
             self.context.warn(f"colours of {given} features do not count, {own} are in this stage's shape")
-        return bool(given == own)
+        return self.cues.fitness(people, row, picture, time, detection)
 
     def correct_by_slow_poses(self, people: Appearances, now: int) -> None:
         """Initiate persons that the slow instance has found, and mix its poses into the particles of tracked

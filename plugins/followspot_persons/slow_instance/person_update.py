@@ -140,12 +140,7 @@ class PersonUpdate:
         )
 
     def after_foreground(
-        self,
-        person: KnownPerson,
-        mask: Array,
-        picture: Picture,
-        others: Array,
-        seen: Observation,
+        self, person: KnownPerson, mask: Array, picture: Picture, others: Array, seen: Observation
     ) -> KnownPerson | None:
         """The person after a picture without a box, at the foreground that it must be; None if there is none.
 

@@ -148,7 +148,7 @@ def test_weights_and_gamma_are_parameters():
         likelihood_power=20,
         real_valued_boxes=True,
     )
-    assert tracker.weights == Weights(
+    assert tracker.cues.weights == Weights(
         edge=0.9,
         color=0.8,
         difference=0.7,
@@ -158,7 +158,7 @@ def test_weights_and_gamma_are_parameters():
         sharpness=20,
         real_valued=True,
     )
-    assert ready(PoseTracker, perspective()).weights == Weights()
+    assert ready(PoseTracker, perspective()).cues.weights == Weights()
 
 
 def hill(pose):
