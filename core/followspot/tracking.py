@@ -96,12 +96,12 @@ class Pairs(Message):
     """True if one of the cameras is a colour camera; infrared-infrared pairs are unlabelled."""
     confirmed: Array = column("N", dtype="?")
     """True if the pair is evidence of a ball: it joins a colour and an infrared camera, which tells a ball
-    from a lamp. Where all cameras that send are of one kind, every pair without sure light is."""
+    from a lamp; if all cameras that send are of one kind, every pair is that is not surely light."""
     evident: Array = column("N", dtype="?")
     """True if the pair alone may start a track: confirmed, and no other colour camera contradicts it."""
     targets: Array = column("N", "T", dtype="?")
     clutter: Array = column("N", 2)
-    """Share of the usual clutter around each blob: below 1 if its view lately showed nothing of the kind
+    """Density of clutter around each blob over the usual one: below 1 if its view has shown few blobs there
     while a target was lost that the blob may be."""
 
 

@@ -19,30 +19,33 @@ CLEAR = 4
 
 
 class Associate(ViewAssociation):
-    """Keep the candidates whose blobs the likeliest position of each target explains; none if it is no ball.
+    """Leave each target the candidates that its likeliest position explains; none if no ball is there.
 
-    A target moves as forecast, or it jumps to a candidate: each is a hypothesis, at the position nearby that
-    all views make likeliest. All views count, also those that detect nothing there, by how often they
-    detected the target lately; other blobs around and other targets count as clutter. Colour cameras tell
-    whose ball it is and infrared cameras that it is one, so a target needs both in the long run if the room
-    has both. A frame that contradicts a tracked target, by blobs that hardly fit, leaves it no candidates.
+    The hypotheses of a target are that it moves as forecast, and that it jumps to one of its candidates. Each
+    hypothesis is moved to the position nearby that the blobs of all views make likeliest. A view that has the
+    position in its picture and detects nothing there counts against it; it counts more if it has detected
+    the target lately. Other blobs nearby, and the other targets, count as clutter.
 
-    If the room has depth cameras, all candidates stay, for the weighing of views does not know their
-    measurements. `balls.associate_tracked` weighs tracked targets that few candidates show, and sought ones
-    with rival positions.
+    Colour cameras tell which ball it is, infrared cameras that it is a ball. If the room has both kinds, a
+    target needs evidence of both in the long run. If a frame contradicts a tracked target, and the blobs that
+    show it hardly fit, the target gets no candidates in that frame.
+
+    If the room has depth cameras, all candidates stay, because the likelihoods do not include measured
+    depths. `balls.associate_tracked` decides only about tracked targets that few candidates show, and about
+    targets without a track that candidates show at several positions.
     """
 
     advice = "lower confirmation_odds, or give the room more cameras that see each place"
 
     class Params(ViewAssociation.Params):
-        """When positions of sought targets are confirmed, and those of tracked ones left out."""
+        """When the stage confirms a target without a track, and when it leaves out a tracked one."""
 
         absence: float = Field(
             0.5,
             ge=0,
             unit="nats",
-            description="further decrease of the log-odds of a sought target's position in a frame without "
-            "candidates there; raising it drops positions sooner",
+            description="additional decrease of the log-odds of a possible position of a target without a "
+            "track, in a frame without candidates there; raising it drops positions sooner",
         )
         least_evidence: float = Field(
             -1.0,
@@ -59,16 +62,16 @@ class Associate(ViewAssociation):
         confirmation_odds: float = Field(
             2.0,
             unit="nats",
-            description="log-odds of existence from which a lost target is confirmed although rival "
-            "positions are near; one that leads all others by twice `confirmation_margin`, or has no rival, "
-            "needs only more than 0; raising it avoids false recoveries",
+            description="log-odds that confirm the position of a target without a track; log-odds above 0 "
+            "are enough if they lead those of all rival positions by twice `confirmation_margin`, or if "
+            "there are no rivals; raising it avoids false recoveries",
         )
         confirmation_margin: float = Field(
             3.0,
             ge=0,
             unit="nats",
-            description="smallest lead of a position's log-odds over the next one's; raising it confirms "
-            "targets later",
+            description="smallest lead, in log-odds, of a confirmed position over the next likely one; "
+            "raising it confirms targets later",
         )
 
     params: Params
@@ -81,9 +84,10 @@ class Associate(ViewAssociation):
         self.confirmation = Confirmation(p.absence, p.confirmation_odds, p.confirmation_margin, p.reach)
 
     def unweighed(self, candidates: Candidates, forecast: Forecast | None, tracked: Array) -> Array:
-        """Which tracked targets one blob in each of four or more views shows, that all agree: (T,) bool.
+        """Which tracked targets four or more views show by one blob each, and all views agree: (T,) bool.
 
-        Two of them are colour and two infrared cameras where the room has both. Nothing is left to choose.
+        If the room has both kinds, at least two of the views are of colour and two of infrared cameras. Such
+        a target leaves no choice between candidates.
         """
         uses = (candidates.view[..., None] == np.arange(len(self.color))).sum(axis=1)
         times = candidates.targets.T.astype(float) @ uses
@@ -103,7 +107,7 @@ class Associate(ViewAssociation):
         return ball_log_ratio(log_ratio, self.color, occam, 1.0)
 
     def complete(self, found: Hypotheses, candidates: Candidates, lost: Array) -> Array:
-        """Those of lost targets, for a new position is confirmed sooner if three views show it."""
+        """Of lost targets alone: their positions are confirmed sooner if three views show them."""
         complete = np.zeros(len(found.target), bool)
         if lost.any():
             rows = found.row >= 0
@@ -111,14 +115,14 @@ class Associate(ViewAssociation):
         return complete
 
     def left_out(self, found: WeighedHypotheses, best: int) -> bool:
-        """Whether a frame contradicts a position, and blobs that show it fit hardly better than clutter."""
+        """Whether the frame contradicts the position, and its blobs hardly fit better than clutter."""
         p = self.params
         return bool(found.evidence[best] < p.least_evidence and found.fit[best] < p.least_fit)
 
     def without_track(
         self, number: int, found: WeighedHypotheses, forecast: Forecast | None, tracked: Array
     ) -> tuple[Existence, int]:
-        """Rival positions of the target one frame later, of which one may be confirmed."""
+        """The rival positions of the target one frame later, and the confirmed one, if any."""
         own = (found.target == number).nonzero()[0]
         lost = lost_targets(forecast, len(self.existence))[number]
         center = None if forecast is None or lost else forecast.xyz[number]

@@ -14,26 +14,30 @@ from followspot_balls.scene.distances import squared_distances
 SETTLED = 3
 """Candidates at the forecast of a target that determine its position."""
 SETTLED_LOG_RATIO = 1.0
-"""Log-likelihood ratio of such a frame, nats: little, as one colour blob on the ray to a reflector
-makes as many."""
+"""Log-likelihood ratio of such a frame, nats. It is small, because one colour blob on the ray to a reflector
+makes as many candidates."""
 GATE = 3.0
 """Distance from the forecast up to which a candidate is at it, sigmas."""
 MINIMUM_GATE = 0.03
 """The same in m, where the forecast is more exact than a pair of blobs."""
 MINIMUM_LEAD = 1.0
-"""Smallest lead of the likeliest of rival positions, nats; with less, all candidates stay, so that the
-position of the fusion is vague."""
+"""Smallest lead of the likeliest rival position over the next one, nats. If the lead is smaller, all
+candidates stay, and the fusion states a large covariance."""
 
 
 class AssociateTracked(ViewAssociation):
-    """Keep the candidates of a tracked target's likeliest position if fewer than three are at its forecast.
+    """Leave tracked targets the candidates of their likeliest positions if few are at their forecasts.
 
-    All views count, also those that detect nothing there, as in `balls.associate`. No frame alone
-    ends a track: its log-odds against a reflector do, for colour tells whose ball it is. Near its last
-    position it returns only if these rise again. If evident pairs show a target without a track at several
-    positions, it keeps the candidates of the likeliest if that clearly leads. Other targets keep all their
-    candidates, for the fusion to weigh. If the room has depth cameras, all candidates stay, for the weighing
-    of views does not know their measurements.
+    Few means fewer than three. The likelihood of a position is that of `balls.associate`: it includes views
+    that detect nothing there. No single frame ends a track. The log-odds of existence change by the
+    likelihood ratio of a ball against a reflector, which colour cameras do not show; below `silence_odds` the
+    track ends. Near its last position, the target then returns in a frame that speaks for a ball, or when
+    nothing has been found there for some frames.
+
+    If evident pairs show a target without a track at several positions, it keeps only the candidates of the
+    likeliest position, provided that this one leads clearly. All other targets keep all their candidates, and
+    the fusion weighs them. If the room has depth cameras, all candidates stay, because the likelihoods do not
+    include measured depths.
     """
 
     advice = "give the room more cameras that see each place, or lower silence_odds"
@@ -49,7 +53,7 @@ class AssociateTracked(ViewAssociation):
         return np.where(tracked, self.settled(candidates, forecast), alone)
 
     def given_up(self, forecast: Forecast) -> Array:
-        """Which targets are missing because the views spoke against their tracks: (T,) bool."""
+        """Which targets are missing because this stage ended their tracks: (T,) bool."""
         deleted = np.array([len(one.rivals.odds) > 0 for one in self.existence], bool)
         return np.asarray(deleted & (forecast.state == MISSING))
 
@@ -80,25 +84,26 @@ class AssociateTracked(ViewAssociation):
         return undecided
 
     def unweighed_log_ratio(self) -> float:
-        """Little, as candidates that agree are no independent evidence."""
+        """A small ratio, because candidates that agree are no independent evidence."""
         return SETTLED_LOG_RATIO
 
     def evidence_ratio(self, log_ratio: Array, occam: Array) -> Array:
-        """Against a reflector: what colour cameras alone show may be a ball on the floor."""
+        """Against a reflector alone: if only colour cameras show something, it may be a ball on the floor."""
         return ball_vs_reflector_log_ratio(log_ratio, self.color, occam)
 
     def left_out(self, found: WeighedHypotheses, best: int) -> bool:
-        """No frame alone speaks against a track."""
+        """Never: a single frame does not speak against a track."""
         return False
 
     def without_track(
         self, number: int, found: WeighedHypotheses, forecast: Forecast | None, tracked: Array
     ) -> tuple[Existence, int]:
-        """Log-odds of an interrupted track decay, and so do those of a deleted one while nothing shows it.
+        """The log-odds of a target without a track, and its likeliest hypothesis.
 
-        What spoke against a track goes on to do so near its last position: the same candidates say nothing
-        new, so it returns in a frame in which the views rather show a ball. Elsewhere nothing speaks against
-        the target. The likeliest of its rival positions holds, for the fusion to judge.
+        The log-odds of an interrupted track decay. Those of a deleted track decay only in frames in which no
+        candidate shows the target near its last position: the candidates that spoke against the track bring
+        no new evidence. Such a target returns there when its log-odds have decayed enough, or in a frame that
+        speaks for a ball. Elsewhere nothing speaks against the target.
         """
         own = (found.target == number).nonzero()[0]
         best = int(own[found.rank[own].argmax()]) if len(own) else -1

@@ -31,8 +31,9 @@ from followspot_balls.single_view.steady_motion import SteadyMotion
 class Bridge(Stage):
     """Add targets that the fusion could not place: from a single view and the forecast, or a plane.
 
-    A target that the association gives up (`existence`) stays without position, and so does one that no
-    colour camera has shown for `colorless_time`.
+    The added positions are marked as predicted. The stage adds none of a target that the association has
+    given up (`existence`), or that no colour camera has shown for `colorless_time`. It leaves out positions
+    that a single weak pair shows far from the forecast (`single_pair_gate`).
     """
 
     class Params(ColorlessParams):
@@ -40,8 +41,8 @@ class Bridge(Stage):
             3.0,
             gt=0,
             unit="sigma",
-            description="distance of a blob from the forecast up to which it is the target; raising it "
-            "survives turns",
+            description="largest distance between the forecast and a blob that is taken for the target; "
+            "raising it survives turns",
         )
         blob_sigma: float = Field(
             0.7, gt=0, unit="px", description="sigma of a blob's centre; raising it trusts blobs less"
@@ -68,15 +69,16 @@ class Bridge(Stage):
             3.0,
             gt=0,
             unit="sigma",
-            description="distance from the forecast beyond which a position from a single weak pair is left "
-            "out, and a single view takes its place; raising it lets targets jump",
+            description="largest distance between the forecast and a position from a single weak pair; a "
+            "position farther away is left out, and the stage uses a single view instead; raising it lets "
+            "targets jump",
         )
         resting_clearance: float = Field(
             0.03,
             ge=0,
             unit="m",
-            description="clearance up to which a target lies on a plane, unless it rises; 0: never; raising "
-            "it bridges more",
+            description="largest clearance above a plane of a target that lies on the plane, unless it "
+            "rises; 0: no target lies on a plane; raising it bridges more",
         )
 
     params: Params
@@ -129,8 +131,8 @@ class Bridge(Stage):
     ) -> tuple[Array, Array, Array]:
         """Targets with a position from one view, these positions (M, 3) m and covariances (M, 3, 3) m^2.
 
-        A ball that rolled along a plane and is now far from where its steady motion would have taken it may
-        be anywhere on the ray: it was picked up, or pushed.
+        If a ball rolled along a plane and is now far from where its steady motion would have taken it, it was
+        picked up or pushed, and may be anywhere on the ray: it gets no position.
         target: (M,); innovations: of M blobs; motion: before this frame.
         """
         radius, reach, sigma = self.radius[target], self.params.resting_clearance, self.params.blob_sigma
@@ -169,7 +171,7 @@ class Bridge(Stage):
         self.colorless.since = np.array(state["since"], float)
 
     def outside_gate(self, positions: Positions, forecast: Forecast) -> Array:
-        """Positions of no supporting pair, or of a single weak one, far from the forecast: (M,) bool."""
+        """Which positions lie far from the forecast and have no pair, or one weak pair: (M,) bool."""
         weak = positions.support + positions.evident < 2
         if not np.count_nonzero(weak):
             return weak
@@ -182,7 +184,7 @@ class Bridge(Stage):
     def nearest_blobs(
         self, target: Array, blobs: Sequence[Blobs], forecast: Forecast
     ) -> tuple[Innovations, Array]:
-        """The blob of each target that is nearest to its forecast in any view; whether it passes the gate.
+        """The blob of all views that is nearest to the forecast of each target; whether it passes the gate.
 
         target: (M,) numbers. Returns the innovations of M blobs, and (M,) bool.
         """
@@ -201,7 +203,7 @@ class Bridge(Stage):
         return innovations.where((blob, target)), distance[blob, target] <= self.params.gate**2
 
     def compatible(self, offset: Array, view: Array, blobs: Sequence[Blobs], forecast: Forecast) -> Array:
-        """Which of N blobs have the size of which target and are nearest to it: (N, T) bool.
+        """Which of N blobs fit which of T targets: the size fits, and no other target is nearer: (N, T) bool.
 
         offset: (N, T, 2) px from the projections of the forecasts; view: (N,).
         """

@@ -32,7 +32,7 @@ from followspot_balls.scene.bounding_planes import nearest_planes
 from followspot_balls.scene.targets import lost_targets
 
 USED = 0.4
-"""Weight above which a view counts as support: that of an error of three quarters of the cutoff."""
+"""Weight above which a view counts as support: the weight of an error of three quarters of the cutoff."""
 VAGUE = 1e-3
 """Smallest information on a position, 1/m^2: keeps underdetermined equations solvable."""
 PLACE = [0, 1, 2]
@@ -59,25 +59,27 @@ class Bundle(Fusion):
     """Minimise the robust reprojection error of each target over all cameras, one blob in each."""
 
     class Params(Fusion.Params):
-        """Outliers, and the part of the forecast."""
+        """Outliers, and the weight of the forecast."""
 
         outlier_cutoff: float = Field(
             4.0,
             gt=0,
             unit="sigma",
-            description="error that quarters a view's weight; raising it rejects fewer views",
+            description="error at which a view has a quarter of its weight; raising it rejects fewer views",
         )
         recovery_cutoff_scale: float = Field(
             3.0,
             gt=0,
             unit="1",
-            description="factor on the cutoff for a lost target in three views; raising it recovers more",
+            description="factor on the cutoff for a lost target that three views show; raising it recovers "
+            "more",
         )
         forecast_weight: float = Field(
             0.3,
             ge=0,
             unit="1",
-            description="weight of the forecast in judging views; raising it keeps wrong forecasts longer",
+            description="weight of the forecast when views are rejected; raising it keeps wrong forecasts "
+            "longer",
         )
         added_forecast_sigma: float = Field(
             0.004,
@@ -89,8 +91,8 @@ class Bundle(Fusion):
             10.0,
             gt=0,
             unit="1",
-            description="exponent of (rejected weight / accepted weight) in the odds that the rejected views "
-            "are right; raising it trusts majorities more",
+            description="exponent k of (rejected weight / accepted weight)^k, the odds that the rejected "
+            "views are right; raising it trusts majorities more",
         )
 
     params: Params

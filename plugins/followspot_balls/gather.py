@@ -1,4 +1,4 @@
-"""Candidates of several stages in one message, and whose they are."""
+"""Merges the candidates of several stages, and names those of depth cameras by colour."""
 
 from __future__ import annotations
 
@@ -15,15 +15,16 @@ from followspot_balls.scene.targets import lost_targets, target_radii, tracked_t
 
 
 class Gather(Stage):
-    """Put the candidates of depth cameras, and of pairs of other cameras, into one message.
+    """Merge the candidates of depth cameras and those of pairs of other cameras into one message.
 
-    What a depth camera found has no name. A blob of a colour camera at the same place gives it one. Without a
-    name it may be a lost target only if all others of that radius are tracked.
+    A depth camera does not tell which target a candidate is. If a blob of a colour camera lies at the image
+    of the candidate, the candidate gets the targets of the blob. Without such a blob a candidate can be a
+    lost target only if all other targets of the same radius are tracked.
     """
 
     advice = (
-        "what depth cameras alone see has no name: say where each target is at the beginning "
-        "(`track.marks`), and check places that were told"
+        "depth cameras do not tell which target they see: give the position of each target at the beginning "
+        "(`track.marks`), and check the positions that were given"
     )
 
     class Params(StageParams):
@@ -31,8 +32,8 @@ class Gather(Stage):
             1.0,
             gt=0,
             unit="1",
-            description="distance of a colour blob from a candidate's image up to which it names it, over "
-            "the ball's radius; raising it tolerates bad calibration",
+            description="largest distance between a candidate's image and a colour blob that names the "
+            "candidate, over the ball's radius; raising it tolerates bad calibration",
         )
 
     params: Params
@@ -59,7 +60,7 @@ class Gather(Stage):
         return self.named(Candidates(cameras=self.cameras, **columns), blobs, forecast)
 
     def named(self, found: Candidates, blobs: Sequence[Blobs], forecast: Forecast | None) -> Candidates:
-        """The candidates; those of depth cameras with the names that colour gives them, or none."""
+        """The candidates, those of depth cameras with the targets that colour or exclusion allows."""
         alone = (found.view[:, 0] == found.view[:, 1]) & ~found.labelled
         if not alone.any():
             return found

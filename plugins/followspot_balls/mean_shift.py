@@ -25,12 +25,13 @@ class MeanShift(Fusion):
     """Seek the mode of each target's candidates, from the forecast or from the densest candidate.
 
     The position is the mean of the candidates in the mode, weighted by the kernel and by the precision of the
-    candidates: fragments, and blobs merged with other light, are less precise than whole balls. The wide mode
-    of a lost target is not weighted by precision, because other things in it may look as whole as the ball.
+    candidates: fragments, and blobs merged with other light, are less precise than fully visible balls. A
+    lost target has a wide mode, whose candidates count without precision, because other things in it may look
+    as complete as the ball.
     """
 
     class Params(Fusion.Params):
-        """Modes, and which candidates count."""
+        """Start and bandwidth of the modes, and the weights of candidates."""
 
         initial_center: Literal["forecast", "densest", "mean"] = Field(
             "forecast", description="initial centre of a target with a forecast"
@@ -48,7 +49,7 @@ class MeanShift(Fusion):
             0.1,
             gt=0,
             unit="m",
-            description="bandwidth for a lost target; raising it recovers more, also wrongly",
+            description="bandwidth for a lost target; raising it recovers more targets, also falsely",
         )
         epipolar_sigma: float = Field(
             1.0,
@@ -68,15 +69,16 @@ class MeanShift(Fusion):
             ge=0,
             le=1,
             unit="1",
-            description="share of the weight up to which the mode of the candidate that all views make "
-            "likeliest replaces that at the forecast; raising it leaves wrong forecasts sooner",
+            description="share of all weight that the mode at the forecast must exceed; otherwise the mode "
+            "at the candidate that all views make likeliest replaces it; raising it leaves wrong forecasts "
+            "sooner",
         )
         minimum_support_weight: float = Field(
             0.6,
             ge=0,
             lt=1,
             unit="1",
-            description="weight of a candidate that counts as support; raising it avoids mistakes",
+            description="smallest weight of a candidate that counts as support; raising it avoids mistakes",
         )
         convergence_distance: float = Field(
             0.0005, gt=0, unit="m", description="step of a centre that has converged; raising it saves time"
@@ -95,8 +97,8 @@ class MeanShift(Fusion):
             4.0,
             gt=0,
             unit="1",
-            description="exponent of the weight of rivals over that of the mode in the odds that they are "
-            "right; raising it trusts majorities more",
+            description="exponent k of (weight of rivals / weight of the mode)^k, the odds that the rivals "
+            "are right; raising it trusts majorities more",
         )
 
     params: Params
@@ -158,7 +160,7 @@ class MeanShift(Fusion):
     def modes(
         self, sample: Sample, center: Array, candidates: Candidates, target: Array, lost: Array
     ) -> Modes:
-        """Modes from the initial centres, or from the likeliest candidates where those have little weight.
+        """Modes from the initial centres; from the likeliest candidates if those modes have little weight.
 
         center: (M, 3) m; target: (M,); lost: (M,) bool.
         """

@@ -30,7 +30,7 @@ class Triangulate(Stage):
 
     advice = (
         "check the calibration (`followspot calibrate check`), or widen minimum_area and maximum_area; "
-        "targets that infrared cameras alone see need marks (`track.marks`)"
+        "targets that only infrared cameras see need marks (`track.marks`)"
     )
 
     class Params(StageParams):
@@ -57,9 +57,9 @@ class Triangulate(Stage):
             0.25,
             ge=0,
             unit="1",
-            description="smallest blob area over the expected one while the target is not tracked, unless "
-            "the blob pairs with both of an evident pair; raising it avoids false recoveries and delays "
-            "true ones",
+            description="smallest blob area over the expected one while the target is not tracked; a blob "
+            "that makes pairs with both blobs of an evident pair may be smaller; raising it avoids false "
+            "recoveries and delays true ones",
         )
         maximum_area: float = Field(
             2.0,
@@ -72,14 +72,15 @@ class Triangulate(Stage):
             1.5,
             ge=0,
             unit="1",
-            description="distance from a tracked target's image over its radius up to which an infrared "
-            "blob is no evidence of a lost target; raising it avoids false recoveries and delays true ones",
+            description="distance from a tracked target's image, over the radius of the image, within which "
+            "an infrared blob is no evidence of a lost target; raising it avoids false recoveries and delays "
+            "true ones",
         )
         plane_tolerance: float = Field(
             0.04,
             unit="m",
-            description="depth to which a tracked target may sink into a plane, three quarters of that for "
-            "another; raising it tolerates inexact planes",
+            description="largest depth below a plane of a candidate of a tracked target; three quarters of "
+            "it for other targets; raising it tolerates inexact planes",
         )
 
     params: Params
@@ -193,13 +194,13 @@ class Triangulate(Stage):
         return self.stretch.at(pairs.view, np.vecdot(offset, offset) / np.square(depth))
 
     def plausible(self, shares: Array, largest: Array, pairs: Pairs, sought: Array, whole: Array) -> Array:
-        """Which pairs have the size of a sought target at that distance: (N, T) bool.
+        """Which pairs have the size of a target that is not tracked at their distance: (N, T) bool.
 
-        A tracked ball may be partly hidden. A sought one must be visible, but only to two cameras: a blob
-        that pairs with both blobs of an evident pair may be small.
-        shares: (N, 2), of :meth:`unit_shares`; largest: (N,) of both, over what the lens stretches;
-        sought: (N, T) bool, pairs that may show a sought target; whole: (N, T) bool, pairs of blobs that are
-        both large enough for an evident pair.
+        A tracked ball may be partly hidden. Another one must be well visible to two cameras at least: a blob
+        that makes pairs with both blobs of an evident pair may be small.
+        shares: (N, 2), of :meth:`unit_shares`; largest: (N,), the larger share of each pair without the
+        stretching of the lens; sought: (N, T) bool, pairs that may show a target that is not tracked; whole:
+        (N, T) bool, pairs whose blobs are both large enough for an evident pair.
         """
         sought = sought & (largest[:, None] <= self.params.maximum_area * self.radii2)
         large = shares.min(axis=1)[:, None] >= self.params.minimum_area * self.radii2
@@ -208,7 +209,7 @@ class Triangulate(Stage):
 
 
 def nameless(pairs: Pairs) -> Array:
-    """Pairs of a room without colour cameras that no label tells from another target's: (N,) bool.
+    """Pairs of a room without colour cameras, which do not tell which target they show: (N,) bool.
 
     They show a lost target only if all others are tracked.
     """

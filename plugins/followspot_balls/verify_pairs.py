@@ -26,17 +26,18 @@ from followspot_balls.pairs.two_view_geometry import fundamental_stack, homograp
 from followspot_balls.scene.targets import lost_targets
 
 SURE = 0.4
-"""Part of the homography test's distance up to which a pair is light for sure: a ball that lies on a plane,
-its centre a radius above it, satisfies the plane less exactly."""
+"""Part of `homography_tolerance` within which a pair is surely light: a ball that lies on a plane fits the
+plane less exactly, because its centre is a radius above it."""
 
 
 class VerifyPairs(Stage):
     """Pair blobs of different cameras; reject pairs off their epipolar lines and projections on planes.
 
-    The evidence of a ball is what the cameras that send can give: pairs of a colour and an infrared camera;
-    any pair if all are of one kind. Without infrared cameras nothing excuses a ball that lies on a plane, so
-    only sure light is rejected then. While a target is lost, the stage learns where each view shows blobs,
-    and pairs bear the share of the usual clutter around their blobs.
+    A pair is evidence of a ball if it joins a colour and an infrared camera. If all cameras that send are of
+    one kind, every pair is. An infrared camera shows that a ball, and not light, lies on a plane. Without
+    infrared cameras nothing shows this, so the stage then rejects only pairs that are surely light. While a
+    target is lost, the stage learns how often each view shows blobs at each place; pairs state this density
+    of clutter around their blobs, over the usual density.
     """
 
     advice = (
@@ -55,34 +56,35 @@ class VerifyPairs(Stage):
             3.0,
             ge=0,
             unit="px",
-            description="distance up to which a pair fits a plane; 0: no test; raising it rejects more "
+            description="largest distance at which a pair fits a plane; 0: no test; raising it rejects more "
             "projections, and balls close to the plane",
         )
         minimum_alignment_radius: float = Field(
             10.0,
             gt=0,
             unit="px",
-            description="smallest distance from a target's image up to which blobs of unsynchronised "
-            "cameras move with the target; raising it survives jumps",
+            description="smallest radius around a target's image within which blobs of unsynchronised "
+            "cameras are moved along with the target; raising it survives jumps",
         )
 
         resting_clearance: float = Field(
             0.03,
             ge=0,
             unit="m",
-            description="clearance up to which a target that is not lost lies on a plane, where a pair in "
-            "its images is no projection; 0: never; raising it keeps more pairs",
+            description="largest clearance above a plane of a target that lies on the plane and is not lost; "
+            "a pair in its images is no projection; 0: no target lies on a plane; raising it keeps more "
+            "pairs",
         )
         clutter_memory: float = Field(
             120.0,
             gt=0,
             unit="frames",
-            description="time after which what a view showed while a target was lost counts for 1/e as "
-            "clutter; raising it suits lamps and reflectors that stay",
+            description="time after which a blob that a view showed while a target was lost counts for 1/e "
+            "as clutter; raising it suits lamps and reflectors that stay",
         )
         color_color: bool = Field(True, description="whether to give pairs of two colour cameras")
         infrared_infrared: bool = Field(
-            True, description="whether to give pairs of two infrared cameras, which bear no label"
+            True, description="whether to give pairs of two infrared cameras, which tell no target"
         )
 
     params: Params
@@ -185,7 +187,7 @@ class VerifyPairs(Stage):
         return wanted
 
     def pairs(self, frame: GatheredBlobs, near: NearPairs, light: Array) -> Pairs:
-        """The message with these pairs, and what each is evidence of. light: (N,) bool."""
+        """The message with these pairs and their evidence. light: (N,) bool."""
         pair, color = near.pair, near.color
         dark = ~(light.take(pair[:, 0]) | light.take(pair[:, 1]))
         confirmed = color[:, 0] != color[:, 1] if frame.both_kinds else dark

@@ -1,4 +1,4 @@
-"""Tracks that may have left their targets, because few candidates have shown them for long."""
+"""Doubts tracks that few candidates have shown for long: they may have left their targets."""
 
 from __future__ import annotations
 
@@ -11,21 +11,22 @@ from followspot.tracking import TRACKED
 from followspot_target_filter.life_cycle import LifeCycle, has_position
 
 SEARCH_INTERVAL = 5
-"""A doubted target is searched everywhere in every fifth frame, and in the next one if it was found
-elsewhere: what two frames show is no coincidence."""
+"""A doubted target is searched for everywhere in every fifth frame. If it is found elsewhere, the next frame
+must confirm this, so that a coincidence in one frame does not count."""
 DEPARTURE_RATE = 0.3
-"""Rate at which tracks that few candidates show leave their targets, 1/s."""
+"""Rate at which tracks leave their targets while few candidates show them, 1/s."""
 DEPARTURE_SIGMA = 0.16
 """Distance of such a track from its target along each axis, m, root mean square."""
 MINIMUM_VIEWS = 3
-"""Fewest cameras with a target in their pictures for which few candidates are a reason to doubt it."""
+"""Smallest number of cameras with the target in their pictures for which few candidates are a reason for
+doubt."""
 
 
 class DepartureTest:
-    """Doubts tracks of targets without a mark that several cameras have in their pictures.
+    """Doubts tracks of targets that several cameras have in their pictures; targets with a mark excepted.
 
-    doubt_frames: successive frames with few candidates after which a target is doubted; 0: never. Without
-    colours none is doubted: nothing would tell a target from what else is there.
+    doubt_frames: number of successive frames with few candidates after which a target is doubted; 0: never.
+    If no camera sees colours, no target is doubted, because nothing would tell it from other things.
     """
 
     def __init__(self, room: Room, marked: Array, doubt_frames: int) -> None:

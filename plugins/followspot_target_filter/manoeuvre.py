@@ -16,7 +16,7 @@ class Bounces(NamedTuple):
     gate: float
     """Sigmas from the forecast beyond which a target bounced, or its track returns."""
     speed: float
-    """One sigma of what they change the velocity by, and of a velocity of which nothing is known, m/s."""
+    """Sigma of the change of velocity in a bounce, and of an unknown velocity, m/s."""
 
 
 class ManoeuvreParams(StageParams):

@@ -24,52 +24,54 @@ class TargetFilterParams(StageParams):
         4,
         ge=0,
         unit="frames",
-        description="frames without measurement in which a target is sought near its last position only, "
-        "before it is sought everywhere in every second frame; raising it finds targets later that "
-        "reappear elsewhere",
+        description="frames without measurement in which a target is searched for near its last position "
+        "only; after them it is searched for everywhere in every second frame; raising it finds targets "
+        "later that reappear elsewhere",
     )
     maximum_predicted_sigma: float = Field(
         0.1,
         gt=0,
         unit="m",
-        description="sigma beyond which a target in one view is missing; raising it bridges longer gaps",
+        description="largest sigma of a target that only one view shows; beyond it the target is missing; "
+        "raising it bridges longer gaps",
     )
     minimum_support: int = Field(
         3,
         ge=1,
         unit="1",
-        description="candidates that confirm a target or a bounce at once, two if one of them is evident; "
-        "raising it avoids mistakes",
+        description="number of candidates that confirm a target or a bounce at once; two are enough if one "
+        "of them is evident; raising it avoids mistakes",
     )
     confirmation_frames: int = Field(
         3,
         ge=1,
         unit="frames",
-        description="evident frames that confirm a tentative target; raising it avoids mistakes",
+        description="number of successive frames with an evident candidate that confirm a tentative target; "
+        "raising it avoids mistakes",
     )
     confirmation_distance: float = Field(
         0.3,
         gt=0,
         unit="m",
-        description="largest step of a tentative target between evident frames; a target whose position has "
-        "a larger sigma needs twice as many of these; raising it confirms faster targets, and vague ones",
+        description="largest step of a tentative target between such frames; if the sigma of its position is "
+        "larger, the target needs twice as many frames; raising it confirms faster targets, and vague ones",
     )
     return_distance: float = Field(
         0.1,
         ge=0,
         unit="m",
-        description="distance from its last measured position within which one candidate confirms a missing "
-        "target, if the target had at least as many measurements as it may miss frames; 0: never; raising it "
-        "finds covered targets sooner, and takes other things for them",
+        description="distance from the last measured position within which a single candidate confirms a "
+        "missing target, provided that the target was measured at least `maximum_missed_frames` times; 0: "
+        "never; raising it finds covered targets sooner, but takes other things for them",
     )
     doubt_frames: int = Field(
         8,
         ge=0,
         unit="frames",
-        description="after so many frames in a row in which fewer candidates than minimum_support show a "
-        "tracked target, it is also sought everywhere in every fifth frame, if three cameras have it in "
-        "their pictures and one of them sees colours; 0: never; raising it keeps tracks longer that have "
-        "left their targets",
+        description="number of successive frames with fewer candidates than `minimum_support` after which a "
+        "tracked target is also searched for everywhere, in every fifth frame; this needs three cameras with "
+        "the target in their pictures, and a colour camera in the room; 0: never; raising it keeps tracks "
+        "longer that have left their targets",
     )
     fade_time: float = Field(
         0.1,
@@ -80,6 +82,6 @@ class TargetFilterParams(StageParams):
     marks: dict[str, tuple[float, float, float]] = Field(
         {},
         unit="m",
-        description="positions by target: a lost target is found there, unless all others are tracked; "
-        "tells targets apart where no camera sees colours",
+        description="known positions, by target: a lost target is found at its position only, unless all "
+        "other targets are tracked; tells targets apart if no camera sees colours",
     )

@@ -1,4 +1,4 @@
-"""The stage that filters targets, whatever their motion model (Jin & Qian 2008, sections 3.7 and 3.8)."""
+"""The stage that filters targets, with any motion model (Jin & Qian 2008, sections 3.7 and 3.8)."""
 
 from __future__ import annotations
 

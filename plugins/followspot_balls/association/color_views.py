@@ -1,4 +1,4 @@
-"""Which positions the blobs of colour cameras show as which targets."""
+"""Blobs of colour cameras at the images of positions: which targets the positions may be by their colour."""
 
 from __future__ import annotations
 
@@ -26,9 +26,10 @@ class ColorViews:
         self.radii = target_radii(room)
 
     def shown(self, xyz: Array, blobs: Sequence[Blobs], scale: float = 1.0) -> Array:
-        """Which positions (N, 3) m blobs of colour cameras show as which targets: (N, T) bool.
+        """Which targets blobs of colour cameras show at each position (N, 3) m: (N, T) bool.
 
-        scale: distance of a blob from the image of a position that it shows, at most, over the ball's radius.
+        scale: largest distance between a blob and the image of a position that it shows, over the ball's
+        radius.
         """
         found = np.zeros((len(xyz), len(self.radii)), bool)
         for one in blobs:

@@ -1,8 +1,8 @@
-"""Existence of targets as log-odds that evidence changes, and rival positions of targets without a track.
+"""Existence of targets as log-odds, and rival positions of targets without a track.
 
-The odds multiply by the likelihood ratio of each frame (a sequential probability ratio test, Bar-Shalom's
-track confirmation and deletion) and decay at a constant rate, because people cover and carry what caused
-them. They are bounded, so that a long track can still be deleted within a few frames.
+Each frame adds its log-likelihood ratio (a sequential probability ratio test, as in Bar-Shalom's track
+confirmation and deletion). The log-odds decay at a constant rate, because evidence ages: people cover balls
+and carry them away. They are bounded, so that a long track can still be deleted within a few frames.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ import numpy as np
 from followspot.messages import Array
 
 MAXIMUM_RIVALS = 4
-"""Rival positions of a target at most."""
+"""Largest number of rival positions of a target."""
 MAXIMUM_NEW = 3
-"""New rival positions of a target in a frame at most."""
+"""Largest number of rival positions of a target that one frame adds."""
 
 
 class OddsRules(NamedTuple):
@@ -37,13 +37,13 @@ class Confirmation(NamedTuple):
     """When the position of a target without a track is confirmed."""
 
     absence: float
-    """Further decrease of its log-odds in a frame without candidates there."""
+    """Additional decrease of its log-odds in a frame without candidates there."""
     odds: float
     """Log-odds from which a position may be the target's."""
     margin: float
     """Smallest lead over a rival position."""
     reach: float
-    """m, largest step of a target from frame to frame, and smallest distance of rival positions."""
+    """m, largest step of a target from frame to frame, and smallest distance between rival positions."""
 
 
 class Rivals(NamedTuple):
@@ -95,10 +95,11 @@ def restored(state: Mapping[str, Any]) -> Existence:
 def with_track(
     before: Existence, log_ratio: float, xyz: Array, rules: OddsRules, steps: float = 1.0
 ) -> Existence:
-    """The existence of a tracked target one frame later. A deleted track leaves a rival with its odds.
+    """The existence of a tracked target one frame later.
 
-    Frames that follow each other faster say less that is new, so a frame counts as a part of a step.
-    log_ratio: log-likelihood ratio of the frame; xyz: (3,) m; steps: that the frame counts as.
+    The position of a deleted track becomes a rival position with the log-odds of the track. Frames in quick
+    succession bring less new evidence each, so such a frame counts as a fraction of a step.
+    log_ratio: log-likelihood ratio of the frame; xyz: (3,) m; steps: steps that the frame counts as.
     """
     odds = rules.memory**steps * before.odds + steps * (log_ratio - rules.drift)
     odds = float(max(-rules.maximum, min(odds, rules.maximum)))
@@ -116,8 +117,8 @@ def without_track(
 ) -> tuple[Existence, int]:
     """The existence of a target without a track one frame later, and its confirmed candidate, -1 for none.
 
-    center: (3,) m, the position near which it was searched, None for everywhere; alike: see
-    :func:`is_confirmed`.
+    center: (3,) m, the position near which the target was searched, None if it was searched everywhere;
+    alike: see :func:`is_confirmed`.
     """
     searched = np.ones(len(before.rivals.odds), bool)
     if center is not None:
@@ -141,7 +142,7 @@ def updated(
 ) -> tuple[Rivals, Array]:
     """The rival positions one frame later, and the candidate that continues each: (H,), -1 for none.
 
-    searched: (H,) bool, where candidates could have been found; the odds of other positions stay.
+    searched: (H,) bool, positions at which candidates could have been found; the log-odds of the others stay.
     """
     xyz, log_ratio = candidates.xyz, candidates.log_ratio
     free, kept = np.ones(len(xyz), bool), []
@@ -164,7 +165,7 @@ def updated(
 
 
 def near(xyz: Array, center: Array, reach: float) -> Array:
-    """Which of N positions are near one: (N, 3) m -> (N,) bool."""
+    """Which of N positions are nearer to a centre than the reach: (N, 3) m -> (N,) bool."""
     off = xyz - center
     return np.asarray(np.vecdot(off, off) < reach * reach)
 
@@ -172,12 +173,14 @@ def near(xyz: Array, center: Array, reach: float) -> Array:
 def is_confirmed(
     rivals: Rivals, confirmation: Confirmation, alike: int, already: bool, complete: bool
 ) -> bool:
-    """Whether the likeliest position is the target's: sure by itself, or far ahead of its rivals.
+    """Whether the likeliest position is confirmed as the target's.
 
-    alike: other targets of the same look without a track; each may be at one of the next positions; already:
-    whether it was confirmed in the previous frame; then it remains so while its log-odds are positive;
-    complete: whether three views that all make pairs with each other show it; they reduce the required lead
-    by half of `margin`, and the required odds by the whole of it.
+    It needs a lead of `margin` over its rivals and log-odds of `odds`; with twice that lead, log-odds above 0
+    are enough. alike: number of other targets without a track that look the same: each may be at one of the
+    next positions, so the lead is over the position after these; already: whether the position was confirmed
+    in the previous frame: it remains so while its log-odds are positive; complete: whether three views that
+    all make pairs with each other show it: this reduces the required lead by half of `margin`, and the
+    required odds by the whole of it.
     """
     odds = rivals.odds
     if not len(odds):
@@ -192,7 +195,7 @@ def is_confirmed(
 
 
 def _separated(ordered: list[tuple[Array, float, int]], maximum: float, reach: float) -> tuple[Rivals, Array]:
-    """The likeliest positions that are no closer to each other than the reach, and their candidates."""
+    """The likeliest positions with at least the reach between them, and their candidates."""
     chosen: list[tuple[Array, float, int]] = []
     for rival in ordered:
         if len(chosen) < MAXIMUM_RIVALS and not any(near(rival[0], xyz, reach) for xyz, _, _ in chosen):

@@ -1,7 +1,7 @@
-"""How long no colour camera has shown a target: infrared cameras alone prolong its track for a bounded time.
+"""Limits the time for which infrared cameras alone can prolong a track.
 
-Colour cameras tell whose ball it is. What they go on not showing while infrared cameras show it is a
-reflector, or the ball of another target.
+Colour cameras tell which target a ball is. If infrared cameras show something for long that no colour camera
+shows, it is a reflector, or the ball of another target.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ class ColorlessParams(StageParams):
         1.0,
         ge=0,
         unit="s",
-        description="time for which a target has positions that no colour camera confirms, though one has "
-        "the place in its picture; 0: for ever; raising it keeps targets longer, also wrong ones",
+        description="longest time for which a target keeps its positions while a colour camera has them in "
+        "its picture and none shows the target there; 0: without limit; raising it keeps targets longer, "
+        "also wrong ones",
     )
 
 
@@ -41,10 +42,11 @@ class Colorless:
         """(T,) s."""
 
     def bounded(self, positions: Positions, candidates: Candidates, forecast: Forecast | None) -> Positions:
-        """The positions without those of targets that no colour camera has shown for too long.
+        """The positions, without those of targets that no colour camera has shown for too long.
 
-        One pair of infrared cameras alone shows no missing target: it may be what ended the track. Depth
-        cameras tell a ball without its colour: if the room has any, all positions remain.
+        A position of a missing target is also left out if it rests on one pair of infrared cameras: the pair
+        may show the same reflector that ended the track. If the room has depth cameras, all positions remain,
+        because depth tells a ball without its colour.
         """
         target = positions.target
         if not self.applies or forecast is None or not len(target):
@@ -60,7 +62,8 @@ class Colorless:
     def unshown_too_long(self, target: Array, shown: Array, xyz: Array, period: float) -> Array:
         """Which targets (M,) no colour camera has shown for too long, one frame later: (M,) bool.
 
-        shown: (M,) bool, whether one shows them in this frame; xyz: (M, 3) m, where they are; period: s.
+        shown: (M,) bool, whether a colour camera shows them in this frame; xyz: (M, 3) m, their positions;
+        period: s.
         """
         unseen = ~shown
         if not np.count_nonzero(unseen):

@@ -1,7 +1,7 @@
 """Likelihood ratio of a ball against clutter, from the blobs of all views.
 
-A ball shows to a view as a disc of known radius, of which people may cover a part; clutter as a Poisson
-process of blobs (Bar-Shalom, Daum & Huang 2009, the probabilistic data association filter).
+The image of a ball is a disc of known radius, of which people may cover a part. Clutter is a Poisson process
+of blobs (Bar-Shalom, Daum & Huang 2009, the probabilistic data association filter).
 """
 
 from __future__ import annotations
@@ -14,24 +14,24 @@ from followspot.messages import Array
 from followspot_balls.measurement.center_precision import WHOLE
 
 MINIMUM_CLUTTER_RATIO = 0.02
-"""Least density of clutter over the usual one: what a view never showed may still appear."""
+"""Smallest density of clutter over the usual one: clutter may appear where a view has never shown any."""
 
 
 class BallModel(NamedTuple):
-    """How balls and clutter show."""
+    """How views detect balls, and how dense clutter is."""
 
     detection: float
     """Probability that a view detects a ball that is there; people cover it often."""
     clutter: float
     """Usual density of clutter, blobs in a square whose side is the ball's radius."""
     neighbourhood: float
-    """Radius around a ball's image in which other blobs count as clutter, over the ball's."""
+    """Radius around a ball's image in which other blobs count as clutter, over the radius of the image."""
     sigma: float
     """Sigma of the centre of a whole ball, px."""
     relative_sigma: float
-    """What adds to it, over the radius of the ball's image."""
+    """Sigma that adds to it, over the radius of the ball's image."""
     hidden_sigma: float
-    """What an outline adds to it that is all hidden, likewise."""
+    """Sigma that adds to it if the outline is completely hidden, over the radius of the ball's image."""
     minimum_radius: Array | float = 0.0
     """(C,) radius of a ball's image below which clutter is no denser, px."""
 
@@ -59,7 +59,7 @@ class LikeliestBlobs(NamedTuple):
     slot: Array
     """(M, C)."""
     ratio: Array
-    """(M, C) its density as the ball over that of whatever else it may be."""
+    """(M, C) its density if it is the ball, over its density if it is anything else."""
     variance: Array
     """(M, C) of its distance from the projection, px^2."""
 
@@ -69,9 +69,9 @@ def ball_densities(
 ) -> tuple[Array, Array]:
     """Densities of blobs, 1/px^2, if balls are at the positions, and variances of their centres: (M, C, K).
 
-    A covered disc has its centre off by a part of the radius; a blob merged with other light too. Clutter
-    is as likely of any size up to the ball's, but a ball shows more of itself rather than less: a fragment is
-    poor evidence.
+    If a disc is partly covered, or its blob is merged with other light, the centre of the blob is off by a
+    part of the radius. Clutter of all sizes up to the ball's is equally likely, but large visible parts of a
+    ball are likelier than small ones: a fragment is poor evidence.
     spread: variance of the projection of the position, px^2. The variances are in px^2.
     """
     size, area_ratio = residuals.radius[..., None], residuals.area_ratio
@@ -85,8 +85,8 @@ def ball_densities(
 def clutter_density(model: BallModel, residuals: BlobResiduals) -> Array:
     """Density of clutter at each blob: (M, C, K) 1/px^2.
 
-    It is counted around each projection, without one blob, the ball's, and at least the known part of the
-    usual density.
+    The density is that of the blobs around the projection, less one, which may be the ball's. It is at least
+    the usual density times `clutter_ratio`.
     """
     reach2 = np.square(model.neighbourhood * residuals.radius)
     near = (residuals.compatible & (residuals.squared_distance < reach2[..., None])).sum(axis=2)
@@ -109,7 +109,7 @@ def likeliest_blobs(model: BallModel, residuals: BlobResiduals, rival_density: A
 
 
 def view_log_ratios(detection: Array | float, blobs: LikeliestBlobs, in_picture: Array) -> Array:
-    """Log-likelihood ratio of each view, (M, C): below 0 without a blob, 0 if it cannot see the position.
+    """Log-likelihood ratio of each view, (M, C): below 0 without a blob, 0 for a position out of its picture.
 
     detection: (M, C) or for all, probability that a view detects the ball that is there.
     """
@@ -135,9 +135,10 @@ def information(jacobian: Array, weight: Array) -> Array:
 def log_occam_factors(views: Array, color: Array, prior: Array) -> Array:
     """Logarithms of Occam factors (MacKay 1992): (3, M), at most 0.
 
-    A position that was chosen to fit the blobs also fits them by chance, the more so the less was known of it
-    before: the factor is the volume of the positions that remain possible over that before. It is that of all
-    views, given the prior; of the infrared views, given the colour views; and the reverse.
+    A position that was chosen to fit the blobs also fits them by chance, and the wider the prior, the better
+    it can fit. The factor corrects this: it is the volume of positions that the views leave possible, over
+    the volume that was possible before. The three factors are those of all views, given the prior; of the
+    infrared views, given the colour views; and of the colour views, given the infrared views.
     views: (M, C, 3, 3), :func:`information` of each; color: (C,) bool; prior: (M,) 1/m^2, information on the
     position.
     """
@@ -149,11 +150,11 @@ def log_occam_factors(views: Array, color: Array, prior: Array) -> Array:
 
 
 def ball_log_ratio(log_ratio: Array, color: Array, occam: Array, other: float) -> Array:
-    """Log-likelihood ratio of a ball against whatever else could be there: (M,).
+    """Log-likelihood ratio of a ball against the other things that could be there: (M,).
 
-    Coloured light or paint shows to colour cameras alone and a reflector to infrared cameras alone. Each
-    explains the views of its kind as well as a ball does, so only both kinds together tell a ball, if the
-    room has both.
+    Only colour cameras see coloured light and paint; only infrared cameras see a reflector. Each of these
+    explains the views of its kind as well as a ball does. So if the room has both kinds, only both together
+    tell a ball.
     log_ratio: (M, C) of the views; color: (C,) bool; occam: (3, M), :func:`log_occam_factors`; other:
     probability of paint, and of a reflector, over that of a ball.
     """

@@ -1,11 +1,11 @@
-"""Recovery of lost targets: the likelihood ratio of all views for a ball at the position where one appears.
+"""Recovery of lost targets by the likelihood ratio of all views for a ball at the position that was found.
 
 Candidates that agree are no independent evidence: one blob of a colour camera that lies by chance on the
-ray to a reflector makes a candidate with each infrared camera. So the views are weighed, not their pairs,
-also those that see the position and detect nothing there (Bar-Shalom, Daum & Huang 2009); a blob counts for
-more where its view lately showed nothing of the kind. An evident position that one frame hardly confirms is
-accepted when several in a row do (a sequential probability ratio test), whose evidence fades as that of
-tracks does, for a patch and a reflector that stay are no new evidence.
+ray to a reflector makes a candidate with each infrared camera. So the ratio is over views, not over pairs,
+and includes views that have the position in their pictures and detect nothing there (Bar-Shalom, Daum &
+Huang 2009). A blob counts for more if its view has shown no blobs there lately. If one frame hardly confirms
+an evident position, several frames in a row can (a sequential probability ratio test). The evidence of
+earlier frames decays as that of tracks does, because a patch and a reflector that stay are no new evidence.
 """
 
 from __future__ import annotations
@@ -30,38 +30,40 @@ from followspot_balls.association.view_params import ViewParams
 from followspot_balls.scene.targets import lost_targets, tracked_targets
 
 ROOM_SIGMA = 1.0
-"""Sigma of the position of a target that is not where it seems to be, m: anywhere in the room."""
+"""Sigma of the position of a target if the position that was found is wrong, m: anywhere in the room."""
 AGREEING = 3
-"""Candidates that confirm a target in one frame."""
+"""Number of candidates that confirm a target in one frame."""
 BALL_LIKELY = 1.0
-"""Log-likelihood ratio of a frame, nats, above which an evident position is likelier a ball than light or
-paint, so that the ratios of the frames before count for it, too."""
+"""Log-likelihood ratio of a frame, nats, above which a ball is likelier at an evident position than light or
+paint; then the ratios of earlier frames count, too."""
 CLEAR_LEAD = 3.0
-"""Lead over `sure_recovery_evidence` from which a position is not refined, nats: odds of twenty to one."""
+"""Lead over `sure_recovery_evidence`, nats, that makes refinement of a position unnecessary: odds of twenty
+to one."""
 
 
 class RecoveryParams(StageParams):
-    """Evidence of all views that the position of a lost target needs."""
+    """How much evidence of all views the position of a lost target needs."""
 
     least_recovery_evidence: float = Field(
         -1.0,
         unit="nats",
-        description="log-likelihood ratio of all views below which the position of a lost target is "
-        "rejected; raising it avoids false recoveries and delays those of partly hidden balls",
+        description="smallest log-likelihood ratio of all views with which the position of a lost target is "
+        "accepted at all; raising it avoids false recoveries and delays those of partly hidden balls",
     )
     sure_recovery_evidence: float = Field(
         2.0,
         unit="nats",
-        description="log-likelihood ratio of all views from which a lost target is found in one frame; below "
-        "it, several frames must agree; raising it avoids false recoveries and delays true ones",
+        description="smallest log-likelihood ratio of all views with which one frame recovers a lost target; "
+        "if it is smaller, several frames must agree; raising it avoids false recoveries and delays true "
+        "ones",
     )
 
 
 class Recovery:
     """Accepts, doubts or rejects positions of lost targets by the views of a room.
 
-    The defaults of :class:`ViewParams` say how balls and clutter show, whatever the parameters of the
-    association in the same graph are.
+    The likelihoods have the default parameters of :class:`ViewParams`, also if the association in the same
+    graph has others.
     """
 
     def __init__(self, room: Room, params: RecoveryParams) -> None:
@@ -80,12 +82,12 @@ class Recovery:
         self.evidence = ViewEvidence(room, p, remembering=True)
 
     def accepted(self, positions: Positions, candidates: Candidates, forecast: Forecast | None) -> Positions:
-        """The positions without those of lost targets that the views contradict.
+        """The positions, without those of lost targets that the views contradict.
 
-        An evident one that they make sure counts as three candidates that agree. If they hardly confirm
-        candidates that agree, they count as one, and the covariance grows with the odds against the
-        position: it needs several frames. If the room has depth cameras, all positions remain, for the
-        weighing of views does not know their measurements.
+        If the views make an evident position sure, its support rises to three candidates. If they hardly
+        confirm a position, its support falls to one candidate, and its covariance grows with the odds against
+        it, so that several frames must confirm it. If the room has depth cameras, all positions remain,
+        because the likelihoods do not include measured depths.
         """
         count = len(self.detection)
         weighed = lost_targets(forecast, count).take(positions.target)
@@ -110,11 +112,11 @@ class Recovery:
         return positions.where(likely)
 
     def accumulated(self, positions: Positions, ratio: Array, forecast: Forecast | None) -> Array:
-        """The log-likelihood ratios against reflectors, with those of the preceding frames in a row: (M,).
+        """The log-likelihood ratios against reflectors, added to those of the preceding frames: (M,).
 
-        Those of a target add up while it has an evident position within one step of its last one. Only
-        evident positions add up: paint and reflectors that stay give the same ratio again. The sum counts as
-        evidence of a ball only if `BALL_LIKELY` holds in the frame itself.
+        The ratios of a target add up while each frame has an evident position within one step of the one
+        before. Other positions do not add up: paint and reflectors that stay give the same ratio again. The
+        sum counts as evidence of a ball only if the ratio of the frame itself exceeds `BALL_LIKELY`.
         ratio: (M,) of :meth:`ratios`, against reflectors; infinite if not weighed.
         """
         row = (positions.evident & np.isfinite(ratio)).nonzero()[0]
@@ -127,17 +129,17 @@ class Recovery:
         return total
 
     def forget(self, forecast: Forecast | None) -> None:
-        """Reset the log-odds of all targets but missing ones, which are searched nearby in this frame."""
+        """Reset the log-odds of all targets except missing ones, which this frame searches nearby only."""
         if forecast is None or len(forecast.state) != len(self.odds):
             self.odds = np.zeros(len(self.odds))
         else:
             self.odds = self.odds * (forecast.state == MISSING)
 
     def with_support(self, positions: Positions, weighed: Array, ratio: Array, total: Array) -> Positions:
-        """The positions with the support that recovers targets in one frame if sure, else in several.
+        """The positions with new support: enough to recover a target in one frame if sure, else in several.
 
-        weighed: (M,) bool; ratio, total: (M,) log-likelihood ratios of this frame, and with those before;
-        infinite if not weighed.
+        weighed: (M,) bool; ratio, total: (M,) log-likelihood ratios of this frame, and with those of earlier
+        frames; infinite if not weighed.
         """
         sure = weighed & positions.evident & (ratio >= self.params.sure_recovery_evidence)
         support = np.where(sure, np.maximum(positions.support, AGREEING), positions.support)
@@ -152,7 +154,7 @@ class Recovery:
     def ratios(self, xyz: Array, target: Array, candidates: Candidates, forecast: Forecast | None) -> Array:
         """Log-likelihood ratios of balls at M positions, against all else and against reflectors: (2, M).
 
-        Those without a clear lead are refined to the likeliest positions nearby.
+        Positions without a clear lead are moved to the likeliest positions nearby.
         xyz: (M, 3) m; target: (M,).
         """
         tracked = tracked_targets(forecast, len(self.detection))

@@ -18,10 +18,10 @@ def recovery_credit(candidates: Candidates) -> Array:
 
 
 def appearing(candidates: Candidates, lost: Array) -> Array:
-    """Which candidates show a lost target to three views that all make pairs with each other: (N, T) bool.
+    """Which candidates belong to three views of a lost target that all make pairs: (N, T) bool.
 
-    One of the pairs is evident. Three views that confirm each other may agree less well, because an appearing
-    ball shows only parts of itself, whose centres are not that of the ball.
+    At least one of the three pairs is evident. The views may agree less well than usual, because only parts
+    of an appearing ball are visible, and their centres are not that of the ball.
     lost: (T,) bool, without forecast.
     """
     sought = candidates.targets & lost

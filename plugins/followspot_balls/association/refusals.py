@@ -1,4 +1,4 @@
-"""Warning of targets that are never recovered because all views together contradict the pairs of blobs."""
+"""Warns of targets that are never found because all views together contradict the pairs that show them."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 _FEW = 10
-"""Frames in which the positions of a target are refused, from which on the user is warned."""
+"""Number of frames with refused positions of a target from which on the user is warned."""
 
 
 class Refusals:
-    """Counts refused positions of targets that were not found yet."""
+    """Counts the frames in which positions of each target were refused."""
 
     def __init__(self, targets: tuple[str, ...]) -> None:
         self.targets = targets
@@ -20,7 +20,7 @@ class Refusals:
         """(T,) frames in which positions of each target were refused."""
 
     def warning(self) -> str:
-        """The warning after a run, which names the targets that all views kept from being found; else ""."""
+        """The warning at the end of a run that names targets that were refused and never found; or ""."""
         never = (~self.found & (self.frames >= _FEW)).nonzero()[0]
         if not len(never):
             return ""

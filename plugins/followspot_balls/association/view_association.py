@@ -1,4 +1,4 @@
-"""Association of candidates with targets, and the existence of each target, by the evidence of all views."""
+"""Association of candidates with targets, and existence of targets, by the likelihoods of all views."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from followspot_balls.pairs.camera_numbers import numbered
 from followspot_balls.scene.targets import lost_targets, tracked_targets
 
 MINIMUM_DENSITY_RATIO = 0.1
-"""Density of a blob as the target over that of whatever else, from which it may show the target."""
+"""Smallest density of a blob as the target, over its density as anything else, if it may show the target."""
 STEP = 1 / 30
-"""Time that counts as one step of existence and detection, s; frames may follow each other faster."""
+"""Time of one step of existence and detection, s; a frame that comes sooner counts as a fraction of it."""
 
 
 class WeighedHypotheses(NamedTuple):
@@ -57,23 +57,24 @@ NO_HYPOTHESES = WeighedHypotheses(np.zeros((0, 3)), np.zeros(0, int), _NONE, _NO
 
 @dataclass(frozen=True)
 class Associated:
-    """The candidates that are left to their targets, and the existence of these."""
+    """The candidates that targets keep, and the existence of the targets."""
 
     candidates: Candidates
     existence: ExistenceOdds
 
 
 class ViewAssociation(Stage, ABC):
-    """Base of stages that leave targets the candidates of their likeliest positions, or none.
+    """Base of stages that leave each target the candidates of its likeliest position, or none.
 
-    A target moves as forecast, or it jumps to a candidate: each is a hypothesis, at the position nearby that
-    all views make likeliest. All views count, also those that detect nothing there, by how often they
-    detected the target lately; other blobs around and other targets count as clutter. Subclasses say which
+    The hypotheses of a target are that it moves as forecast, and that it jumps to one of its candidates. Each
+    hypothesis is moved to the position nearby that the blobs of all views make likeliest. A view that has the
+    position in its picture and detects nothing there counts against it; it counts more if it has detected
+    the target lately. Other blobs nearby, and the other targets, count as clutter. Subclasses say which
     targets keep all their candidates, what is evidence of a ball, and when a frame is left out.
     """
 
     class Params(ViewParams):
-        """How balls and clutter show, and how evidence moves the existence of targets."""
+        """How views detect balls and clutter, and how evidence changes the existence of targets."""
 
     params: Params
 
@@ -107,12 +108,13 @@ class ViewAssociation(Stage, ABC):
         """
 
     def undecided(self, found: WeighedHypotheses, tracked: Array) -> Array:
-        """Which targets keep all their candidates although these were weighed: (T,) bool; by default none."""
+        """Which targets keep all their candidates although they were weighed: (T,) bool; by default none."""
         return np.zeros(len(tracked), bool)
 
     def complete(self, found: Hypotheses, candidates: Candidates, lost: Array) -> Array:
-        """Which hypotheses three views show that all make pairs with each other: (M,) bool; none if the
-        stage does not ask. lost: (T,) bool.
+        """Which hypotheses three views show that all make pairs with each other: (M,) bool; by default none.
+
+        lost: (T,) bool.
         """
         return np.zeros(len(found.target), bool)
 
@@ -163,7 +165,7 @@ class ViewAssociation(Stage, ABC):
     def without_hypotheses(
         self, left: Candidates, forecast: Forecast | None, tracked: Array, unweighed: Array
     ) -> Associated:
-        """The outputs of a frame in which nothing is weighed. left: what remains of the candidates."""
+        """The outputs of a frame in which nothing is weighed. left: the candidates that targets keep."""
         self.decide(NO_HYPOTHESES, forecast, tracked, unweighed)
         self.detection = self.usual
         return Associated(left, self.existence_odds(tracked, unweighed))
@@ -204,7 +206,7 @@ class ViewAssociation(Stage, ABC):
         return detection
 
     def steps(self, forecast: Forecast | None) -> float:
-        """Steps that a frame counts as, at most 1."""
+        """Number of steps that a frame counts as, at most 1."""
         return 1.0 if forecast is None else min(forecast.period / STEP, 1.0)
 
     def decide(
@@ -230,7 +232,7 @@ class ViewAssociation(Stage, ABC):
         return np.array(chosen, int)
 
     def kept(self, candidates: Candidates, targets: Array) -> Candidates:
-        """The candidates that are left to targets, (N, T) bool."""
+        """The candidates, with the targets that keep them, (N, T) bool; those of no target are left out."""
         if np.array_equal(targets, candidates.targets):
             return candidates
         return replace(candidates, targets=targets).where(np.flatnonzero(targets.any(axis=1)))

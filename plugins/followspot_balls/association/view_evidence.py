@@ -29,15 +29,15 @@ from followspot_balls.scene.targets import target_radii
 NEAREST = 1e-3
 """Smallest depth of a position that has an image, m."""
 SMALLEST = 0.008
-"""Radius of a ball's image over the longer side of the picture below which false blobs are no denser. Where
-the radius is smaller, a fixed number in its square would be hundreds in the picture: two views that agree
-about a small ball could never outweigh them."""
+"""Radius of a ball's image, over the longer side of the picture, below which the density of false blobs no
+longer grows. With a smaller radius, a fixed number of them in its square would be hundreds in the picture,
+and two views that agree about a small ball could never outweigh them."""
 STEPS = 2
 """Gauss-Newton steps of a position."""
 
 
 class HypothesisViews(NamedTuple):
-    """M hypotheses as C views show them."""
+    """The likelihoods of M hypotheses in C views."""
 
     blobs: LikeliestBlobs
     in_picture: Array
@@ -65,14 +65,14 @@ class FrameBlobs(NamedTuple):
     unit_area: Array
     """(C, K) areas over that of a ball of unit radius at unit depth."""
     rival_density: Array
-    """(T, C, K) 1/px^2, density of each blob as an image of targets other than each."""
+    """(T, C, K) 1/px^2, density of each blob as an image of all targets except one, for each target."""
 
 
 class ViewEvidence:
-    """The cameras of a room, how balls show to them, and what their blobs say of hypotheses."""
+    """Computes the likelihoods of hypotheses from the blobs of the cameras of a room."""
 
     def __init__(self, room: Room, params: ViewParams, remembering: bool = False) -> None:
-        """remembering: whether clutter is rarer where a view showed nothing while a target was lost."""
+        """remembering: whether clutter is rarer at places where a view has shown no blobs of lost targets."""
         p, cameras = params, list(room.cameras.values())
         self.model = BallModel(
             p.detection,
@@ -102,7 +102,7 @@ class ViewEvidence:
         return blobs._replace(rival_density=self.rival_density(blobs, forecast, tracked))
 
     def rival_density(self, blobs: FrameBlobs, forecast: Forecast, tracked: Array) -> Array:
-        """Density of each blob as an image of the forecasts of targets other than each: (T, C, K) 1/px^2."""
+        """Density of each blob as an image of all forecasts except that of each target: (T, C, K) 1/px^2."""
         residuals, projected = self.residuals(forecast.xyz, np.arange(len(self.radii)), blobs)
         variance = forecast.covariance.diagonal(axis1=1, axis2=2).mean(axis=1)[:, None]
         spread = variance * np.square(self.focal / projected.depth)
@@ -127,7 +127,7 @@ class ViewEvidence:
         return residuals, Images(projected.xy, depth)
 
     def views(self, found: Hypotheses, blobs: FrameBlobs, detection: Array) -> HypothesisViews:
-        """The hypotheses as the views show them. detection: (T, C) probabilities that they detect targets."""
+        """The likelihoods of the hypotheses. detection: (T, C) probabilities that views detect targets."""
         residuals, projected = self.residuals(found.xyz, found.target, blobs)
         likeliest = likeliest_blobs(self.model, residuals, blobs.rival_density[found.target])
         log_ratio = view_log_ratios(detection[found.target], likeliest, residuals.in_picture)

@@ -6,7 +6,7 @@ from followspot import Field, StageParams
 
 
 class ViewParams(StageParams):
-    """How balls and clutter show, and how evidence moves the existence of targets."""
+    """How views detect balls and clutter, and how evidence changes the existence of targets."""
 
     detection: float = Field(
         0.6,
@@ -20,16 +20,17 @@ class ViewParams(StageParams):
         ge=0,
         lt=1,
         unit="1",
-        description="correlation of a camera's detections of a ball from frame to frame (frames that follow "
-        "each other within 1/30 s count in proportion); raising it lets both a view that stays empty and a "
-        "blob that appears in it count for less",
+        description="correlation of a camera's detections of a ball in successive frames (frames less than "
+        "1/30 s apart count in proportion); raising it gives less weight to a view that goes on detecting "
+        "nothing, and to a blob that then appears in it",
     )
     clutter: float = Field(
         0.015,
         gt=0,
         unit="1",
-        description="smallest clutter density: false blobs in a square whose side is the ball's radius, at "
-        "least 0.8 % of the picture's longer side; raising it requires more views",
+        description="smallest clutter density: number of false blobs in a square whose side is the radius of "
+        "the ball's image, or 0.8 % of the picture's longer side if that is more; raising it requires more "
+        "views",
     )
     neighbourhood: float = Field(
         3.0,
@@ -72,7 +73,7 @@ class ViewParams(StageParams):
         0.1,
         gt=0,
         unit="m",
-        description="sigma that adds to that of the forecast if the target jumps; raising it permits longer "
+        description="sigma that adds to that of the forecast if the target jumps; raising it allows longer "
         "jumps",
     )
     jump_probability: float = Field(
@@ -88,15 +89,14 @@ class ViewParams(StageParams):
         lt=1,
         unit="1",
         description="share of the log-odds of existence that remains after a frame (while a target is "
-        "tracked, frames that follow each other within 1/30 s count in proportion); raising it averages over "
-        "more frames",
+        "tracked, frames less than 1/30 s apart count in proportion); raising it averages over more frames",
     )
     drift: float = Field(
         0.2,
         ge=0,
         unit="nats",
-        description="decrease of the log-odds of existence in a frame (while a target is tracked, frames "
-        "that follow each other within 1/30 s count in proportion); raising it ends targets sooner",
+        description="decrease of the log-odds of existence in each frame (while a target is tracked, frames "
+        "less than 1/30 s apart count in proportion); raising it ends targets sooner",
     )
     largest_odds: float = Field(
         8.0,
@@ -113,5 +113,6 @@ class ViewParams(StageParams):
         0.15,
         gt=0,
         unit="m",
-        description="largest step of a sought target between frames; raising it finds faster targets",
+        description="largest step of a target without a track between frames; raising it finds faster "
+        "targets",
     )

@@ -1,4 +1,4 @@
-"""Parameters of how exactly blobs tell where a ball is."""
+"""Parameters of the errors of blobs as measurements of balls."""
 
 from __future__ import annotations
 
@@ -54,15 +54,15 @@ class BlobParams(StageParams):
         0.004,
         gt=0,
         unit="m",
-        description="sigma of the planes' places, into which balls do not sink; raising it suits inexact "
-        "planes",
+        description="sigma of the positions of planes; balls do not sink into planes; raising it suits "
+        "inexact planes",
     )
     prior_errors: float = Field(
         4.0,
         gt=0,
         unit="1",
-        description="number of measured errors that `blob_sigma` counts as when the covariance adapts to "
-        "the errors of a frame; raising it adapts the covariance less",
+        description="weight of `blob_sigma` when the covariance adapts to the errors of a frame: as many "
+        "measured errors; raising it adapts the covariance less",
     )
 
     def center_variance(self, share: Array) -> Array:

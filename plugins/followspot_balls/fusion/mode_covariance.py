@@ -1,4 +1,4 @@
-"""Covariance of a mode of candidates: what the errors of their blobs, and rival candidates, make of it.
+"""Covariance of a mode of candidates, from the errors of their blobs and from rival candidates.
 
 The mode is the weighted mean of points, each triangulated of two blobs, so errors of a blob enter by all
 candidates made of it: the covariance is the sum over views of s_v^2 G_v G_v^T, with the variance s_v^2 of the
@@ -130,7 +130,7 @@ class ModeCovariance:
         return np.asarray((self.params.prior_errors + cost) / self.redundancy.take(views.seen.sum(axis=1)))
 
     def add_glow(self, covariance: Array, target: Array, center: Array, gain: Array) -> None:
-        """Add what the light of balls on a plane does: all colour cameras share the shift along its normal.
+        """Add the shift by the light of balls on a plane, along its normal: all colour cameras share it.
 
         covariance: (M, 3, 3) m^2, changed; gain: (M, C, 3, 3), of :func:`propagation`.
         """

@@ -21,16 +21,15 @@ from followspot_balls.scene.targets import target_radii
 
 
 class Fusion(Stage, ABC):
-    """Base of fusions: lost targets are found where all views make them likely, and colourless tracks end."""
+    """Base of fusions that check positions of lost targets by all views, and end tracks without colour."""
 
     advice = (
-        "either no pair is evidence of a target, for which a colour and an infrared camera must see it at "
-        "once, or two cameras where all are of one kind; or all views contradict the pairs, of which the "
-        "stage warns"
+        "either no pair is evidence of a target: a colour and an infrared camera must see it at the same "
+        "time, or two cameras if all are of one kind; or all views contradict the pairs, then the stage warns"
     )
 
     class Params(VoteParams, RecoveryParams, ColorlessParams):
-        """How exactly blobs tell places, and what the views must say of a target."""
+        """The errors of blobs, and the evidence of all views that a position needs."""
 
     params: Params
 
@@ -45,7 +44,7 @@ class Fusion(Stage, ABC):
 
     @cached_property
     def recovery(self) -> Recovery:
-        """What the views must say of places; also there if the stage is closed before it is set up."""
+        """The check of positions by all views; also there if the stage is closed before it is set up."""
         return Recovery(self.room, self.params)
 
     def claims(self, table: BlobTable, target: Array, lost: Array) -> Claims:
@@ -54,7 +53,7 @@ class Fusion(Stage, ABC):
         return Claims(table.xy, table.targets[target], sizes, self.radii[target], lost)
 
     def validated(self, positions: Positions, candidates: Candidates, forecast: Forecast | None) -> Positions:
-        """The positions that the views do not contradict, none of them in a plane."""
+        """The positions that the views do not contradict, raised above planes into which they sink."""
         positions = raised(positions, self.bounds, self.radii, self.params.plane_sigma)
         likely = self.recovery.accepted(positions, candidates, forecast)
         self.recovery.refusals.found[likely.target] = True

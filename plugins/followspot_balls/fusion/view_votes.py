@@ -1,6 +1,7 @@
-"""Votes of the views: which candidate of a target lies where all views together make the target likeliest.
+"""Votes of the views: the candidate at whose position the blobs of all views make a target likeliest.
 
-Candidates that agree are no independent evidence, as one blob makes several; views are.
+Candidates that agree are no independent evidence, because one blob makes several of them. Views are
+independent.
 """
 
 from __future__ import annotations
@@ -20,28 +21,29 @@ class VoteParams(BlobParams):
         1.0,
         gt=0,
         unit="px",
-        description="error in the picture at which the density of a whole blob is half its largest; raising "
-        "it tolerates bad calibration",
+        description="half width at half maximum of the error density (Cauchy) of a fully visible ball's "
+        "blob; raising it tolerates bad calibration",
     )
     vote_clutter: float = Field(
         0.05,
         gt=0,
         unit="1",
-        description="density of clutter over the largest of a whole blob; raising it lets a few exact views "
-        "outvote several inexact ones",
+        description="density of clutter over the peak of the error density of a fully visible ball's blob; "
+        "raising it lets a few exact views outvote several inexact ones",
     )
     color_vote_bonus: float = Field(
         0.5,
         ge=0,
         unit="1",
-        description="extra weight of colour cameras in the vote for the candidate at which the fusion "
-        "begins; raising it helps in crowds",
+        description="weight that a colour camera has beyond that of another camera (1) in the vote for the "
+        "candidate at which the fusion begins; raising it helps in crowds",
     )
     prior_sigma: float = Field(
         0.1,
         gt=0,
         unit="m",
-        description="sigma of that candidate around the forecast; raising it lets targets jump",
+        description="sigma of the distance between the forecast and the candidate at which the fusion "
+        "begins; raising it lets targets jump",
     )
 
 
@@ -55,19 +57,19 @@ class ViewVotes:
         self.voice = 1 + params.color_vote_bonus * np.array([c.kind == "color" for c in cameras], bool)
 
     def prior(self, xyz: Array, forecast: Array) -> Array:
-        """Logarithm of the prior of places (N, 3) m as those of targets with forecasts (M, 3) m: (M, N)."""
+        """Logarithm of the prior of N positions, (N, 3) m, for M targets with forecasts (M, 3) m: (M, N)."""
         off = xyz - forecast[:, None]
         return np.asarray(-np.vecdot(off, off) / (2 * self.params.prior_sigma**2))
 
     def posterior(self, xyz: Array, prior: Array, claims: Claims) -> Array:
-        """Logarithm of the posterior of each place as that of each target: (M, N).
+        """Logarithm of the posterior of each position for each target: (M, N).
 
-        The views are independent, so their densities multiply: several that agree on a place outvote two that
-        fit another one better, and a forecast that is off by a ball's width. A blob is a target's by a
-        Cauchy density whose squared width, px^2, grows with the sigma of its centre: a fragment supports an
-        exact place less than a whole blob does, and contradicts a near one less. Else it lies there by
-        chance.
-        xyz: (N, 3) m; prior: (M, N) logarithms, -inf for places that are not in question.
+        The views are independent, so their densities multiply: several views that agree on a position outvote
+        two that fit another one better, and also a forecast that is off by a ball's width. The error of a
+        target's blob has a Cauchy density, whose squared width, px^2, grows with the sigma of the blob's
+        centre: a fragment supports an exact position less than a whole blob does, and contradicts a near one
+        less. Other blobs are clutter of constant density.
+        xyz: (N, 3) m; prior: (M, N) logarithms, -inf for positions that are not considered.
         """
         p = self.params
         row, place = np.nonzero(prior > -np.inf)

@@ -13,7 +13,7 @@ from followspot.messages import MAX_TIME
 from followspot.sensors.stuck_readings import stuck
 
 MAXIMUM_ROWS = 8192
-"""Rows that are kept at most, whatever the rate."""
+"""Largest number of rows that are kept, at any rate."""
 MAXIMUM_TURN_RATE = 100.0
 """Largest plausible turn rate, rad/s."""
 MAXIMUM_FORCE = 4000.0

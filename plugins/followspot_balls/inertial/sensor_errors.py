@@ -1,4 +1,4 @@
-"""How far a sensor's readings may be from the truth: what the filter assumes."""
+"""The errors of a sensor's readings that the filter assumes."""
 
 from __future__ import annotations
 

@@ -39,13 +39,13 @@ class Outputs(target_filter.Outputs):
 
 
 class InertialFilter(Kalman):
-    """Fuse positions with inertial sensors on the targets: place and orientation, also while hidden.
+    """Fuse positions with inertial sensors on the targets: position and orientation, also while hidden.
 
-    The heading between sensor and room, the sensor's biases, its place on the target and its delay are learnt
-    from the motion. A target without a sensor, or whose heading is not yet learnt, is filtered as by
-    `balls.kalman`. The fix with the smallest sigma counts if a target carries several sensors, so another
-    sensor takes over from one that falls silent. Readings that come late are used; those of a sensor that the
-    positions contradict again and again are not.
+    The stage learns the heading between sensor and room, the sensor's biases, its place on the target and its
+    delay from the motion. A target without a sensor, or whose heading is not yet learnt, is filtered as by
+    `balls.kalman`. If a target carries several sensors, the estimate with the smallest sigma counts, so
+    another sensor takes over if one falls silent. Late readings are used; readings of a sensor that the
+    positions contradict again and again are left out.
     """
 
     class Params(InertialParams):

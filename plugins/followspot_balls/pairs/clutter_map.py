@@ -1,6 +1,6 @@
-"""Where each view lately showed blobs that could be a lost target's: clutter, learnt while it was lost.
+"""Density of clutter at each place of each view, learnt from the blobs there while a target was lost.
 
-Lamps, paint and reflectors stay in place; a ball that returns shows at a new place. A blob is therefore
+Lamps, paint and reflectors stay in place; a ball that returns appears at a new place. A blob is therefore
 stronger evidence if its view showed no blob nearby while the target was lost.
 """
 
@@ -17,25 +17,25 @@ from followspot.room import Room
 ACROSS = 40
 """Cells over the width of a picture. A blob counts in its cell and the eight around it."""
 EVERY = 3
-"""Every third frame is learnt from. The number is odd, because a missing target is sought everywhere only in
-every second frame: an even number could learn from the other frames alone."""
+"""The map learns from every third frame. The number is odd, because a missing target is searched for
+everywhere only in every second frame: with an even number the map could learn from the other frames alone."""
 USUAL = 0.42
 """Usual number of blobs in a cell and the eight around it, in one frame. `ViewParams.clutter` is 0.015 blobs
 in a square whose side is the radius of a ball's image. With a radius of 0.014 of the picture's width, the
 nine cells, 3 / `ACROSS` of the width on each side, have the area of 28 such squares."""
 KNOWN = 4.0
-"""Learnt frames as which the usual clutter counts: the prior of a rate (a gamma distribution)."""
+"""Weight of the usual clutter, as a number of learnt frames: the prior of a rate (a gamma distribution)."""
 NEW = 0.5
-"""Share of the usual clutter below which a blob is where its view lately showed hardly any."""
+"""Share of the usual clutter below which a blob counts as new: its view has hardly shown any there."""
 FEW = 3
-"""Such blobs of a target in one view that may be the target, a part of it, and something that moves. More at
-once are lights that come on, or a lens that is uncovered: clutter is as usual."""
+"""Largest number of new blobs of a target in one view: the target, a part of it, and another moving thing. If
+there are more, lights have come on or a lens was uncovered, and clutter counts as usual."""
 HEAVIEST = 1e6
-"""Weight of a frame from which on the older ones are made lighter instead."""
+"""Weight of a frame above which all weights are scaled down."""
 TALLEST = 4 * ACROSS
-"""Most rows of cells; what is below counts in the last one."""
+"""Largest number of rows of cells; blobs farther down count in the last one."""
 LONGEST = 50.0
-"""Longest time without a learnt frame, over the memory; beyond it all is forgotten anyway."""
+"""Longest time without a learnt frame, over the memory; after it everything is forgotten."""
 BORDER = 2
 """Cells outside a picture on each side: one for blobs there, one around it."""
 AROUND = np.array([(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1)])
@@ -79,11 +79,11 @@ class ClutterMap:
         np.add.at(self.counts, (view[row, None], place[..., 0], place[..., 1]), self.weight * mine[row, None])
 
     def share(self, view: Array, xy: Array, targets: Array, lost: Array) -> Array:
-        """Share of the usual clutter around each blob: (N,) up to 1, the least for a target that it may be.
+        """Share of the usual clutter around each blob: (N,), at most 1, the smallest over its targets.
 
-        The share is 1 if a blob may be no lost target, if nothing was learnt, if its view shows more than
-        `FEW` new blobs at once, and if at least the usual number of blobs was there: a ball that one view
-        alone has seen so far must not count as its own clutter. Arguments as for :meth:`learn`.
+        The share is 1 if a blob can be no lost target, if nothing was learnt, if its view shows more than
+        `FEW` new blobs at once, and if at least the usual number of blobs was there: a ball that only one
+        view has seen so far must not count as its own clutter. Arguments as for :meth:`learn`.
         """
         place = self.place(view, xy)
         usual = KNOWN * self.weight_now()

@@ -1,1 +1,1 @@
-"""Fusion and life cycle exactly as Jin & Qian 2008 published them, without what this project added."""
+"""Fusion and life cycle exactly as Jin & Qian 2008 published them, without additions."""

@@ -13,7 +13,7 @@ SETTLING = 0.2
 
 
 class SteadyMotion(NamedTuple):
-    """Position and velocity of T targets, without what changed in the last tenths of a second."""
+    """Position and velocity of T targets, without the changes of the last tenths of a second."""
 
     xyz: Array
     """(T, 3) m."""

@@ -1,4 +1,4 @@
-"""Stage `balls.smooth`: tracks smoothed by what was observed later, and by what came late."""
+"""Stage `balls.smooth`: smooths tracks by later positions, and by positions that came late."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from followspot_target_filter.manoeuvre import ManoeuvreParams
 class Smooth(Stage):
     """Smooth tracks by the positions before and after them, some frames late or at the end of the input.
 
-    A target has a row in just the frames, and in the state, that the tracker gives it. Positions that come
-    late over a bad link are used if they agree with the motion, as long as their frame has not been sent.
+    A target has a row in the same frames, and with the same state, as in the tracker's output. Positions that
+    come late over a bad link are used if they agree with the motion and their frame has not been sent.
     Several fusions may send positions.
     """
 
@@ -30,8 +30,8 @@ class Smooth(Stage):
             6,
             ge=0,
             unit="frames",
-            description="frames after which a frame is sent; 0: all at the end of the input, for recordings; "
-            "raising it smooths more and waits longer for late positions",
+            description="number of later frames for which a frame waits; 0: all frames are sent at the end "
+            "of the input, for recordings; raising it smooths more and waits longer for late positions",
         )
         measurement_sigma: float = Field(
             0.008,
@@ -86,7 +86,7 @@ class Smooth(Stage):
             self.context.warn(f"positions came more than {p.lag_frames} frames late and were left out")
 
     def insert(self, step: Step) -> None:
-        """Add what is known of a time; what was filtered from there on is void."""
+        """Add the tracks or positions of a time; filtered results from there on are discarded."""
         del self.passed[insert(self.steps, step) :]
 
     def due(self) -> Iterator[Tracks]:

@@ -1,4 +1,4 @@
-"""One moment of what a smoother remembers: the tracks and the observed positions of that time."""
+"""One moment in a smoother's memory: the tracks and the observed positions of that time."""
 
 from __future__ import annotations
 
