@@ -1,4 +1,4 @@
-"""Features of a camera, checked against what the camera itself tells of them: GenApi, or controls of V4L2."""
+"""Features of a camera, checked against the camera's own description of them: GenApi, or controls of V4L2."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ class DepthImages(PictureFolder):
     suffixes = frozenset({".png"})
 
     class Params(FolderParams):
-        """The folder, and what its numbers mean."""
+        """The folder, and the meaning of its numbers."""
 
         unit: float = Field(
             0.001, gt=0, le=1, unit="m", description="depth of level 1; 0.001 for pictures in millimetres"

@@ -1,4 +1,4 @@
-"""The message type of what a stream of the Lab Streaming Layer says."""
+"""The message type of samples of a stream of the Lab Streaming Layer."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ MOST_CHANNELS, LONGEST_LABEL = 1000, 100
 WAIT = 0.1
 """Longest wait for a stream or a sample before the stage looks whether the run ends, s."""
 ANSWER = 5.0
-"""Time that a stream has to say what its channels are, s."""
+"""Time in which a stream must describe its channels, s."""
 
 
 class Stream(Stage):
@@ -48,7 +48,7 @@ class Stream(Stage):
         self.pylsl = load(self.params)
 
     def process(self) -> Source[Samples]:
-        """A message for what has come. Raises FollowspotError for a stream of texts or too many channels."""
+        """A message of the samples that have come. Raises FollowspotError for texts or too many channels."""
         found = self._found()
         if found is None:
             return
@@ -83,7 +83,7 @@ class Stream(Stage):
         return None
 
     def _count_gaps(self, times: Array, rate: float) -> None:
-        """Count what a regular stream left out. times: s, of which the first is known from before."""
+        """Count the samples that a regular stream left out. times: s; the first one is known from before."""
         missing = np.rint(np.diff(times) * rate).astype(int) - 1
         if rate > 0 and (missing > 0).any():
             self.context.lost("gap", int(missing[missing > 0].sum()))

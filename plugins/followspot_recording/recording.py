@@ -43,7 +43,7 @@ class Recording(Closing):
     """An open MCAP file. `problem` states why and at which byte it ends early; empty if it is whole."""
 
     def __init__(self, path: str | Path) -> None:
-        """Open the file and find what it holds. Raises FollowspotError."""
+        """Open the file and list its contents. Raises FollowspotError."""
         self.path = Path(path)
         try:
             self._file = open_regular(self.path, None)

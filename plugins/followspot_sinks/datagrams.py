@@ -12,7 +12,7 @@ from followspot.errors import InputError, Mistake
 
 
 class Datagrams:
-    """Sends to one address; drops and counts what the network does not take at once, and warns once."""
+    """Sends to one address; drops and counts datagrams that the network does not take; warns once."""
 
     def __init__(self, host: str, port: int, interface: str, warn: Callable[[str], None]) -> None:
         """host: of the receiver, or a multicast group; interface: own address to send to a group from.

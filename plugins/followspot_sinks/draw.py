@@ -27,7 +27,7 @@ TOGETHER = "all"
 
 
 class Draw(Stage):
-    """Draw what stages found into the pictures: a video or a folder of pictures per camera, or of all.
+    """Draw the results of stages into the pictures: a video or a folder of pictures per camera, or of all.
 
     Poses: outline of head and shoulders, arrows where face and chest point, number and confidence; those
     without a camera are drawn in all. Boxes with their score. Tracks as bold circles as large as the target,

@@ -1,1 +1,1 @@
-"""Points, boxes and joints that other programs find, markers, and what makes positions in space of them."""
+"""Points, boxes and joints that other programs find, markers, and their positions in space."""

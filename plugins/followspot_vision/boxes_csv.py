@@ -97,7 +97,7 @@ class BoxesCsv(Stage):
             self.context.warn(f"{self.params.path}: {doubt}")
 
     def doubt_of_corners(self) -> str:
-        """Why the columns are hardly what `box` says; empty if they may be."""
+        """Why the columns hardly fit `box`; empty if they may fit."""
         corners = np.array([b.corners[2:] for f in self.frames.own for b in f.rows], "f8").reshape(-1, 2)
         corners = in_pixels(corners, self.camera, self.params)
         beyond = int(np.count_nonzero((corners > BEYOND * np.array(self.camera.size)).any(axis=1)))

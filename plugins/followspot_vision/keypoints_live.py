@@ -61,7 +61,7 @@ class KeypointsLive(Stage):
         return params.fps
 
     def setup(self) -> None:
-        """See what is in the folder. Raises InputError if it is none."""
+        """List the folder. Raises InputError if it is no folder."""
         self.folder = of_camera(self.params.path, self.camera.name, self.room.cameras)
         if not self.folder.is_dir():
             raise InputError.of(f"{self.folder} is no folder", "name the folder that the network writes into")

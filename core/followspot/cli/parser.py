@@ -69,7 +69,7 @@ def build_parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
 
 
 def _add_common_options(parser: argparse.ArgumentParser) -> None:
-    """Add what every command takes."""
+    """Add the options that every command takes."""
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress and no notes")
     parser.add_argument(
         "-v", "--verbose", action="store_true", help="all lines of a run's log; where an error comes from"

@@ -18,7 +18,7 @@ class Relayed(RunRequest):
         """Raise FollowspotError if the order does not fit the plan. remote: whether another host sent it."""
 
     def part_for(self, stages: Collection[str]) -> Self:
-        """The order reduced to what these stages need."""
+        """The order, reduced to the parts that these stages need."""
         return self
 
     def standing(self, before: Sequence[Relayed]) -> list[Relayed]:

@@ -1,4 +1,4 @@
-"""Second step: stages fan out over what the room has, and edges over their instances."""
+"""Second step: one instance of a stage for each member of the room, and edges between the instances."""
 
 from __future__ import annotations
 

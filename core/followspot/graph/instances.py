@@ -1,4 +1,4 @@
-"""Instances of stages, and what leads from one to another."""
+"""Instances of stages, and the edges between them."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class CheckedStage:
 
     @property
     def tolerance(self) -> float:
-        """Largest difference in capture time of what fires together, s: the graph's, or the stage's own."""
+        """Largest difference in capture time of joined messages, s: the graph's, or the stage's own."""
         written = self.instance.declared.tolerance
         return self.stage.join_tolerance if written is None else written
 

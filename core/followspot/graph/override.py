@@ -91,7 +91,7 @@ def is_set(node: Node) -> bool:
 
 
 def below_set(tune: Node, given: Node | None) -> Node:
-    """The tuned value, in which what `--set` gives keeps its place."""
+    """The tuned value, in which values of `--set` keep their places."""
     if given is None or not _holds_set(given):
         return tune
     # The mapping that `--set STAGE.PARAMETER.KEY=VALUE` makes for KEY has the place of its own key.

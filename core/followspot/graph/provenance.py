@@ -1,4 +1,4 @@
-"""The provenance of a plan: the files that it was made of, and what gave parameters their values."""
+"""The provenance of a plan: the files that it was made of, and the origin of each parameter's value."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A part of a room: some of its cameras, and of its targets what belongs to these."""
+"""A part of a room: some of its cameras, and the parts of its targets that belong to these."""
 
 from __future__ import annotations
 

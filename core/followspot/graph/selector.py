@@ -47,7 +47,7 @@ class Selector:
 
     @property
     def readable(self) -> bool:
-        """False for what could not be read, of which the members are not known."""
+        """False if the selector could not be read, so that its members are not known."""
         return bool(self.set)
 
     @property
@@ -118,7 +118,7 @@ def read_selector(node: Node, mistakes: list[Mistake], key: str = "each") -> Sel
 
 
 def intersection(first: Selector, second: Selector) -> Selector:
-    """The selector of what both select, at the place of the first. Raises ValueError if their sets differ."""
+    """The selector of the members of both, placed at the first. Raises ValueError if their sets differ."""
     if first.set != second.set:
         raise ValueError(f"{first.set} and {second.set} are different sets")
     conditions = list(first.conditions)

@@ -1,4 +1,4 @@
-"""A graph file in the place of a stage, with all names resolved: what a running graph knows of it.
+"""A graph file in the place of a stage, with all names resolved, as a running graph keeps it.
 
 No value of a parameter is in it, so that every host of a run may have it.
 """

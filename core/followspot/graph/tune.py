@@ -1,4 +1,4 @@
-"""`tune` of a room: parameters that suit the place, whatever graph runs in it.
+"""`tune` of a room: parameters that suit the room, for every graph that runs in it.
 
 A key is `plugin.name.parameter` or `stage.parameter`, with `/member` after the plugin or stage for one
 instance, or `sub-graph.parameter`, which `followspot.graph.compose` has applied. The order is: defaults, the

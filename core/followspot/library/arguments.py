@@ -1,4 +1,4 @@
-"""Arguments of `Graph.add`: what feeds inputs, and parameters, in the form of a graph file."""
+"""Arguments of `Graph.add`: inputs and parameters, in the form of a graph file."""
 
 from __future__ import annotations
 

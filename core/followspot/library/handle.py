@@ -1,4 +1,4 @@
-"""The handle on a run with everything that it takes and returns: what commands and other programs import."""
+"""The handle on a run with the types that it takes and returns, for commands and other programs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Saves what was changed in a run as an overlay: a graph file that extends the run's own."""
+"""Saves the changes of a run as an overlay: a graph file that extends the run's own."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Entries = Mapping[str, Mapping[str, Any]]
 
 
 def save_overlay(run: RunHandle, path: str | Path) -> tuple[str, ...]:
-    """Write a new graph file that says what the run has otherwise than its own graph file.
+    """Write a new graph file with the differences between the run and its own graph file.
 
     Returns the stages that it names, after `seed` if the run has another.
 

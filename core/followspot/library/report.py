@@ -64,7 +64,7 @@ class Report:
 
     @cached_property
     def ledger(self) -> Table:
-        """Counts of the messages of each edge, by what became of them."""
+        """Counts of the messages of each edge, by their fate: the columns of the ledger."""
         rows = [
             (
                 f"{edge.from_stage}.{edge.from_port}",

@@ -1,4 +1,4 @@
-"""The outcome of a change or a move: what differs in the run's plan."""
+"""The outcome of a change or a move: the differences in the run's plan."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The change that is under way in a run, and what it waits for."""
+"""The change that is under way in a run, and the things for which it waits."""
 
 from __future__ import annotations
 

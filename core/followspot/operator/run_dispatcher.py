@@ -1,4 +1,4 @@
-"""The dispatcher of a run's operator: what each request of other processes does to the run."""
+"""The dispatcher of a run's operator: the handler of each request of other processes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The end of a run: when all hosts have ended, and what makes a run end early."""
+"""The end of a run: when all hosts have ended, or early, with the reason."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Edges between workers: what may cross a process boundary, and how.
+"""Edges between workers of different processes and hosts.
 
 Entry: `edge.PortWriter` and `edge.PortReader`, with two kinds behind them: the ring in shared memory (`ring`)
 within a host, Zenoh (`zenoh`) between hosts. Writers hold back until readers give credit, which is the

@@ -32,7 +32,7 @@ MAX_PACKED = MAX_BYTES + 2 * MAX_HEAD
 
 
 class Codec:
-    """Encodes and decodes one message type; prepares once what depends on the type alone."""
+    """Encodes and decodes one message type; prepares once everything that depends on the type alone."""
 
     def __init__(self, kind: type[Message]) -> None:
         self.kind = kind

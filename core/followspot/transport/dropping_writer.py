@@ -84,7 +84,7 @@ class DroppingWriter:
         return None
 
     def flush(self) -> bool:
-        """Send what waits. True when nothing waits."""
+        """Send the waiting messages. True when none waits."""
         self._pass_on()
         return self.inner.flush() and not self._waiting
 
@@ -106,7 +106,7 @@ class DroppingWriter:
         self.inner.want_credit()
 
     def drain(self) -> None:
-        """Clear wake-ups, and send what waited; drop it if the reader died."""
+        """Clear wake-ups, and send the waiting messages; drop them if the reader died."""
         self.inner.drain()
         self._pass_on()
 

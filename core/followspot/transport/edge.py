@@ -82,7 +82,7 @@ class PortReader(Protocol):
 
     @property
     def lost(self) -> bool:
-        """Whether the writer is gone and has not ended the stream; `poll` still gives what had arrived."""
+        """Whether the writer is gone without ending the stream; `poll` still gives arrived messages."""
 
     @property
     def broken(self) -> bool:

@@ -204,7 +204,7 @@ class Builder:
         self.writers[writer] = stage
 
     def _count_lost(self, number: int) -> None:
-        """Count as lost what was in flight on an edge within the worker when its earlier incarnation died."""
+        """Count as lost the messages in flight on an edge within the worker when its earlier process died."""
         self.words[self.ledger.row(number) + LOST] += self.ledger.count(number).in_flight
 
     def writer_key(self, number: int) -> str:
@@ -220,7 +220,7 @@ class Builder:
 
 
 def _shed(queue: InputQueue, wake: Callable[[], None]) -> None:
-    """Drop what a sampled input no longer keeps when a message comes."""
+    """Drop the messages that a sampled input no longer keeps when a new one comes."""
     queue.drop_oldest()
     wake()
 

@@ -1,4 +1,4 @@
-"""A worker whose stages are built: what the orders of its host do to it, until it has ended."""
+"""A worker whose stages are built: the handlers of its host's orders, until it has ended."""
 
 from __future__ import annotations
 

@@ -147,7 +147,7 @@ class EdgeEnds:
         return came
 
     def close(self) -> None:
-        """Close all ends, and count what was on its way to readers that were cut off."""
+        """Close all ends, and count the messages on their way to readers that were cut off."""
         for writer, _ in self.writers:
             writer.close()
         for runner in self.runners:

@@ -61,7 +61,7 @@ class Journal(TapPoint):
         return bool(self.taps) or self._output is not None
 
     def before(self, runner: Journaled, time: int) -> _Note:
-        """Note what the firing at this time, ns, will take; call before it does."""
+        """Note the messages that the firing at this time, ns, will take; call before the firing."""
         newest, data = self._newest, b""
         if newest is None or runner.join is not self._join or abs(time - newest) >= _INTERVAL:
             self._newest, self._join = time, runner.join
@@ -91,7 +91,7 @@ class Journal(TapPoint):
             self._output.send(firing, firing.header)
 
     def _coming(self, port: JoinInput, join: Join, time: int) -> list[tuple[int, int]]:
-        """Edge and capture time of what a join's or a window's input gives, in its order."""
+        """Edge and capture time of the messages that the input of a join or a window gives, in its order."""
         if isinstance(port.sampled, WindowInput):
             found = [
                 (self._rows[queue.row], message.header.time)

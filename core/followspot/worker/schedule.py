@@ -12,7 +12,7 @@ from followspot.worker.runners.batch_group import BatchGroup, batch_groups
 from followspot.worker.runners.stage_runner import StageRunner
 
 _FIRINGS = 32
-"""Most firings before the worker looks at what other workers sent."""
+"""Largest number of firings before the worker receives from other workers."""
 
 
 class Schedule:

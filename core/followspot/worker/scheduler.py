@@ -95,7 +95,7 @@ class Scheduler:
         self._rest = rest
 
     def drain(self) -> None:
-        """Fire what is ready until nothing is; no source sends anything. Raises StageError."""
+        """Fire ready stages until none is ready; no source sends anything. Raises StageError."""
         while self.schedule.ready or self.schedule.fire_waiting():
             self.schedule.fire()
 
@@ -143,7 +143,7 @@ class Scheduler:
             raise problems[0]
 
     def close(self) -> list[StageError]:
-        """Close all stages and edges; returns what stages raised."""
+        """Close all stages and edges; returns the exceptions of stages."""
         problems = []
         for runner in self.runners:
             try:
@@ -163,7 +163,7 @@ class Scheduler:
         return taken + sum(runner.count.fired for runner in self.runners)
 
     def _turn(self) -> bool:
-        """Fire what is ready, receive, and pull a source or sleep; False when all streams have ended."""
+        """Fire ready stages, receive, and pull a source or sleep; False when all streams have ended."""
         self.schedule.fire()
         if len(self.ends.watched) > 1:  # more than the wake-up event
             self.ends.receive(0)

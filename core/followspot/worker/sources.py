@@ -20,7 +20,7 @@ _watermark = attrgetter("watermark")
 
 
 class Sources:
-    """The source runners of a worker, and what holds them."""
+    """The source runners of a worker, and the hold that pauses them."""
 
     def __init__(self) -> None:
         self.all: tuple[SourceRunner, ...] = ()

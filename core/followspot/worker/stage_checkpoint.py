@@ -23,7 +23,7 @@ from followspot.worker.output_port import OutputPort
 
 InputRole = Literal["member", "window", "sampled"]
 _MOST_HELD = 1 << 20
-"""Bytes of messages that a checkpoint contains; what does not fit must be in the recording by itself."""
+"""Most bytes of messages in a checkpoint; further messages must be in the recording by themselves."""
 
 
 class InputRecord(pydantic.BaseModel, frozen=True):

@@ -16,7 +16,7 @@ class CameraGone(ConnectionError):
 
 
 def refused(text: str) -> CameraGone:
-    """The error for what a camera or its backend says, in words that users know."""
+    """The error for a message of a camera or its backend, in words that users know."""
     if "access_denied" in text.lower().replace("-", "_"):
         return CameraGone(f"another program controls it ({text})")
     return CameraGone(text)

@@ -1,4 +1,4 @@
-"""Reading a camera's clock through its features: latch it, then read what was latched (SFNC 2.7)."""
+"""Reads a camera's clock through its features: latches it, then reads the latched value (SFNC 2.7)."""
 
 from __future__ import annotations
 

@@ -139,7 +139,7 @@ class Genicam(LiveCamera):
             heard = time.monotonic()  # not while the graph held this picture
 
     def _is_whole(self, picture: Picture, camera: VisionCamera) -> bool:
-        """Whether a picture is new and has all its packets; what is lost goes to the ledger."""
+        """Whether a picture is new and has all its packets; lost pictures go to the ledger."""
         missing = self._numbers.next(picture.identifier)
         if missing is None:
             return False

@@ -14,7 +14,7 @@ from followspot.room import Sync
 WINDOW = 31
 """Pictures whose times together tell the trigger of one number."""
 SLOW = 100
-"""Pictures over which the usual time from a trigger to its picture follows what it is."""
+"""Number of pictures over which the usual time from a trigger to its picture is averaged."""
 EARLY = 0.25
 """A picture comes after its trigger; clocks may place it up to this part of a period before."""
 DOUBT = 0.125

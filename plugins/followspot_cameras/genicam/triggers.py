@@ -1,4 +1,4 @@
-"""Triggers of all cameras of a room at once: the features that wait for them, and what sends them."""
+"""Triggers of all cameras of a room at once: the features that wait for them, and their sender."""
 
 from __future__ import annotations
 

@@ -80,7 +80,7 @@ def _entries(ask: Ask, found: ControlQuery) -> dict[str, int]:
 
 
 def _answers(ask: Ask, request: int, argument: Structure) -> bool:
-    """Whether the device knows what is asked for."""
+    """Whether the device supports the request."""
     try:
         ask(request, argument)
     except OSError:

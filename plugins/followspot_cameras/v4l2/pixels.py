@@ -25,7 +25,7 @@ UNPACKED = {
     "GBRG": "BayerGB8",
     "BA81": "BayerBG8",
 }
-"""Pixel formats of V4L2, and what the Pixel Format Naming Convention calls them."""
+"""Pixel formats of V4L2, and their names by the Pixel Format Naming Convention."""
 PLANAR = {
     "NV12": cv2.COLOR_YUV2BGR_NV12,
     "NV21": cv2.COLOR_YUV2BGR_NV21,

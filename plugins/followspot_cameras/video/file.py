@@ -1,4 +1,4 @@
-"""Opening a video file, and what its container states."""
+"""Opens a video file, and reads the properties that its container states."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ class NetworkSensor(Stage, ABC):
 
     @abstractmethod
     def readings(self, datagram: Datagram) -> Iterator[Reading]:
-        """The readings in a datagram; what cannot be read is counted in `tally`."""
+        """The readings in a datagram; unreadable ones are counted in `tally`."""
 
     @cached_property
     def stopped(self) -> Event:

@@ -1,4 +1,4 @@
-"""Counts of what went wrong; the first of each kind is told at once, the sums at the end."""
+"""Counts of faults; the first of each kind is reported at once, the sums at the end."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The room without people, and what differs from it."""
+"""The room without people, and the foreground: the regions that differ from it."""

@@ -10,7 +10,7 @@ from followspot_persons.background.floor_contact import Presence, presence
 from followspot_persons.background.scene import Scene
 
 STILL, THERE = 0.2, 0.5
-"""Shares of foreground on the upper body at which nothing is there, and at which somebody is."""
+"""Shares of foreground on the upper body up to which no person is there, and from which a person is."""
 EVIDENCE = 1.5
 """Log-likelihood ratio of one picture. Of all boxes in the development rooms the background tells those of
 furniture more surely, but pictures in a row are hardly independent.

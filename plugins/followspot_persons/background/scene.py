@@ -1,4 +1,4 @@
-"""A picture beside the background: what differs is a person, or was moved."""
+"""A picture compared with the background: regions that differ show people, or things that were moved."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ def _gradient(window: Array) -> tuple[Array, Array]:
 
 
 def _histograms(strength: Array, angle: Array, cells: tuple[int, int]) -> Array:
-    """Mean strength in each cell along each orientation; what lies between two counts for both in part."""
+    """Mean strength in each cell along each orientation; orientations between two count for both in part."""
     strength, place = strength.ravel(), angle.ravel() * np.float32(ORIENTATIONS / np.pi)
     below = place.astype(np.intp)
     share = (place - below) * strength

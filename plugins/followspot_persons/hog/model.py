@@ -70,7 +70,7 @@ class HogModel:
     tree_leaf: Array
     """(T, 4)"""
     calibration: Array
-    """(2,) factor and offset that make log-odds of what network and trees say (Platt 1999)."""
+    """(2,) factor and offset that make log-odds of the scores of network and trees (Platt 1999)."""
     heading_hidden: Array
     """(CELL_FEATURES, H) first layer of the network of headings; without units, :attr:`network` predicts
     the directions."""

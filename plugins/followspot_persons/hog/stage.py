@@ -165,7 +165,7 @@ class Hog(Stage):
         return np.asarray(box[best[: self.params.maximum_proposals]])
 
     def around(self, pixels: Array, box: Array) -> tuple[Array, Array]:
-        """The picture with what lies beyond the border of a panorama, and the boxes (N, 4) px in it."""
+        """The picture, continued beyond the border of a panorama, and the boxes (N, 4) px in it."""
         if not self.turn or not len(box):
             return pixels, box
         beyond = max(0.0, box[:, 2].max() - self.turn) + (box[:, 3] - box[:, 1]).max()

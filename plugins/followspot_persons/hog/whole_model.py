@@ -24,7 +24,7 @@ LAYOUT = Layout(64, 128, 14.0, 44.0)
 INPUTS = MAPS * (LAYOUT.width // CELL) * (LAYOUT.height // CELL)
 """Number of features of a window."""
 TREES = 0.7
-"""Share of the trees in what both say: the network alone takes more furniture of rooms for people."""
+"""Share of the trees in the score: the network alone takes more furniture of rooms for people."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ HALF = 3.0
 
 
 def certainty(score: float) -> float:
-    """Weight of what a box of this score (log-odds) says about the size of a body, 0 to 1."""
+    """Weight of a box of this score (log-odds) as a measurement of the size of a body, 0 to 1."""
     return float(certainties(np.array(score)))
 
 

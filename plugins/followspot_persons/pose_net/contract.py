@@ -1,4 +1,4 @@
-"""What a pose network is: images in, people with joints and scores out, whatever runs it."""
+"""The interface of a pose network: images in, people with joints and scores out."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from followspot_persons.body.standing import WAIST
 from followspot_persons.body.upper_body_box import HIP
 
 LONGEST = 2560
-"""Longest side of an image, px; what is longer is reduced further."""
+"""Longest side of an image, px; longer images are reduced further."""
 SMALLEST = 8
 """Shortest side of a part of a picture, px."""
 AROUND = 1.3

@@ -46,7 +46,7 @@ class PoseNet(Stage):
     """By name; a subclass in another package adds its own."""
 
     class Params(StageParams):
-        """The model and what counts as a person."""
+        """The model, and which of its results count as persons."""
 
         model: InputPath = Field(
             description="the network: a file .onnx (pip install 'followspot[posenet]') or .tflite"

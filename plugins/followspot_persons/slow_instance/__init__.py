@@ -1,1 +1,1 @@
-"""Parts of `persons.appearance`: what the slow instance finds and learns."""
+"""Parts of `persons.appearance`: how the slow instance finds people and learns their appearance."""

@@ -29,7 +29,7 @@ SHORTEST, TALLEST = 1.45, 2.05
 SLENDER, BROAD = 0.25, 0.8
 """Mean width of an upper body, over its height."""
 SMALLEST = 40
-"""Smallest height of what is seen of a person, px."""
+"""Smallest height of the visible part of a person, px."""
 BORDER = 2 * STEP
 """Distance from the picture's upper and lower border at which head and feet are seen, px."""
 SCORE = 1.0
@@ -53,7 +53,7 @@ def completed(boxes: Boxes, scene: Scene, mask: Array, before: Array) -> Boxes:
 
 
 def foreground_people(scene: Scene, mask: Array, before: Array) -> Array:
-    """Upper bodies of what stands there like a person, (N, 4) px.
+    """Upper bodies of regions that look like standing people, (N, 4) px.
 
     mask: (H / STEP, W / STEP) bool, foreground; before: (H, W, 3) u1, the last picture.
     """

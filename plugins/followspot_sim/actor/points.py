@@ -1,4 +1,4 @@
-"""Stage `sim.person_points`: what a network would find in the pictures of the simulated people."""
+"""Stage `sim.person_points`: the joints that a network would find in pictures of the simulated people."""
 
 from __future__ import annotations
 

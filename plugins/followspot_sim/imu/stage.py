@@ -28,7 +28,7 @@ STRIDE = 250
 
 
 class SimImu(Stage):
-    """Give what an inertial sensor reads on the ball that it is mounted on, while cameras see the same ball.
+    """Give the readings of an inertial sensor that is mounted on a ball, while cameras see the same ball.
 
     Reading k is that of k / rate seconds. The parameters of the performance must equal those of the cameras.
     Ball and sensor have the same axes.

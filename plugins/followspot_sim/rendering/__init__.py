@@ -1,1 +1,1 @@
-"""Rendering of a simulated scene in pictures and depth: light, people, balls, and what people hide."""
+"""Rendering of a simulated scene in pictures and depth: light, people, balls and occlusion."""

@@ -1,4 +1,4 @@
-"""The room's own recording, tracked by a graph: tracks, and what each camera saw of them."""
+"""The room's own recording, tracked by a graph: tracks, and each camera's sightings of them."""
 
 from __future__ import annotations
 
@@ -126,7 +126,7 @@ def read_blobs(path: Path, cameras: Sequence[str], targets: Sequence[str]) -> Bl
 
 
 def in_order(tracks: TrackTable) -> tuple[Array, Array, Array]:
-    """Time, target and place of what was measured, by target and time."""
+    """Time, target and position of each measurement, by target and time."""
     measured = np.flatnonzero(tracks.state == TRACKED)
     order = measured[np.lexsort([tracks.time[measured], tracks.target[measured]])]
     return tracks.time[order], tracks.target[order], tracks.xyz[order]

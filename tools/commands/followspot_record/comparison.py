@@ -28,7 +28,7 @@ class Compared:
 
 
 class RunningComparison:
-    """Compares what is sent again with what was recorded of a port, message by message as it is sent.
+    """Compares the messages that a port sends again with the recorded ones, one by one.
 
     recorded: the messages in the order of their capture times; same: how many are equal; difference: the
     first one, "" for none.

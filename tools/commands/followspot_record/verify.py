@@ -109,7 +109,7 @@ def _compare(
 
 
 def _compare_up_to(stop: int, old: Recording, new: Recording, names: Sequence[str]) -> list[Compared]:
-    """Compare what both have of every port up to and with this capture time, ns."""
+    """Compare the messages of both for every port, up to and including this capture time, ns."""
     return [
         compare(
             port, old.ports[port], old.messages(port, stop=stop), new.messages(port, stop=stop), whole=False

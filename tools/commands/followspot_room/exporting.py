@@ -42,7 +42,7 @@ def export_room(room_file: Path, output: Path, format_key: str | None, *, as_jso
 
 
 def _left_out(room: Room, chosen: Format) -> list[str]:
-    """Names of what the room has and the format lacks."""
+    """Names of the parts of the room that the format cannot hold."""
     kinds = {camera.kind for camera in room.cameras.values()} - {"color"}
     parts = {
         "planes": room.planes,

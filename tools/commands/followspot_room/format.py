@@ -1,4 +1,4 @@
-"""A calibration as data, and what a format of calibrations is."""
+"""A calibration as data, and the interface of a format of calibrations."""
 
 from __future__ import annotations
 

@@ -145,7 +145,7 @@ def _examples(positive: Windows, negative: Array) -> network.Examples:
 
 
 def attempt(material: Material, split: Split, model: HogModel) -> Trial:
-    """Try a model on what its split held out."""
+    """Try a model on the samples that its split held out."""
     pictures = material.pictures
     alone = material.exact.where(split.held)
     among = material.found.where(np.isin(material.found.owner, split.held))

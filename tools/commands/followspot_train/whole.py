@@ -1,4 +1,4 @@
-"""`followspot train whole`: weights that know whole people by what stands below their upper bodies."""
+"""`followspot train whole`: weights that tell whole people by the parts below their upper bodies."""
 
 from __future__ import annotations
 

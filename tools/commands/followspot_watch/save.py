@@ -1,4 +1,4 @@
-"""`followspot save`: what was changed in a run, as an overlay."""
+"""`followspot save`: the changes of a run, as an overlay."""
 
 from __future__ import annotations
 

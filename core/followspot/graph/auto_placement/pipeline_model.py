@@ -73,7 +73,7 @@ class PipelineModel:
         return max(run.done[name, number] - entered[number] for name in end for number in range(_ALONE))
 
     def inputs(self) -> Mapping[str, list[tuple[str, int]]]:
-        """Sender and delay of what each instance waits for."""
+        """Sender and delay of the messages for which each instance waits."""
         found: dict[str, list[tuple[str, int]]] = {name: [] for name in self.work}
         for start, end, delay in (*self._forward(), *(wire for wire in self.wires if wire[2])):
             found[end].append((start, delay))

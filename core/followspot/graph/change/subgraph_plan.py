@@ -124,7 +124,7 @@ def _class(instance: Instance, mistakes: list[Mistake]) -> type[Stage] | None:
 def _params(
     instance: Instance, stage: type[Stage], old: PlannedStage | None, mistakes: list[Mistake]
 ) -> dict[str, Any] | None:
-    """The parameters of an instance: what `--set` or a change gave the old one stays, and so do sources."""
+    """The parameters of an instance; values of `--set` or of a change stay, and so do those of sources."""
     given: dict[str, Any] = {}
     nodes = dict(instance.params)
     if old is not None:

@@ -39,7 +39,7 @@ def _with(entry: Mapping[str, Node], key: str, selectors: Sequence[Selector], no
 
 
 def seen_only(stages: Mapping[str, Node], units: Iterable[Unit]) -> dict[str, Node]:
-    """The stages of a flat graph, of which those in a sub-graph get what comes of its cameras alone.
+    """The stages of a flat graph; those in a sub-graph get messages of its cameras alone.
 
     Of an input that takes the place of a stage, its feeds say so already.
     """

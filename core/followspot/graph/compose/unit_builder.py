@@ -20,7 +20,7 @@ from followspot.yaml.node import Node
 
 
 class UnitBuilder:
-    """Builds the units of one graph, and notes what does not fit an interface."""
+    """Builds the units of one graph, and notes mistakes about its interface."""
 
     def __init__(
         self,

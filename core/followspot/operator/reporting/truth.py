@@ -23,7 +23,7 @@ T = TypeVar("T")
 
 
 def run_scores(plan: Plan, out: Path, frames: int, seconds: float = math.inf) -> dict[str, Score]:
-    """Scores of what a run wrote, by the name of the scorer; empty if there is no truth, or nothing to score.
+    """Scores of the outputs of a run, by the name of the scorer; empty without truth or such outputs.
 
     Raises the errors of :func:`room_truth`.
     """

@@ -1,4 +1,4 @@
-"""Makes tokens of the datagrams of a ring, and refuses what no writer sends."""
+"""Decodes the datagrams of a ring into tokens, and refuses datagrams that no writer sends."""
 
 from __future__ import annotations
 

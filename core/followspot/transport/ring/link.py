@@ -32,7 +32,7 @@ class Link:
         self.alive = True
         self.ended = False
         self.expelled = False
-        """Whether the writer cut the reader off, because it did what no reader does."""
+        """Whether the writer cut the reader off, because the reader broke the protocol."""
         self.carrier: Link | None = None
         """The link to another reader in the same process, whose datagrams are for this reader, too."""
         self.carried: list[Link] = []
@@ -57,7 +57,7 @@ class Link:
             self.flush()
 
     def flush(self) -> bool:
-        """Send what waits. True when nothing waits; else ask the reader for a wake-up."""
+        """Send the waiting messages. True when none waits; else ask the reader for a wake-up."""
         if self._pending:
             self.ask()
         while self.alive and self._pending and self._try_send(*self._pending[0]):

@@ -83,7 +83,7 @@ class RingReader:
         return self._closed or (control is not None and self._received >= control.words[SENT])
 
     def report_at_once(self, at_once: bool) -> None:
-        """Do nothing: the writer need not know what is taken, `caught_up` sees it in shared memory."""
+        """Do nothing: the writer needs no report, because `caught_up` reads shared memory."""
 
     def matched(self) -> bool:
         """True: the socket exists before the processes do."""
@@ -112,7 +112,7 @@ class RingReader:
         return tokens
 
     def hand_over(self) -> None:
-        """Hand what has arrived to the readers that this one carries for: it is about to be closed."""
+        """Before it is closed: give arrived messages to the readers for which this one receives."""
         self._read(_MOST_QUEUED)
         self._notify_carried()
 

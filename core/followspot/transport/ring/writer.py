@@ -65,7 +65,7 @@ class RingWriter:
 
     @property
     def rejected(self) -> int:
-        """Number of readers that the writer cut off because they did what no reader does."""
+        """Number of readers that the writer cut off because they broke the protocol."""
         return self._links.expelled
 
     def matched(self) -> bool:
@@ -147,7 +147,7 @@ class RingWriter:
         return pool.lend(shape, kind)
 
     def flush(self) -> bool:
-        """Send what waits for a socket. True when nothing waits."""
+        """Send the datagrams that wait for a socket. True when none waits."""
         waiting = [link for link in self._links.all if not link.flush()]
         return not waiting
 
@@ -161,7 +161,7 @@ class RingWriter:
             link.ask()
 
     def drain(self) -> None:
-        """Clear wake-ups, notice deaths, send what waited."""
+        """Clear wake-ups, notice deaths, send the waiting datagrams."""
         self._links.drain(self._sequence)
         self.flush()
 

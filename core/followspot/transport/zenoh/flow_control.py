@@ -173,7 +173,7 @@ class FlowControl:
                 self._note_death(reader)
 
     def take_report(self, sample: zenoh.Sample) -> bool:
-        """Note what a reader reported; whether there may be more credit now."""
+        """Note the report of a reader; returns whether there may be more credit now."""
         host, _, name = chunks(sample, 3)
         reader = self._reader(host, name)
         report = numbers(CREDIT, sample.payload)
@@ -231,7 +231,7 @@ class FlowControl:
         reader.lost, reader.silent = False, True
 
     def _note_death(self, reader: ReaderRecord) -> None:
-        """Count what the reader has not reported of all that was put until it left."""
+        """Count the messages that were put until the reader left and that it has not reported."""
         left, reader.messages_before_it_left = reader.messages_before_it_left, None
         sent = self.messages if left is None else left
         self._deaths.append((self.readers.index(reader), max(0, sent - reader.consumed)))

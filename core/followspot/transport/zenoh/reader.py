@@ -216,7 +216,7 @@ class ZenohReader:
             self._declared.insert(0, done)
 
     def _send_report(self) -> None:
-        """Report what was consumed and taken, in the writer's numbers."""
+        """Report the consumed and taken messages, in the writer's numbers."""
         position = self.position
         self._reported = position.tokens
         if position.writer < 0:

@@ -159,7 +159,7 @@ class ZenohWriter:
         self._wants_credit = True
 
     def drain(self) -> None:
-        """Clear the wake-up event, notice which readers came and left, send what waited."""
+        """Clear the wake-up event, notice readers that came and left, send the waiting messages."""
         self._wakeup.clear()
         self._notice()
         self._send_pending()

@@ -1,1 +1,1 @@
-"""Changes while a worker runs: what is new is built beside what works, then put in between two firings."""
+"""Changes while a worker runs: new stages are built beside the old, and take over between two firings."""

@@ -1,4 +1,4 @@
-"""Stages that leave the graph while it runs: they are closed, with their taps and what waits for them."""
+"""Stages that leave a running graph: they are closed, with their taps and the messages that wait for them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def close_leaving(runner: StageRunner) -> None:
 
 
 def discard_sampled(join: Join, kept: Collection[InputQueue]) -> None:
-    """Discard what waits at sampled inputs for a firing that does not come.
+    """Discard the messages at sampled inputs that wait for a firing that does not come.
 
     kept: queues that another join samples from now on, which keep their messages.
     """

@@ -1,4 +1,4 @@
-"""Hot swap: what is new is built beside the stages that work, and put in between two firings."""
+"""Hot swap: new stages are built beside the working ones, and take their places between two firings."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from followspot.worker.scheduler import Scheduler
 _LIVE_REST_TIMEOUT = 2.0
 """Seconds after which a live graph changes all the same, if it is never between two sets of messages."""
 Answer = Callable[[ChangeStatus], None]
-"""Called with what became of a step, from any thread."""
+"""Called with the outcome of a step, from any thread."""
 Rewire = Callable[[dict[str, Any]], Rewiring]
 """Builds what a plan, in JSON types, adds to the worker. Raises FollowspotError."""
 
@@ -61,7 +61,7 @@ class HotSwap:
             self._take_over(order)
 
     def close(self) -> None:
-        """Discard what was built: the worker has ended."""
+        """Discard the new stages: the worker has ended."""
         self._give_up()
 
     def _do_beside(self, step: Callable[[ChangeOrder], None], order: ChangeOrder) -> None:
@@ -77,7 +77,7 @@ class HotSwap:
         self.answer(ChangeStatus(order.id, "done", turn=order.turn))
 
     def _build(self, order: ChangeOrder) -> None:
-        """Build what is new, then have the dry run done between two firings; answers if that fails."""
+        """Build the new stages, then order the dry run between two firings; answers if building fails."""
         built: Sequence[Replacement] = ()
         rewiring: Rewiring | None = None
         try:
@@ -112,7 +112,7 @@ class HotSwap:
             self.answer(ChangeStatus(order.id, "built", turn=order.turn))
 
     def _take_over(self, order: ChangeOrder) -> None:
-        """Let what was built take over: at once, or at rest if stages or edges come or go."""
+        """Let the new stages take over: at once, or at rest if stages or edges come or go."""
         if self._rewiring is not None:
             timeout = _LIVE_REST_TIMEOUT if self._rewiring.wiring.live else REST_TIMEOUT
             act, rewiring = partial(self._rewire_at, order), self._rewiring

@@ -33,7 +33,7 @@ class Replacement:
 
 
 def fits(runner: StageRunner, stage: PlannedStage) -> bool:
-    """Whether the stage, or a replacement in the same runner, can do what the plan says."""
+    """Whether the stage, or a replacement in the same runner, can follow the new plan."""
     before, after = ports(type(runner.stage)), ports(load_stage(stage.uses))
     alike = (before.source, before.gives, type(runner.stage).live) == (
         after.source,

@@ -144,7 +144,7 @@ class Rewiring:
             self._ends.close_old()
 
     def discard(self) -> None:
-        """Close what was built."""
+        """Close the stages and edges that were built."""
         self._builder.edge_factory.forget()
         discard_all(self.replacements)
         for runner in self.new:

@@ -1,1 +1,1 @@
-"""The inputs of a stage: queues of messages, what they give a firing, and when it fires."""
+"""The inputs of a stage: queues of messages, the messages of each firing, and when it fires."""

@@ -112,7 +112,7 @@ class InputQueue:
             self.wake()
 
     def poll(self) -> bool:
-        """Take what has arrived from another worker; whether the reader is broken."""
+        """Take the messages that have arrived from another worker; returns whether the reader is broken."""
         assert self.reader is not None
         self._receive(self.reader)
         return self.reader.broken
@@ -202,7 +202,7 @@ class InputQueue:
             self.reader.consumed()
 
     def _receive(self, reader: PortReader) -> bool:
-        """Take what the reader gives at once; whether it gave anything."""
+        """Take the messages that the reader has at once; returns whether there were any."""
         tokens = reader.poll()
         self.received += len(tokens)
         for token in tokens:

@@ -1,4 +1,4 @@
-"""The inputs of a stage whose recorded firings are repeated: each takes what it took in the run."""
+"""The inputs of a stage whose recorded firings are repeated: each gets the messages that it had."""
 
 from __future__ import annotations
 

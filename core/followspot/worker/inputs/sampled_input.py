@@ -1,4 +1,4 @@
-"""Sampled inputs: they never fire, and give a firing what belongs to its capture time.
+"""Sampled inputs: they never fire a stage, and give a firing the messages for its capture time.
 
 All but `Latest` in a live run go by capture time and wait for the watermark, so what a firing gets depends on
 the streams alone.
@@ -29,7 +29,7 @@ class SampledInput(ABC):
     outlasts_deadline = False
     """Whether a live stage waits for it beyond its deadline: feedback comes for certain."""
     column = UNMATCHED
-    """Ledger column of what no firing will get."""
+    """Ledger column of messages that no firing will get."""
 
     def __init__(self, queues: Sequence[InputQueue]) -> None:
         self.queues = tuple(queues)
@@ -56,7 +56,7 @@ class SampledInput(ABC):
                 self._relieve_backpressure(queue, earliest, lag)
 
     def discard_rest(self) -> None:
-        """Discard what no firing will get."""
+        """Discard the messages that no firing will get."""
         for queue in self.queues:
             queue.clear(self.column)
 

@@ -31,7 +31,7 @@ class Rejections:
                 self._log.say("warning", edge, f"refuses {_REFUSED}{self._from(edge)}")
 
     def warn(self, warnings: Warnings) -> None:
-        """Warn of each edge with the number of what it refused."""
+        """Warn of each edge that refused messages, with their number."""
         for edge, times in self._edge_factory.rejected().items():
             warnings.add(edge, f"refused {times} times {_REFUSED}{self._from(edge)}")
 

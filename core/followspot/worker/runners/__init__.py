@@ -1,1 +1,1 @@
-"""Runners: one for each kind of stage, which calls it and sends what it gives."""
+"""Runners: one for each kind of stage. A runner calls its stage and sends the results."""

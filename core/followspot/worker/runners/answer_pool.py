@@ -1,4 +1,4 @@
-"""Threads that call what stages with `Deferred` outputs return."""
+"""Threads that call the functions that stages with `Deferred` outputs return."""
 
 from __future__ import annotations
 

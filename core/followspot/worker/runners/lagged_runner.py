@@ -68,19 +68,19 @@ class LaggedRunner(OutputsRunner):
         self._owed.extend(headers)
 
     def leave(self) -> None:
-        """See `StageRunner.leave`; then send what the stage still owes."""
+        """See `StageRunner.leave`; then send the remaining messages of the stage."""
         super().leave()
         self._send_remaining()
 
     def _idle(self) -> None:
-        """Without a firing, wait; at the end of the inputs send what remains first."""
+        """Without a firing, wait; at the end of the inputs, first send the remaining messages."""
         if self.join.watermark() == END:
             self._send_remaining()
         if not self._unsent:
             super()._idle()
 
     def _send_remaining(self) -> None:
-        """Send what the stage gives when no firing follows, once."""
+        """Send the messages that the stage gives when no firing follows, once."""
         if self._last is None:
             return
         firing, self._last = self._last, None

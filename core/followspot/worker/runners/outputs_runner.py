@@ -74,7 +74,7 @@ class OutputsRunner(StageRunner):
             yield item, in_range(Header(firing.source, seq, at, firing.entered))
 
     def _send_waiting(self) -> None:
-        """Send what waits, then announce that nothing comes until the next firing can."""
+        """Send the waiting messages, then announce that no message comes before the next possible firing."""
         while self._unsent:
             if not self.outputs.has_room():
                 self.blocked = True

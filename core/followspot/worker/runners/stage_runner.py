@@ -1,4 +1,4 @@
-"""A stage runner: it fires one stage when its inputs are ready, and sends what the stage gives."""
+"""A stage runner: it fires one stage when its inputs are ready, and sends the results."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ class StageRunner(StageStreams):
             self.note_budget(header)
 
     def note_budget(self, header: Header) -> None:
-        """Note the latency of what was sent, if a path with a budget ends here."""
+        """Note the latency of the messages that were sent, if a path with a budget ends here."""
         if self.paths.limits:
             self.paths.add_budgeted(header, self.clock.now())
 

@@ -49,7 +49,7 @@ class WorkerTaps:
         self._begin(partial(self._place, tappings))
 
     def close(self) -> None:
-        """Close all taps, so that their sinks complete what they do, and place no more."""
+        """Close all taps, so that their sinks complete their outputs, and place no new ones."""
         self._jobs.put(None)
         if self._thread is not None:
             self._thread.join()

@@ -1,4 +1,4 @@
-"""Bundle adjustment (Triggs et al. 2000): cameras and points that agree best with what the cameras saw."""
+"""Bundle adjustment (Triggs et al. 2000): the cameras and points that agree best with the sightings."""
 
 from followspot_calibrate.adjust.levenberg import Adjusted, Progress, adjust
 from followspot_calibrate.adjust.prior import Prior

@@ -1,1 +1,1 @@
-"""Corrects cameras that are slightly off by what an ordinary tracking run saw."""
+"""Corrects small errors of cameras by the sightings of an ordinary tracking run."""

@@ -19,7 +19,7 @@ from followspot_calibrate.wand.rounds import SCALE, RobustAdjustment, chosen
 OPEN = Free(focal=True, aspect=True, center=True, distortion=2)
 """Free parameters."""
 CAUSES = 3
-"""Place, direction and lens share what the cameras are off."""
+"""Position, direction and lens share the error of a camera."""
 ROUNDS = 4
 """Rounds of adjusting and of selecting the sightings that fit."""
 FEWEST = 20

@@ -130,7 +130,7 @@ class Condition:
         return "truth"
 
     def _word_compared(self, node: Expression) -> tuple[Figure | None, Expression]:
-        """The figure of names in a comparison, and what it is compared with."""
+        """The names of a figure in a comparison, and the value that it is compared with."""
         for part, other in (node.parts, node.parts[::-1]):
             figure = self._figures.get(part.token.text) if part.form == "word" else None
             if figure is not None and figure.kind == "word":

@@ -38,7 +38,7 @@ class KeptMessages:
         self._sizes: dict[str, int] = {}
 
     def put(self, port: str, time: int, missing: int, packed: bytes) -> KeptMessage:
-        """Keep a message, and drop what is too old or too much. time: capture time, ns."""
+        """Keep a message, and drop messages that are too old or too many. time: capture time, ns."""
         self._number += 1
         self.messages += 1
         message = KeptMessage(self._number, port, time, missing, packed)

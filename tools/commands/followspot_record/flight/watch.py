@@ -66,7 +66,7 @@ class ConditionWatch:
                 self._check(watched, message)
 
     def check(self, status: RunStatus, plan: Plan) -> None:
-        """Look at the ledger: what was lost since the last look."""
+        """Look at the ledger for losses since the last look."""
         edges = list(status.edges(plan))
         for port in {*self._of_messages, *(watched.port for watched in self._of_ledger)}:
             total = losses(edges, port)

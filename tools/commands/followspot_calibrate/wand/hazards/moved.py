@@ -1,4 +1,4 @@
-"""A camera that was moved while the wand was waved: two poses explain what one does not."""
+"""A camera that was moved while the wand was waved: two poses explain its sightings, one pose does not."""
 
 from __future__ import annotations
 
