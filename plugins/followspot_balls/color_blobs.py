@@ -121,8 +121,8 @@ class ColorBlobs(Stage):
             1.8,
             gt=0,
             unit="1",
-            description="largest blob area over that expected at the forecast, unless a rim tells the ball "
-            "from other light; raising it keeps biased blobs",
+            description="largest blob area over the area expected at the forecast; larger blobs are kept "
+            "only if a rim tells the ball from other light; raising it keeps biased blobs",
         )
 
     params: Params

@@ -42,15 +42,15 @@ class DepthBlobs(Stage):
             0.05,
             ge=0,
             unit="m",
-            description="how much nearer than the background a target is; raising it tolerates an inexact "
-            "background, and misses small targets on planes",
+            description="smallest distance of a target in front of the background; raising it tolerates an "
+            "inexact background, but misses small targets on planes",
         )
         learning_frames: int = Field(
             0,
             ge=0,
             unit="frames",
-            description="first frames, in which the background is learnt as the farthest depth of each "
-            "pixel; 0: the planes of the room are the background",
+            description="number of frames at the start from which the background is learnt, as the "
+            "farthest depth of each pixel; 0: the planes of the room are the background",
         )
         minimum_search_radius: float = Field(
             0.225,
@@ -69,16 +69,17 @@ class DepthBlobs(Stage):
             ge=0,
             le=1,
             unit="1",
-            description="measured share of the outline from which a sphere may start a track; raising it "
-            "avoids false recoveries, and delays those of partly hidden balls",
+            description="smallest measured share of the outline of a sphere that may start a track; "
+            "raising it avoids false recoveries, and delays those of partly hidden balls",
         )
         minimum_one_sided: float = Field(
             0.9,
             ge=0,
             le=1,
             unit="1",
-            description="how much of what touches a sphere must come from one side, so that the sphere may "
-            "start a track; raising it rejects parts of limbs, and balls that are held with both hands",
+            description="how much the things that touch a sphere must come from one side if the sphere is "
+            "to start a track; raising it rejects parts of limbs, but also balls that are held with both "
+            "hands",
         )
 
     params: Params

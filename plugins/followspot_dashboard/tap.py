@@ -16,9 +16,9 @@ from followspot_dashboard.unshown_readings import UnshownReadings
 class Tap(PortTap):
     """Send previews of a port to the page; `followspot run --dashboard` adds a tap for each port.
 
-    The tap shrinks pictures, and only while a browser shows them. It joins inertial readings since the last
-    preview. It drops what the page does not take at
-    once: a tap never waits.
+    The tap reduces pictures, and only while a browser shows them. A preview of inertial readings has all
+    readings since the last preview. The tap drops previews that the page does not take at once: it never
+    waits.
     """
 
     class Params(PortTap.Params):

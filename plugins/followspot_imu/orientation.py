@@ -27,8 +27,8 @@ MAXIMUM_TURN_RATE, MAXIMUM_FORCE = 100.0, 4000.0
 class FindOrientation(Stage):
     """Find the orientation of a sensor from its readings; z is upward, the heading is arbitrary.
 
-    Readings are taken to come at the rate that the room says of the sensor, or else at that of the first
-    ones; a rate that is not that of the readings is warned of. Missing readings are interpolated; after a
+    The rate of the readings is that of the sensor in the room; without it, it is measured from the first
+    readings. The stage warns if readings come at another rate. Missing readings are interpolated; after a
     longer gap the filter begins anew.
     """
 
@@ -64,7 +64,8 @@ class FindOrientation(Stage):
             0.5,
             gt=0,
             unit="s",
-            description="gap in the readings after which it begins anew; raising it bridges longer ones",
+            description="gap in the readings after which the filter begins anew; raising it bridges longer "
+            "gaps",
         )
 
     params: Params

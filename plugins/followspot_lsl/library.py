@@ -29,8 +29,8 @@ class LslParams(StageParams):
     )
     scope: Literal["machine", "link", "site"] = Field(
         "machine",
-        description="where streams are sought and announced: this host, its network, or the site; the "
-        "same for all stages of a worker",
+        description="where streams are searched for and announced: this host, its network, or the site; "
+        "the same for all stages of a worker",
     )
 
 

@@ -22,9 +22,9 @@ class Stream(Stage):
     """Samples of numbers from another program, by the Lab Streaming Layer.
 
     The stage waits until there is a stream of this name, type and source. Capture times are those of the
-    samples, corrected by liblsl for the offset of the sender's clock. liblsl says nothing of losses: where
-    the times of a regular stream are more than one and a half periods apart, the ledger counts what is
-    missing as lost (`gap`). A sender that stamps unevenly makes that more than was left out.
+    samples, corrected by liblsl for the offset of the sender's clock. liblsl does not report losses. If the
+    times of two samples of a regular stream are more than one and a half periods apart, the ledger counts the
+    missing samples as lost (`gap`). If a sender stamps its samples unevenly, this count is too high.
     """
 
     live: ClassVar[bool] = True
@@ -39,7 +39,9 @@ class Stream(Stage):
         source_id: str = Field(
             "", pattern=r"^[\w .:-]{0,100}$", description="source of the stream; empty: any"
         )
-        batch: int = Field(100, ge=1, le=10_000, unit="samples", description="most samples of a message")
+        batch: int = Field(
+            100, ge=1, le=10_000, unit="samples", description="largest number of samples in a message"
+        )
 
     params: Params
 

@@ -39,7 +39,8 @@ from followspot_persons.slow_instance.reported import reported
 class Appearance(Stage):
     """Find people with a detector, fit the body model, learn their colours, and recognise them.
 
-    A successor knows the people that have numbers. It learns the background anew, for pictures do not travel.
+    If the stage is swapped, its successor knows the people that have numbers. The successor learns the
+    background anew, because the state contains no pictures.
     """
 
     per_camera = True

@@ -9,8 +9,8 @@ from followspot.tracking import Frame
 class FrameSampler(Stage):
     """Give several slow stages the same picture of a camera: the newest when they have time for one.
 
-    This takes `policy: latest` on its input and `depth: 1` behind it: the pictures between are dropped before
-    any work was done on them. A recorded camera waits instead.
+    This needs `policy: latest` on its input and `depth: 1` on its outputs: the other pictures are dropped
+    before any work is done on them. A recorded camera waits instead.
     """
 
     per_camera = True

@@ -40,8 +40,8 @@ class Fused:
 class Fusion(Stage):
     """Fuse the poses of several cameras: positions by their uncertain directions, headings by a vote.
 
-    `room_poses` are poses that others found in the room, as `persons.associate` does: they count by what they
-    say of their uncertainty.
+    `room_poses` are poses in the room from other stages, such as `persons.associate`: they are weighted by
+    the uncertainty that they state.
     """
 
     class Params(StageParams):

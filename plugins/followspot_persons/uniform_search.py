@@ -41,7 +41,8 @@ CLIMBING, ROUNDS = 0.1, 2
 class UniformSearch(Stage):
     """Find people by their outlines alone: particles everywhere, and a share of them anew in every picture.
 
-    Furniture has outlines, too: the stage is for rooms with plain walls, and to see what a detector is worth.
+    Furniture has outlines, too, so the stage suits only rooms with plain walls. It also serves to measure how
+    much a detector contributes.
     """
 
     per_camera = True

@@ -18,7 +18,7 @@ class MarkerTruth(Performance):
     """Give the middle of each marker; marker k is target k of the room.
 
     The parameters must equal those of the cameras.
-    A marker is trackable if its face is turned to a camera that has it in its picture; others may hide it.
+    A marker is trackable if it faces a camera that has it in its picture; other markers may hide it.
     """
 
     class Params(MarkerSimParams):

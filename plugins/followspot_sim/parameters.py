@@ -94,4 +94,4 @@ class DepthCameraParams(CameraParams):
     edge_step: float = Field(
         0.1, gt=0, unit="m", description="smallest step of the depth between neighbours that is an edge"
     )
-    maximum_depth: float = Field(8.0, gt=0, unit="m", description="depth beyond which nothing is measured")
+    maximum_depth: float = Field(8.0, gt=0, unit="m", description="largest depth that is measured")

@@ -10,7 +10,7 @@ from followspot_sinks.chosen_columns import chosen_columns
 
 
 class Console(Stage):
-    """Print a line for each row of each message, some times per second of capture time."""
+    """Print a line for each row of each message, a few times per second of capture time."""
 
     class Params(StageParams):
         maximum_rate: float = Field(

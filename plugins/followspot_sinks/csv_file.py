@@ -21,7 +21,7 @@ class CsvFile(LineSink):
     """Write messages of one type, whichever it is: their frame, time (s) and table, a row for each row.
 
     Tracks have the columns object, state, x, y, z, vx, vy, vz, sx, sy, sz (m, m/s, one sigma in m). Targets,
-    cameras and states have names, no numbers. Equal runs give equal bytes.
+    cameras and states are written by their names, not by numbers. Equal runs give equal bytes.
     """
 
     table_path = "path"

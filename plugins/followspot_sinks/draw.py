@@ -29,10 +29,10 @@ TOGETHER = "all"
 class Draw(Stage):
     """Draw the results of stages into the pictures: a video or a folder of pictures per camera, or of all.
 
-    Poses: outline of head and shoulders, arrows where face and chest point, number and confidence; those
-    without a camera are drawn in all. Boxes with their score. Tracks as bold circles as large as the target,
-    in its colour, with its name; blobs as slim red circles; the regions in which the forecast of the frame
-    before has targets sought as slim yellow ones (figure 6 of Jin & Qian 2008).
+    Poses have an outline of head and shoulders, arrows in the directions of face and chest, number and
+    confidence; poses without a camera are drawn in all pictures. Boxes have their score. Tracks are bold
+    circles as large as the target, in its colour and with its name; blobs are slim red circles. Slim yellow
+    circles are the search regions by the forecast of the frame before (figure 6 of Jin & Qian 2008).
     """
 
     class Params(StageParams):

@@ -81,8 +81,8 @@ class OscPoses(KeepsSlots[PersonSlots], OscSink):
 class OscSkeletons(OscSink):
     """Send a bundle with the joints of each person: `/followspot/1/joint/left_wrist` x y z (m).
 
-    1 is the person's number. Joints whose place is not known are not sent. `/followspot/1/tracked` is 1 while
-    one is known, and 0 for 3 s after that.
+    1 is the person's number. Joints without a known position are not sent. `/followspot/1/tracked` is 1 while
+    at least one joint is known, and 0 for 3 s after that.
     """
 
     def setup(self) -> None:

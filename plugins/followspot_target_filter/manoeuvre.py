@@ -32,14 +32,15 @@ class ManoeuvreParams(StageParams):
         3.0,
         gt=0,
         unit="sigma",
-        description="distance from the forecast beyond which a target bounced; raising it smooths more",
+        description="largest distance between the forecast and a measurement without a bounce; raising it "
+        "smooths more",
     )
     initial_velocity_sigma: float = Field(
         3.0,
         gt=0,
         unit="m/s",
-        description="sigma of a new target's velocity, and of what a bounce changes it by; raising it "
-        "catches faster targets",
+        description="sigma of a new target's velocity, and of its change in a bounce; raising it catches "
+        "faster targets",
     )
 
     @property

@@ -16,10 +16,10 @@ class Merge(Stage):
     """Merge tracks of several trackers in one frame of reference: each target once, without jumps.
 
     Trackers share the room's targets, so a target keeps its identity when it goes from one zone to another.
-    Estimates that agree are fused by covariance intersection. When a tracker begins or ceases to see a
-    target, or becomes less sure of it, the merged position goes on from where it was and approaches the new
-    fusion within `handover_time`, so that a bias between zones makes no jump. A tracker that disagrees by
-    more than `gate` is left out as long as another one goes on with the target.
+    Estimates that agree are fused by covariance intersection. If a tracker begins or ceases to see a target,
+    or becomes less sure of it, the merged position goes on without a jump and approaches the new fusion
+    within `handover_time`. So a bias between zones causes no jump. A tracker that disagrees by more than
+    `gate` is left out as long as another tracker continues with the target.
     """
 
     class Params(StageParams):
@@ -27,7 +27,7 @@ class Merge(Stage):
             0.3,
             gt=0,
             unit="m",
-            description="distance beyond which trackers disagree; raising it merges larger biases",
+            description="largest distance between trackers that agree; raising it merges larger biases",
         )
         handover_time: float = Field(
             0.5,

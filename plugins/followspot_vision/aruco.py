@@ -28,7 +28,7 @@ SMALLEST = 16
 
 
 class Aruco(Stage):
-    """Find ArUco markers or AprilTags in a picture; of several with one name the largest."""
+    """Find ArUco markers or AprilTags in a picture; of several with the same name, only the largest."""
 
     per_camera = True
 

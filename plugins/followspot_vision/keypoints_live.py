@@ -19,9 +19,9 @@ from followspot_vision.picture_points import PictureParams, points_of
 class KeypointsLive(Stage):
     """Joints of persons from a folder into which OpenPose or MMPose writes a JSON file for each picture.
 
-    Files that are there at the start are old and left out. A file that cannot be read yet is tried again; if
-    it stays so, it is left out with a warning. So are files that come after those of later pictures, or that
-    a network writes anew after it was started again.
+    Files that are there at the start are old and are left out. If a file cannot be read yet, the stage tries
+    again; after some time it leaves the file out, with a warning. It also leaves out files that come after
+    those of later pictures, and files that a restarted network writes anew.
     """
 
     per_camera: ClassVar[bool] = True

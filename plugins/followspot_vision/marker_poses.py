@@ -41,8 +41,9 @@ class Outputs:
 class FindMarkerPoses(Stage):
     """Find each marker's pose, from all cameras that see it; one is enough.
 
-    One view of a flat square allows two poses: it may lean to the camera or away from it. Both are followed
-    from frame to frame, as likely as their corners and their turns are; the more likely one is given.
+    One view of a flat square allows two poses: it may lean towards the camera or away from it. The stage
+    follows both from frame to frame, with likelihoods from their corners and their turns, and gives the more
+    likely one.
     """
 
     class Params(StageParams):

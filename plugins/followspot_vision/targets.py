@@ -16,8 +16,8 @@ MOST_TOLD = 20
 class Targets(Stage):
     """Take each point whose label is the name of a target of the room as the target's position.
 
-    Of several points of one target the nearest to its forecast counts; without a forecast the one that most
-    cameras saw, then the one with the best score.
+    If a target has several points, the one nearest to its forecast counts. Without a forecast, the one that
+    most cameras saw counts, and among these the one with the best score.
     """
 
     class Params(StageParams):
@@ -25,8 +25,8 @@ class Targets(Stage):
             0.5,
             gt=0,
             unit="m",
-            description="distance from the forecast beyond which a point is not the target; raising it lets "
-            "targets jump",
+            description="largest distance between the forecast and a point that is taken for the target; "
+            "raising it lets targets jump",
         )
 
     params: Params

@@ -14,9 +14,9 @@ from followspot_vision.consensus import ConsensusPoint, ViewPoints, consensus_po
 
 
 class Triangulate(Stage):
-    """Find the places that points of one label in several pictures agree on; each point is used once.
+    """Triangulate points of the same label in several pictures; each point is used once.
 
-    One label may have several places, for example the noses of several persons. Points without a partner,
+    One label may have several positions, for example the noses of several persons. Points without a partner,
     such as false detections, are left out.
     """
 
@@ -28,8 +28,8 @@ class Triangulate(Stage):
             4.0,
             gt=0,
             unit="px",
-            description="distance of a point from the image of its place up to which they agree; raising it "
-            "tolerates bad calibration, and joins what does not belong together",
+            description="largest distance of a point from the image of its position; raising it tolerates "
+            "bad calibration, but joins points of different things",
         )
         minimum_views: int = Field(
             2, ge=2, unit="1", description="cameras that must agree; raising it avoids mistakes"
@@ -38,7 +38,8 @@ class Triangulate(Stage):
             0.2,
             gt=0,
             unit="m",
-            description="sigma beyond which a place is left out, since its rays are nearly parallel",
+            description="largest sigma of a position; with a larger one its rays are nearly parallel, and "
+            "it is left out",
         )
         maximum_points: int = Field(
             20,

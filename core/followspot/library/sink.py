@@ -19,8 +19,9 @@ _open: dict[str, Sequence[Subscription[Any]]] = {}
 class SubscriptionSink(PortTap):
     """Hand every message to subscriptions of a script.
 
-    With a key it is a sink of the graph that `followspot.run(ports=...)` adds, and misses nothing; without
-    one it is a tap, put at a port of a run that has begun, and sends what the script takes in time.
+    With a key it is a sink that `followspot.run(ports=...)` adds to the graph, and it gets every message.
+    Without a key it is a tap that is added to a port of a run that has begun; it drops messages that the
+    script does not take in time.
     """
 
     class Params(PortTap.Params):

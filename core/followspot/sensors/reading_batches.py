@@ -19,14 +19,14 @@ class BatchParams(StageParams):
         ge=1,
         le=10_000,
         unit="readings",
-        description="most readings of a message; more cost less, but wait",
+        description="largest number of readings in a message; larger messages cost less, but are later",
     )
     batch_time: float = Field(
         0.01,
         gt=0,
         le=10,
         unit="s",
-        description="time from the first reading of a message within which others join",
+        description="longest time between the first and the last reading of a message",
     )
 
 

@@ -62,11 +62,12 @@ class InertialParams(Kalman.Params):
         gt=0,
         le=10,
         unit="s",
-        description="lateness up to which readings are used; raising it uses later ones",
+        description="largest lateness of readings that are used; raising it uses later ones",
     )
     maximum_reading_gap: float = Field(
         0.05,
         gt=0,
         unit="s",
-        description="gap between readings up to which motion is known; raising it suits slow sensors",
+        description="largest gap between readings; in longer gaps the motion is unknown; raising it suits "
+        "slow sensors",
     )

@@ -53,8 +53,8 @@ class PlainKalman(Stage):
             25,
             ge=1,
             unit="frames",
-            description="reading of the missing-frame counter (M_TH) at which a target is lost; raising it "
-            "seeks targets longer at their last position",
+            description="value of the missing-frame counter (M_TH) at which a target is lost; raising it "
+            "searches longer at the last position",
         )
 
     params: Params

@@ -49,7 +49,7 @@ class Genicam(LiveCamera):
             0, ge=0, le=16_384, unit="bytes", description="largest packet; 0: as the camera has it"
         )
         interface: str = Field(
-            "", max_length=100, description="own address that faces the camera; empty: as the system routes"
+            "", max_length=100, description="own address in the camera's network; empty: as the system routes"
         )
         read_timeout: float = Field(
             2.0,

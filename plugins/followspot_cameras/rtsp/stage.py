@@ -34,8 +34,8 @@ KEEP_ALIVE = 25.0
 class Rtsp(LiveCamera):
     """Pictures of a network camera (H.264 or H.265 over RTSP), connected again when it vanishes.
 
-    The camera's sender reports tell when each picture was captured by the camera's clock; their arrival tells
-    how far that clock is off.
+    The sender reports of the camera give the capture time of each picture by the camera's clock. The times at
+    which the reports arrive give the offset of that clock.
     """
 
     class Params(StageParams):
@@ -65,7 +65,7 @@ class Rtsp(LiveCamera):
             ge=0,
             le=5,
             unit="s",
-            description="over udp, the longest wait for a packet that others overtook",
+            description="over udp, the longest wait for a packet that other packets overtook",
         )
 
         @field_validator("url")

@@ -23,10 +23,10 @@ class Video(Stage):
     """Play a video file as the camera's pictures; frame f is captured at f / fps, or at its recorded time.
 
     Frames that cannot be decoded leave a gap in the numbers if the file has time stamps. They are reported at
-    the end, as is a file that ends early. A warning says from when on the checksums of a Matroska file do not
-    match; of other files nothing tells that a picture is damaged, if it can be decoded. If the size of the
-    pictures changes within a file, all are stretched to the size that the file states. The decoder does not
-    report that, so nothing warns of it: give each part a file of its own.
+    the end, and so is a file that ends early. A warning says from which time on the checksums of a Matroska
+    file do not match; in other files, a damaged picture that can be decoded is not noticed. If the size of
+    the pictures changes within a file, all are stretched to the size that the file states. The decoder does
+    not report this, so there is no warning: give each part a file of its own.
     """
 
     per_camera = True

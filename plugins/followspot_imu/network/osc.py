@@ -22,7 +22,7 @@ NANOSECONDS = {"s": 1e9, "ms": 1e6, "us": 1e3, "ns": 1.0}
 
 
 class Osc(NetworkSensor):
-    """Readings in OSC messages: each address, which may contain * and ?, has a list of what its values are.
+    """Readings in OSC messages: each address, which may contain * and ?, has a list of names of its values.
 
     A reading is complete when gyroscope and accelerometer have read, in one message or in several. Its time
     is that of its arrival, unless a message has one.

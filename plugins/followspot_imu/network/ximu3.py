@@ -19,8 +19,8 @@ UNREAD = (np.nan,) * 3
 class Ximu3(NetworkSensor):
     """Readings of an x-IMU3 over UDP, from its inertial and magnetometer messages, ASCII or binary.
 
-    In the settings of the device, its UDP send port is this stage's `port`, and its UDP IP address this
-    host. The device says when it read, and so readings that were lost on the way are counted.
+    In the settings of the device, set its UDP send port to this stage's `port`, and its UDP IP address to
+    that of this host. The device sends the time of each reading, so the stage can count lost readings.
     """
 
     class Params(NetworkSensor.Params):

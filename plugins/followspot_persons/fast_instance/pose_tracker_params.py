@@ -110,8 +110,8 @@ class PoseTrackerParams(StageParams):
         gt=0,
         lt=1,
         unit="1",
-        description="share of the person's usual likelihood below which a picture misses the person; raising "
-        "it deletes wrong poses sooner, and persons that are hard to see",
+        description="smallest likelihood over the person's usual one; below it a picture misses the "
+        "person; raising it deletes wrong poses sooner, but also persons that are hard to see",
     )
     box_timeout: float = Field(
         0.6,
@@ -127,16 +127,16 @@ class PoseTrackerParams(StageParams):
         2.0,
         gt=0,
         unit="s",
-        description="time until a person that the slow instance does not see is deleted; raising it keeps "
-        "persons longer, also after they have left",
+        description="time after which a person whom the slow instance does not find is deleted; raising it "
+        "keeps persons longer, also after they have left",
     )
     maximum_delay: float = Field(
         2.5,
         ge=0,
         le=10,
         unit="s",
-        description="delay of the slow instance up to which kept pictures lead whom it finds to the present; "
-        "raising it costs memory, 0 keeps none",
+        description="largest delay of the slow instance for which pictures are kept, to track a person "
+        "that it finds up to the present; raising it costs memory; 0 keeps no pictures",
     )
 
     @property

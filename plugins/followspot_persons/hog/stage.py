@@ -55,8 +55,9 @@ class Search:
 class Hog(Stage):
     """Find upper bodies of any orientation where people may stand, with the headings of torso and head.
 
-    A linear detector proposes windows; a small network and boosted trees, if the weights have them, classify
-    them. Where they are in doubt, legs below an upper body speak for it. It is slow: run it every few frames.
+    A linear detector proposes windows; a small network classifies them, together with boosted trees if the
+    weights have them. If a window is in doubt, legs below the upper body can raise its score. The stage is
+    slow: run it every few frames.
     """
 
     per_camera = True

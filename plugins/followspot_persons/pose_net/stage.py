@@ -53,8 +53,8 @@ class PoseNet(Stage):
         )
         decoder: str = Field(
             "movenet_multipose",
-            description="what the model gives: movenet_multipose finds people in the whole picture, "
-            "blazepose the joints of each person that the input boxes has",
+            description="output of the model: movenet_multipose finds people in the whole picture, "
+            "blazepose finds the joints of each person in the input boxes",
         )
         input_side: int = Field(
             256,
@@ -80,8 +80,8 @@ class PoseNet(Stage):
             gt=0,
             le=1,
             unit="1",
-            description="object keypoint similarity beyond which two detections are one person; raising it "
-            "keeps people apart who stand close together",
+            description="object keypoint similarity above which two detections are the same person; "
+            "raising it keeps people apart who stand close together",
         )
         frame_interval: int = Field(
             1, ge=1, unit="frames", description="one frame in so many is searched; raising it saves time"

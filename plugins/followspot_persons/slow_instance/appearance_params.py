@@ -51,20 +51,21 @@ class AppearanceParams(StageParams):
     )
     foreground_boxes: bool = Field(
         True,
-        description="whether what differs from the background and stands there as high and as broad as a "
-        "person counts as a weak box of the detector; false if other things than people move there",
+        description="whether a region that differs from the background and is as high and as broad as a "
+        "standing person counts as a weak box of the detector; false if other things than people move in "
+        "the room",
     )
     memory_time: float = Field(
         120.0,
         gt=0,
         unit="s",
-        description="time for which an absent person is remembered; raising it recognises persons "
-        "after longer absences, and takes more strangers for them",
+        description="time for which an absent person is remembered; raising it recognises persons after "
+        "longer absences, but takes more other people for them",
     )
     specific_beats_generic: bool = Field(
         False,
-        description="whether a box with colours that are likelier of people at large than of a known person "
-        "is another person's",
+        description="whether a box is another person's if its colours fit people in general better than "
+        "the known person",
     )
     predict_colors: bool = Field(True, description="whether to predict the colours of unseen sides")
     color_averaging_frames: float = Field(
@@ -76,5 +77,6 @@ class AppearanceParams(StageParams):
     minimum_likeness: float = Field(
         -0.5,
         unit="1",
-        description="log-likelihood ratio of a returning person; raising it recognises fewer returns",
+        description="smallest log-likelihood ratio with which a returning person is recognised; raising it "
+        "recognises fewer returns",
     )

@@ -48,7 +48,7 @@ class NetworkParams(ActorParams):
         ge=0,
         le=1,
         unit="s",
-        description="time by which this camera takes its pictures after the time that they bear",
+        description="delay of this camera's pictures after their time stamps",
     )
 
 

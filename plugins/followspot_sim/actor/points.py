@@ -28,10 +28,11 @@ class Outputs:
 
 
 class PersonPoints(Performance):
-    """Tell the joints and boxes of simulated people as a network for poses would find them, without pictures.
+    """Give the joints and boxes of simulated people as a pose network would find them, without pictures.
 
-    Joints have noise and gaps, some are elsewhere; people hide each other, are missed at random, and false
-    ones appear. Every instance computes the same performance as `sim.person_camera` and `sim.pose_truth`.
+    Joints have noise and gaps, and some have gross errors. People hide each other, are missed at random, and
+    false persons appear. Every instance computes the same performance as `sim.person_camera` and
+    `sim.pose_truth`.
     """
 
     per_camera: ClassVar[bool] = True

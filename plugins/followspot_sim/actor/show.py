@@ -40,7 +40,7 @@ def ball_places(params: ShowParams, count: int, frame: int) -> Array:
 class ShowCamera(PersonCamera):
     """Render people in a lit room, and above them the targets of the room as glowing balls.
 
-    The balls take the colours of their names, and nothing hides them: they hang higher than heads. Every
+    The balls have the colours of their names. Nothing hides them, because they hang above the heads. Every
     instance computes the same performance, so the pictures are consistent in any placement. With `realtime`
     frames come no earlier than their time; none is skipped.
     """

@@ -20,7 +20,8 @@ class PoseTruthOfActors(Performance):
 
         visibility: bool = Field(
             True,
-            description="whether to tell how much of each person the cameras see, which takes time; else all",
+            description="whether to compute how much of each person the cameras see, which takes time; if "
+            "not, every person counts as visible",
         )
 
     params: Params

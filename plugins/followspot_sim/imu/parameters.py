@@ -37,7 +37,7 @@ class ImuParams(PropParams, BatchParams):
     lever_arm: Vector = Field(
         (0.005, -0.003, 0.008),
         unit="m",
-        description="place of the sensor from the ball's centre, in its axes",
+        description="offset of the sensor from the ball's centre, in the axes of the ball",
     )
     contact_time: float = Field(
         0.04,
