@@ -1,1 +1,1 @@
-"""The ports of a stage: the marks in the signature of `process`, and the ports that are read from it."""
+"""Ports of a stage: marks in the signature of `process`, the ports that it declares, records of firings."""
