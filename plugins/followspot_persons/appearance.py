@@ -128,9 +128,10 @@ class Appearance(Stage):
     def with_boxes(
         self, present: Sequence[KnownPerson], pairs: list[tuple[int, int]], seen: Observation
     ) -> tuple[dict[int, KnownPerson | None], Shades]:
-        """The people that have boxes, by row, None if the box was none; and what they hide.
+        """The people that have boxes, by row, None if the box was none; and the pixels that they hide.
 
-        Nearest first, because the nearer ones hide the others. pairs: rows of people and boxes.
+        They are updated from the nearest to the farthest, because nearer people hide the others. pairs: rows
+        of people and boxes.
         """
         shades, known = Shades(seen.picture, seen.picture), dict[int, KnownPerson | None]()
         for i, box in sorted(pairs, key=lambda pair: self.bodies.distance(present[pair[0]])):
@@ -213,7 +214,7 @@ class Appearance(Stage):
         self.illumination = from_plain(Illumination, state["illumination"])
 
     def people_here(self) -> Array:
-        """Boxes of the upper bodies of people who surely are no part of the room, (K, 4) px."""
+        """Boxes of the upper bodies of people who are surely not a part of the room, (K, 4) px."""
         return self.bodies.boxes(
             [p for p in self.people if not p.absent and p.number and (p.foreground or 0.0) >= THERE]
         )

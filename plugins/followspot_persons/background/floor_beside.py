@@ -41,12 +41,12 @@ SHADOW = 0.6
 FILLED = 0.9
 """Share of the rows of legs that are unlike the floor."""
 GOES_ON = 0.6
-"""Share of floor at each side of the legs, above the feet: what hides feet also hides this floor."""
+"""Share of floor at each side of the legs, above the feet: things that hide feet also hide this floor."""
 ABOVE = 0.25
 """Height of these rows, in heights of the upper body."""
 LAG = 0.1
-"""The lowest row that differs from the floor is so much farther away than that of the foot: shoes and their
-shadow resemble some floors, m."""
+"""Distance by which the lowest row that differs from the floor is behind the foot, m: shoes and their shadow
+resemble some floors."""
 BEFORE_FEET = 0.75, 0.6
 """Distances between which nothing of a person may be, over that of the pose: something is there below 0.3 %
 of the weak boxes of whole upper bodies, and the rest of the body below 72 % of those of heads or chests.

@@ -26,11 +26,11 @@ SHARE = 0.06
 GAP = 0.1
 """Longest gap between two rows of legs, in heights of the upper body: a belt, a bare ankle."""
 STRIDE_SIGMA = 0.15
-"""Sigma of a distance by the feet, m: the nearer foot of who walks is up to half a step before the axis."""
+"""Sigma of a distance from the feet, m: the nearer foot of a walker is up to half a step before the axis."""
 WALK = 1.0
 """Growth of the sigma of a distance with its age, m/s."""
 GATE = 2.0
-"""Difference of two distances of one person at most, in sigmas: 95 % of a Gaussian."""
+"""Largest difference between two distances of the same person, in sigmas: 95 % of a Gaussian."""
 LARGEST_CHANGE = 0.25
 """Difference of the distance from that by size, relative, up to which both are of one body. Feet farther away
 are none: furniture hides the legs. Feet much nearer are those of a person whose head or chest alone was taken
@@ -185,8 +185,8 @@ class _Strip:
         return None if low is None else distance_on_floor(scene.camera, self.axis, low)
 
     def lowest(self, scene: Scene) -> int | None:
-        """The lowest row of the person. None if nobody is there, if a nearer person hides too much, if the
-        legs are those of a ghost, or if they go on beside the strip.
+        """The lowest row of the person. None if no person is there, if a nearer person hides too much, if the
+        legs are those of a ghost, or if they continue beside the strip.
         """
         if self.body < BODY or self.free.mean() < FREE:
             return None

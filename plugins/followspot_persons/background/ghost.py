@@ -1,7 +1,7 @@
-"""Ghosts: foreground where the background shows people who have left (Cucchiara et al. 2003).
+"""Ghosts: foreground at places where the background still shows people who left (Cucchiara et al. 2003).
 
-Both a person and a ghost differ from the background; but the outline of a person is in the picture, and that
-of a ghost in the background.
+At both a person and a ghost the picture differs from the background. The outline of a person is in the
+picture, that of a ghost in the background.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from followspot import Array
 
 
 def goes_on_below(foreground: Array, part: tuple[slice, slice], margin: int) -> bool:
-    """Whether something in a part hangs together with what is more than `margin` rows below the part.
+    """Whether foreground in a part is connected with foreground more than `margin` rows below the part.
 
     foreground: (H, W) bool; part: its rows and columns.
     """

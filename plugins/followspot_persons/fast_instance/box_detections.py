@@ -31,10 +31,11 @@ def person_detections(
     now: int,
     seconds: float,
 ) -> dict[int, Detection]:
-    """The detection of each person of whom there is one, as it would be in the present picture.
+    """The detections of people, moved to the present picture; people without a detection are left out.
 
-    now: time of this picture, ns; seconds: since the previous one. A person is expected where the track was
-    at the time of the boxes, or where the slow instance has seen it in the same picture.
+    A person is expected at the position of the track at the time of the boxes, or at the position that the
+    slow instance has seen in the same picture.
+    now: time of this picture, ns; seconds: since the previous one.
     """
     time, numbers = boxes.header.time, list(people)
     pose = np.array([coasted(people[n].track, seconds).pose for n in numbers])

@@ -1,5 +1,5 @@
-"""Out-of-sequence measurements by reprocessing (Bar-Shalom et al. 2011): what the slow instance reports late
-of a picture begins a track there, and the pictures that were kept since then bring it to the present.
+"""Out-of-sequence measurements by reprocessing (Bar-Shalom et al. 2011): a late report of the slow instance
+begins a track in its picture, and the pictures that were kept since then bring the track to the present.
 """
 
 from __future__ import annotations

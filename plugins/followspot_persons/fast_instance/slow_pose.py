@@ -55,7 +55,7 @@ def halfway_distance(pose: Array, slow_pose: Array, eye: Array) -> Array:
 
 
 def is_other_body(then: Array, pose: Array, eye: Array) -> bool:
-    """Whether a track is not that of the person whom the slow instance saw in a pose.
+    """Whether a track has left the person whom the slow instance saw in a pose.
 
     then: (6,) the track's pose at that time; pose: (6,) of the slow instance; eye: (3,) m, the camera's
     centre.

@@ -43,8 +43,8 @@ OPTIONAL: Mapping[str, Array] = {
     "calibration": np.array([1.0, 0.0], np.float32),
     **HEADINGS,
 }
-"""Arrays that a weights file may lack, and what they are then: no trees, scores that are log-odds, and
-directions by the network that tells people from backgrounds."""
+"""Arrays that a weights file may lack, and their defaults: no trees, scores that are log-odds, and directions
+from the network that tells people from backgrounds."""
 
 
 @dataclass(frozen=True, eq=False)

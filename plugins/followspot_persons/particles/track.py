@@ -159,9 +159,10 @@ def _by_feet(pose: Array, eye: Array, contact: Contact | None) -> float:
 
 
 def _total_sigma(spread: Array, pose: Array, sigma: float, eye: Array, contact: Contact | None) -> Array:
-    """Sigma of a pose (6,): what the particles' spread (6,) leaves out, because it is one error in all
-    pictures: the height is known to `sigma` m, and the distance no better than it, or proportions, tell it.
-    The size told the height, too, so that the two are one piece of evidence.
+    """Sigma of a pose (6,): the spread of the particles (6,) and the errors that all pictures share.
+
+    The height is known to `sigma` m, and the distance no better than height or proportions give it. The
+    height came from the size, too, so that the two are one piece of evidence.
     """
     away = pose[[X, Y]] - eye[:2]
     by_size = max(PROPORTION_SIGMA**-2, (_height_above(pose, eye) / sigma) ** 2)

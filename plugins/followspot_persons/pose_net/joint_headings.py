@@ -1,4 +1,4 @@
-"""Directions of chest and face from the joints of one picture: what is left and right, and where the nose is.
+"""Directions of chest and face from the joints of one picture: order of left and right, and the nose.
 
 The numbers are least absolute deviations over 991 crops of 12 rendered people with known directions, as
 MoveNet MultiPose sees them; tools/learn_directions.py prints them. With each person left out, the numbers of
@@ -19,8 +19,8 @@ from followspot_persons.hog.model import DIRECTIONS, trusted
 NECK = 0.6
 """Sigma of the head's direction relative to the chest, rad."""
 TRUST = ((0.7, 0.1), (0.3, 0.1))
-"""Factor of the log-likelihoods and share of sheer mistakes, for chest and face: the likeliest for people who
-were left out."""
+"""Factor of the log-likelihoods and share of gross errors, for chest and face: the maximum likelihood for
+people who were left out."""
 
 
 @dataclass(frozen=True)

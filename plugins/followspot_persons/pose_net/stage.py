@@ -46,15 +46,15 @@ class PoseNet(Stage):
     """By name; a subclass in another package adds its own."""
 
     class Params(StageParams):
-        """The model, and which of its results count as persons."""
+        """The model and what counts as a person."""
 
         model: InputPath = Field(
             description="the network: a file .onnx (pip install 'followspot[posenet]') or .tflite"
         )
         decoder: str = Field(
             "movenet_multipose",
-            description="output of the model: movenet_multipose finds people in the whole picture, "
-            "blazepose finds the joints of each person in the input boxes",
+            description="what the model gives: movenet_multipose finds people in the whole picture, "
+            "blazepose the joints of each person that the input boxes has",
         )
         input_side: int = Field(
             256,
@@ -80,8 +80,8 @@ class PoseNet(Stage):
             gt=0,
             le=1,
             unit="1",
-            description="object keypoint similarity above which two detections are the same person; "
-            "raising it keeps people apart who stand close together",
+            description="object keypoint similarity beyond which two detections are one person; raising it "
+            "keeps people apart who stand close together",
         )
         frame_interval: int = Field(
             1, ge=1, unit="frames", description="one frame in so many is searched; raising it saves time"

@@ -1,8 +1,8 @@
-"""People whom the detector misses, by what differs from the background and stands on the floor.
+"""Finds people whom the detector misses: foreground that stands on the floor and has the size of a person.
 
-Feet tell the distance, and with it the height of the head's top; below the picture, they leave the height of
-people at large to tell the distance. What is as high and as broad as a person may be one, unless it is a
-ghost. A door that was opened stays as it is; people who stand still sway.
+The feet give the distance, and with it the height of the head's top. If the feet are below the picture, the
+usual height of people gives the distance. A region as high and as broad as a person may be a person, unless
+it is a ghost. A door that was opened does not move; people who stand still sway.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ SMALLEST = 40
 BORDER = 2 * STEP
 """Distance from the picture's upper and lower border at which head and feet are seen, px."""
 SCORE = 1.0
-"""Score of a person whom the detector misses: a weak box's."""
+"""Score of a person whom the detector misses: that of a weak box."""
 HEAD = 0.12
-"""Share of the height in which the head's top is sought."""
+"""Share of the height in which the head's top is searched for."""
 
 
 def completed(boxes: Boxes, scene: Scene, mask: Array, before: Array) -> Boxes:

@@ -19,7 +19,7 @@ def reported(
     relations: ColorRelations | None,
     illumination: Illumination,
 ) -> Appearances:
-    """The message of the people who have numbers.
+    """The message about the people who have numbers.
 
     features: of the shape's surface; relations: predict the colours of unseen sides, unless None.
     """

@@ -16,7 +16,7 @@ from followspot_persons.slow_instance.known_person import KnownPerson
 from followspot_persons.slow_instance.part_box import SIZE
 
 GATE = 3.0
-"""Sigmas by which a box may differ from what is known."""
+"""Largest difference between a box and a known person, in sigmas."""
 
 
 @dataclass(frozen=True, eq=False)
