@@ -8,27 +8,18 @@ from itertools import product
 import numpy as np
 
 from followspot import Array
-from followspot_persons.associate.ellipsoid import HEIGHT, PLACE, SPEED, WIDTH, slopes_of
-from followspot_persons.associate.motion import step
+from followspot_persons.associate.ellipsoid import HEIGHT, PLACE, SIZE, SPEED, slopes_of
 from followspot_persons.associate.rows import Rows
 from followspot_persons.associate.views import View
 
-SPEED_SIGMA, MEMORY = 1.0, 1.0
-"""Sigma of the velocity of people, m/s, and the time in which it fades, s."""
-HALF_WIDTH, HALF_HEIGHT = 0.27, 0.86
-"""Of a usual body, m."""
-WIDTH_SIGMA, HEIGHT_SIGMA = 0.25, 0.12
-"""Relative sigma of both over people."""
-CHANGE = 0.2
-"""Relative change of width and height in a second: arms, steps, falls."""
 EDGE = np.array([0.05, 0.035, 0.05, 0.05])
-"""Sigma of a box's edges over the height of the body in the picture: left, upper, right, lower."""
+"""Sigma of a box's edges, left, upper, right, lower, over the longer side of the body in the picture."""
 STANDING = 0.15
 """Sigma of the lower end of a body above the floor, m."""
 HIDDEN = 0.1
 """Probability that an edge of a box is not the body's: something hides it, or another body is in the box."""
 NEAR = 0.5
-"""Distance of edges, over the body's height in the picture, beyond which a box is not compared."""
+"""Distance of edges, over the longer side of the body in the picture, beyond which a box is not compared."""
 _OWN = np.array([edges for edges in product((True, False), repeat=4) if sum(edges) >= 2])
 """Hypotheses, (H, 4): the edges that are the body's, two at least."""
 _PRIOR = np.log(np.where(_OWN, 1 - HIDDEN, HIDDEN)).sum(axis=1)
@@ -37,24 +28,13 @@ _DIAGONAL = np.eye(4)
 
 @dataclass(frozen=True, eq=False)
 class BoxTracks(Rows):
-    """M bodies. state: (M, 8) of `followspot_persons.associate.ellipsoid`; covariance: (M, 8, 8); views: (M,)
-    cameras that saw the body in the last set.
+    """M bodies. state: (M, 10) of `followspot_persons.associate.ellipsoid`; covariance: (M, 10, 10); views:
+    (M,) cameras that saw the body in the last set.
     """
 
     state: Array
     covariance: Array
     views: Array
-
-
-def predicted(tracks: BoxTracks, seconds: float) -> BoxTracks:
-    """The bodies some time later."""
-    fade, reach, position, cross, velocity = step(seconds, np.array(SPEED_SIGMA), np.array(MEMORY))
-    F, Q = np.eye(8), np.zeros((8, 8))
-    F[PLACE, SPEED], F[SPEED, SPEED] = reach * np.eye(3), fade * np.eye(3)
-    Q[PLACE, PLACE], Q[SPEED, SPEED] = position * np.eye(3), velocity * np.eye(3)
-    Q[PLACE, SPEED] = Q[SPEED, PLACE] = cross * np.eye(3)
-    Q[WIDTH, WIDTH] = Q[HEIGHT, HEIGHT] = CHANGE**2 * seconds
-    return BoxTracks(tracks.state @ F.T, F @ tracks.covariance @ F.T + Q, tracks.views)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +75,7 @@ def fitted(tracks: BoxTracks, view: View, box: Array, delay: float) -> Fit:
 def _near(there: Array, unit: Array, box: Array) -> Array:
     """Whether an edge of each box (N, 4) is near that of each body (M, 4), across and down: (M, N).
 
-    unit: (M,) px, heights of the bodies in the picture.
+    unit: (M,) px, longer sides of the bodies in the picture.
     """
     apart = np.abs(box[None] - there[:, None])
     near = apart < NEAR * unit[:, None, None]
@@ -134,7 +114,7 @@ def on_floor(tracks: BoxTracks, floor: Array) -> BoxTracks:
     half = np.exp(state[:, HEIGHT])
     level = -(state[:, :2] @ floor[:2] + floor[3]) / floor[2]
     residual = level - (state[:, 2] - half)
-    H = np.zeros((len(state), 1, 8))
+    H = np.zeros((len(state), 1, SIZE))
     H[:, 0, :2], H[:, 0, 2], H[:, 0, HEIGHT] = floor[:2] / floor[2], 1.0, -half
     S = H @ tracks.covariance @ np.swapaxes(H, 1, 2)
     own = STANDING**2 * np.maximum(1.0, residual**2 / (4 * (S[:, 0, 0] + STANDING**2)))
@@ -144,8 +124,8 @@ def on_floor(tracks: BoxTracks, floor: Array) -> BoxTracks:
 
 
 def _spread(tracks: BoxTracks, there: Array, slope: Array, delay: float) -> tuple[Array, Array]:
-    """Covariance of expected boxes, (M, 4, 4) px^2, and heights of the bodies in the picture, (M,) px."""
-    unit = np.maximum(there[:, 3] - there[:, 1], 1.0)
+    """Covariance of expected boxes, (M, 4, 4) px^2, and longer sides of the bodies in the picture, (M,)."""
+    unit = np.maximum((there[:, 2:] - there[:, :2]).max(axis=1), 1.0)
     shift = delay * (slope[..., PLACE] @ tracks.state[:, SPEED, None])[..., 0]
     S = slope @ tracks.covariance @ np.swapaxes(slope, 1, 2) + shift[..., :, None] * shift[..., None, :]
     S = S + np.square(unit[:, None] * EDGE)[..., None] * _DIAGONAL

@@ -13,6 +13,7 @@ from followspot.assignment import assigned
 from followspot.frame_times import NANOSECOND
 from followspot_persons.associate.body_model import BodyModel, S
 from followspot_persons.associate.camera_association import Association, Choice, associated, clear
+from followspot_persons.associate.confirmation import confirmed, remembered
 from followspot_persons.associate.detections import Detections
 from followspot_persons.associate.existence import (
     MAXIMUM_ODDS,
@@ -35,12 +36,14 @@ ROUNDS: tuple[Choice, ...] = (partial(clear, lead=4.0), partial(clear, lead=2.0)
 @dataclass(frozen=True)
 class Rules:
     """detection: probability that a body in full view is detected; confirmation: log-odds that confirm it;
-    missed: time without a detection after which a body is deleted, ns; area: x0, y0, x1, y1, m, or None.
+    missed: time without a detection after which a body is deleted, ns; recalled: time after that in which its
+    number is remembered, ns; area: x0, y0, x1, y1, m, or None.
     """
 
     detection: float
     confirmation: float
     missed: int
+    recalled: int
     area: tuple[float, float, float, float] | None
 
 
@@ -54,11 +57,13 @@ def updated(
     before, tracks = tracks.time, replace(tracks, bodies=model.before_set(tracks.bodies))
     tracks, cameras = _with_detections(tracks, model, views, detections)
     weight = independence((tracks.time - before) * NANOSECOND)
-    change = _evidence(cameras, len(tracks.bodies), rules).change(weight)
-    odds = np.clip(tracks.life.odds + change, MINIMUM_ODDS, MAXIMUM_ODDS)
+    evidence = _evidence(cameras, len(tracks.bodies), rules)
+    odds = np.clip(tracks.life.odds + evidence.change(weight), MINIMUM_ODDS, MAXIMUM_ODDS)
     tracks = replace(tracks, life=replace(tracks.life, odds=odds), unassigned=_counted(tracks, cameras))
     tracks = with_initiated(tracks, model, views, [one.unassigned for one in cameras], rules.detection)
-    return _without_deleted(_confirmed(tracks, rules), model, rules)
+    missed = np.pad(evidence.views == 0, (0, len(tracks.bodies) - len(odds)))
+    tracks = confirmed(tracks, model, missed, rules.confirmation, rules.recalled)
+    return _without_deleted(tracks, model, rules)
 
 
 def _with_detections(
@@ -101,20 +106,20 @@ def _counted(tracks: Tracks[S], cameras: Sequence[Association]) -> Array:
     return counts
 
 
-def _confirmed(tracks: Tracks[S], rules: Rules) -> Tracks[S]:
-    """The tracks, of which those that are confirmed now get new numbers, from 1."""
-    new = np.flatnonzero((tracks.life.number == 0) & (tracks.life.odds >= rules.confirmation))
-    number = tracks.life.number.copy()
-    number[new] = tracks.numbers + 1 + np.arange(len(new))
-    return replace(tracks, life=replace(tracks.life, number=number), numbers=tracks.numbers + len(new))
-
-
 def _without_deleted(tracks: Tracks[S], model: BodyModel[S], rules: Rules) -> Tracks[S]:
-    """The tracks without those that are improbable, missed for too long, or outside the area."""
+    """The tracks without those that are improbable, missed for too long, or outside the area; people with a
+    number are remembered.
+    """
     life = tracks.life
     minimum = np.where(life.number > 0, CONFIRMED_DELETION, TENTATIVE_DELETION)
     kept = (life.odds >= minimum) & (tracks.time - life.seen <= rules.missed)
     if rules.area is not None:
         xy = model.middle(tracks.bodies)[:, :2]
         kept &= ((xy >= rules.area[:2]) & (xy <= rules.area[2:])).all(axis=1)
-    return replace(tracks, bodies=tracks.bodies.where(kept), life=life.where(kept))
+    gone = np.flatnonzero(~kept & (life.number > 0))
+    return replace(
+        tracks,
+        bodies=tracks.bodies.where(kept),
+        life=life.where(kept),
+        lost=tracks.lost.joined(remembered(tracks, model, gone)) if len(gone) else tracks.lost,
+    )

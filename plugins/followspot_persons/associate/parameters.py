@@ -60,6 +60,13 @@ class AssociateParams(StageParams):
         description="time without a detection after which a person is deleted; raising it bridges longer "
         "gaps, and keeps false persons longer",
     )
+    recall_time: float = Field(
+        3.0,
+        ge=0,
+        unit="s",
+        description="time after the deletion of a person in which somebody found near gets the same number; "
+        "raising it keeps numbers over longer gaps, and gives them to others who come",
+    )
     maximum_sigma: float = Field(
         0.15,
         gt=0,

@@ -9,9 +9,9 @@ import numpy as np
 from followspot import Array
 from followspot.people import Poses, Skeletons
 from followspot.tracking import PREDICTED, TRACKED
-from followspot_persons.associate.box_tracks import BoxTracks
 from followspot_persons.associate.ellipsoid import HEIGHT, PLACE, SPEED
 from followspot_persons.associate.joint_tracks import JointTracks
+from followspot_persons.associate.shape_mixture import ShapeMixture
 from followspot_persons.associate.skeleton_pose import UNKNOWN, poses_of
 from followspot_persons.associate.tracks import Tracks
 
@@ -46,14 +46,14 @@ def skeletons_of(tracks: Tracks[JointTracks], joints: tuple[str, ...], maximum_s
     )
 
 
-def box_poses(tracks: Tracks[BoxTracks], before: Mapping[int, float]) -> tuple[Poses, dict[int, float]]:
+def box_poses(tracks: Tracks[ShapeMixture], before: Mapping[int, float]) -> tuple[Poses, dict[int, float]]:
     """The confirmed people, and the heading of each number, rad.
 
     Boxes do not tell where a chest points: it is the way of a walking person, and stays while the person
     stands. before: headings so far.
     """
     rows = _reported(tracks)
-    bodies, number = tracks.bodies.where(rows), tracks.life.number[rows]
+    bodies, number = tracks.bodies.where(rows).mean, tracks.life.number[rows]
     state, variance = bodies.state, np.diagonal(bodies.covariance, axis1=1, axis2=2)
     way, pace = state[:, SPEED], np.hypot(*state[:, SPEED][:, :2].T)
     last = np.array([before.get(int(one), np.nan) for one in number])
@@ -72,7 +72,7 @@ def box_poses(tracks: Tracks[BoxTracks], before: Mapping[int, float]) -> tuple[P
     return _poses(tracks, rows, pose, sigma, bodies.views > 0), known
 
 
-def _reported(tracks: Tracks[JointTracks] | Tracks[BoxTracks]) -> Array:
+def _reported(tracks: Tracks[JointTracks] | Tracks[ShapeMixture]) -> Array:
     """Rows of the confirmed people by number."""
     rows = np.flatnonzero(tracks.life.number > 0)
     return rows[np.argsort(tracks.life.number[rows], kind="stable")]
@@ -88,7 +88,7 @@ def _certainty(bodies: JointTracks, maximum_sigma: float) -> tuple[Array, Array]
 
 
 def _poses(
-    tracks: Tracks[JointTracks] | Tracks[BoxTracks], rows: Array, pose: Array, sigma: Array, seen: Array
+    tracks: Tracks[JointTracks] | Tracks[ShapeMixture], rows: Array, pose: Array, sigma: Array, seen: Array
 ) -> Poses:
     return Poses(
         camera="",

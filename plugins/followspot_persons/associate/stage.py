@@ -18,7 +18,6 @@ from followspot.points import Points2D
 from followspot.tracking import Frame
 from followspot.two_views import check_two_views
 from followspot_persons.associate.box_model import BoxModel
-from followspot_persons.associate.box_tracks import BoxTracks
 from followspot_persons.associate.detections import Detections, Measured, boxes_of, joints_of
 from followspot_persons.associate.joint_model import JointModel
 from followspot_persons.associate.joint_tracks import JointTracks
@@ -27,6 +26,7 @@ from followspot_persons.associate.multi_camera_update import Rules, updated
 from followspot_persons.associate.parameters import AssociateParams
 from followspot_persons.associate.picture_size import Reach, picture_size_warning
 from followspot_persons.associate.reports import box_poses, joint_poses, skeletons_of
+from followspot_persons.associate.shape_mixture import ShapeMixture
 from followspot_persons.associate.skeleton_pose import tell_heading
 from followspot_persons.associate.torso_colors import BINS, histograms
 from followspot_persons.associate.tracks import Tracks, no_tracks, reported_at
@@ -88,8 +88,10 @@ class Associate(Stage):
         self.joint_model = JointModel((), noise, len(cameras), plane)
         self.box_model = BoxModel(given.delay_sigma, FLOOR if floor is None else np.asarray(floor))
         p = given.confirmation_probability
-        missed = to_ns(given.maximum_missed_time)
-        self.rules = Rules(given.detection_probability, float(np.log(p / (1 - p))), missed, given.area)
+        missed, recalled = to_ns(given.maximum_missed_time), to_ns(given.recall_time)
+        self.rules = Rules(
+            given.detection_probability, float(np.log(p / (1 - p))), missed, recalled, given.area
+        )
         self.by_joints: Tracks[Any] = no_tracks(self.joint_model, self.views)
         self.by_boxes: Tracks[Any] = no_tracks(self.box_model, self.views)
         self.heading: dict[int, float] = {}
@@ -180,7 +182,7 @@ class Associate(Stage):
     def restore(self, state: Any) -> None:
         self.joint_model = replace(self.joint_model, joints=tuple(state["joints"]))
         self.by_joints = from_plain(Tracks[JointTracks], state["by_joints"])
-        self.by_boxes = from_plain(Tracks[BoxTracks], state["by_boxes"])
+        self.by_boxes = from_plain(Tracks[ShapeMixture], state["by_boxes"])
         self.heading = from_plain(dict[int, float], state["heading"])
         self.limbs = from_plain(Lengths, state["limbs"])
 

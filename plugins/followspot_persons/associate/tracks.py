@@ -10,6 +10,7 @@ import numpy as np
 from followspot import Array
 from followspot.frame_times import NANOSECOND
 from followspot_persons.associate.body_model import BodyModel, S
+from followspot_persons.associate.lost_people import LostPeople
 from followspot_persons.associate.rows import Rows
 from followspot_persons.associate.track_colors import unknown_colors
 from followspot_persons.associate.views import Views
@@ -31,7 +32,7 @@ class LifeCycles(Rows):
 class Tracks(Generic[S]):
     """M people at a time, ns. bodies: their states; life: their life cycles; numbers: how many persons were
     confirmed so far; unassigned: (C, 2) of each camera, its detections while there were confirmed people, and
-    those that were assigned to none of them.
+    those that were assigned to none of them; lost: people whose tracks were deleted lately.
     """
 
     bodies: S
@@ -39,12 +40,14 @@ class Tracks(Generic[S]):
     time: int
     numbers: int
     unassigned: Array
+    lost: LostPeople
 
 
 def no_tracks(model: BodyModel[S], views: Views) -> Tracks[S]:
     """The tracks of a room in which no person is known yet."""
-    life = LifeCycles(np.zeros(0, int), np.zeros(0), np.zeros(0, int), unknown_colors(0, len(views.each)))
-    return Tracks(model.none(), life, 0, 0, np.zeros((len(views.each), 2), int))
+    cameras = len(views.each)
+    life = LifeCycles(np.zeros(0, int), np.zeros(0), np.zeros(0, int), unknown_colors(0, cameras))
+    return Tracks(model.none(), life, 0, 0, np.zeros((cameras, 2), int), LostPeople.none(cameras))
 
 
 def predicted(tracks: Tracks[S], model: BodyModel[S], time: int) -> Tracks[S]:

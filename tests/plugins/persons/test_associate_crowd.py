@@ -10,7 +10,7 @@ from tests.plugins.persons.crowded import corner_room
 from followspot import Array, Context
 from followspot.messages import Header, stamped
 from followspot.people import Boxes
-from followspot_persons.associate.ellipsoid import boxes_of
+from followspot_persons.associate.ellipsoid import SIZE, boxes_of
 from followspot_persons.associate.stage import Associate
 from followspot_persons.associate.views import View, views_of
 
@@ -40,8 +40,8 @@ def ways(rng: np.random.Generator) -> Iterator[Array]:
 
 def found(rng: np.random.Generator, view: View, xy: Array, time: int) -> Boxes:
     """The boxes that a detector finds of people at these places, (P, 2) m."""
-    state = np.zeros((PEOPLE, 8))
-    state[:, :2], state[:, 2], state[:, 6:] = xy, 0.86, np.log([0.27, 0.86])
+    state = np.zeros((PEOPLE, SIZE))
+    state[:, :2], state[:, 2], state[:, 6:8] = xy, 0.86, np.log([0.27, 0.86])
     box, depth = boxes_of(view, state)
     low, high = np.maximum(box[:, None, :2], box[:, :2]), np.minimum(box[:, None, 2:], box[:, 2:])
     shared = np.maximum(high - low, 0.0).prod(axis=-1) / (box[:, 2:] - box[:, :2]).prod(axis=1)[:, None]

@@ -67,12 +67,17 @@ def test_nearer_bodies_and_the_border_hide() -> None:
     assert visible_shares(box, depth, ~real, view).tolist() == [1.0, 1.0, 0.0]  # they may not exist
 
 
-def test_the_box_of_an_ellipsoid_touches_the_images_of_its_surface() -> None:
-    state = np.array([0.4, -0.3, 0.9, 0, 0, 0, np.log(0.3), np.log(0.85)])
+@pytest.mark.parametrize("long", [0.3, 0.85])
+def test_the_box_of_an_ellipsoid_touches_the_images_of_its_surface(long: float) -> None:
+    """0.3 m across; along a direction of 25 degrees it may be longer."""
+    turn, half = np.radians(25), np.array([long, 0.3, 0.6])
+    elongation = np.log(long / 0.3) / 2 * np.array([np.cos(2 * turn), np.sin(2 * turn)])
+    state = np.array([0.4, -0.3, 0.9, 0, 0, 0, np.log(long * 0.3) / 2, np.log(0.6), *elongation])
     rng = np.random.default_rng(1)
     points = rng.normal(size=(100_000, 3))
-    points *= np.array([0.3, 0.3, 0.85]) / np.linalg.norm(points, axis=1, keepdims=True)
-    there, _ = images(VIEWS.each[1].projection, points + state[:3])
+    points *= half / np.linalg.norm(points, axis=1, keepdims=True)
+    along = np.array([[np.cos(turn), np.sin(turn), 0], [-np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+    there, _ = images(VIEWS.each[1].projection, points @ along + state[:3])
     box, _ = boxes_of(VIEWS.each[1], state[None])
     np.testing.assert_allclose(box[0], [*there.min(axis=0), *there.max(axis=0)], atol=0.5)
 

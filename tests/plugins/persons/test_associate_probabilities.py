@@ -15,11 +15,12 @@ from followspot.assignment import assigned
 from followspot_persons.associate import joint_tracks
 from followspot_persons.associate.association_probabilities import association_probabilities
 from followspot_persons.associate.box_model import BoxModel
-from followspot_persons.associate.box_tracks import BoxTracks
 from followspot_persons.associate.camera_association import Association, associated
 from followspot_persons.associate.detections import Detections
-from followspot_persons.associate.ellipsoid import boxes_of
+from followspot_persons.associate.ellipsoid import SIZE, boxes_of
 from followspot_persons.associate.existence import log_visibility
+from followspot_persons.associate.lost_people import LostPeople
+from followspot_persons.associate.shape_mixture import NEW, SHAPES, ShapeMixture
 from followspot_persons.associate.torso_colors import BINS
 from followspot_persons.associate.track_colors import unknown_colors
 from followspot_persons.associate.tracks import LifeCycles, Tracks
@@ -46,12 +47,15 @@ def enumerated(log_ratio: Array) -> Array:
     return found / total
 
 
-def standing(*xy: tuple[float, float]) -> BoxTracks:
+def standing(*xy: tuple[float, float]) -> ShapeMixture:
     """People at these places, m, known to some centimetres."""
-    state = np.zeros((len(xy), 8))
-    state[:, :2], state[:, 2], state[:, 6:] = xy, 0.86, np.log([0.27, 0.86])
-    covariance = np.diag([0.1, 0.1, 0.05, 0.3, 0.3, 0.1, 0.1, 0.05]) ** 2
-    return BoxTracks(state, np.tile(covariance, (len(xy), 1, 1)), np.zeros(len(xy), int))
+    state, covariance = np.zeros((len(xy), 2, SIZE)), np.zeros((len(xy), 2, SIZE, SIZE))
+    state[..., :2], state[..., 2] = np.array(xy)[:, None], 0.86
+    for number, shape in enumerate(SHAPES):
+        state[:, number, 6:] = shape.mean
+        sigmas = np.append([0.1, 0.1, 0.05, 0.3, 0.3, 0.1], 0.5 * shape.sigma)
+        covariance[:, number] = np.diag(sigmas**2)
+    return ShapeMixture(state, covariance, np.tile(NEW, (len(xy), 1)), np.zeros(len(xy), int))
 
 
 def test_probabilities_are_nearly_those_of_all_assignments() -> None:
@@ -94,16 +98,18 @@ def test_the_less_of_a_body_a_camera_sees_the_less_probable_its_detection() -> N
 @pytest.mark.parametrize("probability", [0.0, 0.3, 1.0])
 def test_a_box_counts_as_much_as_it_is_probably_the_bodys(probability: float) -> None:
     before, row = standing((0.3, 0.2)), np.zeros(1, int)
-    box = boxes_of(VIEW, before.state)[0] + [12.0, -4.0, 9.0, 6.0]
+    box = boxes_of(VIEW, before.likeliest)[0] + [12.0, -4.0, 9.0, 6.0]
     model = BoxModel(0.01, np.array([0.0, 0.0, 1.0, 0.0]))
     theirs = model.updated(before, row, VIEW, box, np.ones(1))
     after = model.updated(before, row, VIEW, box, np.array([probability]))
     move = theirs.state - before.state
     assert np.abs(move).max() > 0.02
     np.testing.assert_allclose(after.state, before.state + probability * move)
-    spread = probability * (1 - probability) * move[:, :, None] * move[:, None]
+    spread = probability * (1 - probability) * move[..., None] * move[..., None, :]
     mixed = probability * theirs.covariance + (1 - probability) * before.covariance + spread
     np.testing.assert_allclose(after.covariance, mixed, atol=1e-12)
+    shape = before.shape + probability * (theirs.shape - before.shape)
+    np.testing.assert_allclose(after.shape, shape, atol=1e-5)
 
 
 @pytest.mark.parametrize("probability", [0.0, 0.3, 1.0])
@@ -130,10 +136,10 @@ def test_who_is_hidden_does_not_take_the_second_box_of_whom_hides_it() -> None:
     """The nearer person has its box already, and nothing is found where the hidden one is."""
     away = -VIEW.center[:2] / np.linalg.norm(VIEW.center[:2])
     people = standing((0.0, 0.0), tuple(0.4 * away))
-    box = boxes_of(VIEW, people.state)[0]
+    box = boxes_of(VIEW, people.likeliest)[0]
     double = box[0] + 0.08 * (box[0, 3] - box[0, 1]) * np.array([0.0, 1.0, 0.0, 1.0])
     life = LifeCycles(np.array([1, 2]), np.full(2, 8.0), np.zeros(2, int), unknown_colors(2, 4))
-    tracks = Tracks(people, life, 0, 2, np.zeros((4, 2), int))
+    tracks = Tracks(people, life, 0, 2, np.zeros((4, 2), int), LostPeople.none(4))
     given = Detections(0, 0, np.stack([box[0], double]), np.full((2, BINS), np.nan))
     first = np.array([True, False])
     before = replace(Association.none(given, 2), found=first, used=first)
@@ -154,8 +160,8 @@ def test_a_box_that_may_be_a_rivals_is_less_evidence_of_existence() -> None:
         people, count = standing(*xy), len(xy)
         colors = unknown_colors(count, 4)
         life = LifeCycles(np.arange(1, count + 1), np.full(count, 8.0), np.zeros(count, int), colors)
-        tracks = Tracks(people, life, 0, count, np.zeros((4, 2), int))
-        box = boxes_of(VIEW, people.state[:1])[0]
+        tracks = Tracks(people, life, 0, count, np.zeros((4, 2), int), LostPeople.none(4))
+        box = boxes_of(VIEW, people.likeliest[:1])[0]
         before = Association.none(Detections(0, 0, box, np.full((1, BINS), np.nan)), count)
         model = BoxModel(0.01, np.array([0.0, 0.0, 1.0, 0.0]))
         return float(associated(tracks, model, VIEW, before, assigned)[1].gain.sum())
