@@ -46,7 +46,7 @@ def read_contents(file: IO[bytes], name: str) -> Contents:
 
 
 def _from_index(file: IO[bytes], size: int) -> Contents | None:
-    """From the summary at the end; None if there is none. Raises Damaged."""
+    """From the summary at the end; None if there is none that names all contents. Raises Damaged."""
     end = size - len(MAGIC) - _FOOTER.length
     if end < len(MAGIC):
         return None
@@ -68,17 +68,24 @@ def _from_index(file: IO[bytes], size: int) -> Contents | None:
     found = reading.contents
     found.channels.update(reading.definitions.channels)
     found.chunks.sort(key=lambda chunk: chunk.offset)
-    return found if found.chunks or not reading.messages else None
+    return found if reading.is_complete() else None
 
 
 @dataclass
 class _Index:
-    """Reads the records of a summary. end: of the data, B; messages: their expected number."""
+    """Reads the records of a summary. end: of the data, B; messages: their number, None if it is not told."""
 
     contents: Contents
     definitions: Definitions
     end: int
-    messages: int = 0
+    messages: int | None = None
+
+    def is_complete(self) -> bool:
+        """Whether it names all chunks, and the channels of each: other programs may leave them out."""
+        found = self.contents
+        if not found.chunks:
+            return self.messages == 0
+        return all(chunk.channels and chunk.channels <= found.channels.keys() for chunk in found.chunks)
 
     def take(self, opcode: int, body: bytes) -> None:
         """One record. Raises Damaged."""
@@ -121,7 +128,7 @@ def _from_records(file: IO[bytes], size: int) -> Contents:
             opcode, length = HEAD.unpack(head)
             if opcode == Opcode.DATA_END:
                 told = _told_messages(file, offset + HEAD.size + length, size)
-                scan.contents.problem = f"its index is damaged; {scan.compared(told)}"
+                scan.contents.problem = f"its index is damaged or incomplete; {scan.compared(told)}"
                 break
             if offset + HEAD.size + length > size:
                 raise Damaged("the file is cut off or damaged")

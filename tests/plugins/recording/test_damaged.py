@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.opcode import Opcode
+from mcap.reader import make_reader
+from mcap.writer import IndexType, Writer
 from tests.full_disk import full_disk
 
 from followspot import Context
@@ -74,6 +77,42 @@ def test_a_port_that_came_late_has_the_type_that_an_earlier_chunk_tells(tmp_path
 
 def test_a_whole_recording_has_no_problem(whole: bytes, tmp_path: Path) -> None:
     assert read(tmp_path / "a.mcap", whole) == (list(range(COUNT)), "")
+
+
+@pytest.mark.parametrize(
+    "left_out",
+    [
+        {"index_types": IndexType.NONE},
+        {"index_types": IndexType.CHUNK},  # the chunks without the messages in each
+        {"index_types": IndexType.MESSAGE, "use_statistics": False},
+        {"repeat_channels": False},
+        {"use_statistics": False},
+    ],
+)
+def test_all_messages_of_a_file_with_a_partial_index_are_read(
+    whole: bytes, tmp_path: Path, left_out: Mapping[str, Any]
+) -> None:
+    """Other programs that write MCAP files may leave parts of the index out."""
+    found, _ = read(tmp_path / "b.mcap", written_again(whole, tmp_path / "a.mcap", **left_out))
+    assert found == list(range(COUNT))
+
+
+def written_again(whole: bytes, path: Path, **options: Any) -> bytes:
+    """The channels and messages of a recording as the mcap package writes them."""
+    schemas, channels = dict[int, int](), dict[int, int]()
+    with path.open("wb") as file:
+        writer = Writer(file, chunk_size=1000, **options)
+        writer.start()
+        for schema, channel, message in make_reader(BytesIO(whole)).iter_messages():
+            if schema is not None and schema.id not in schemas:
+                schemas[schema.id] = writer.register_schema(schema.name, schema.encoding, schema.data)
+            if channel.id not in channels:
+                told = channel.topic, channel.message_encoding, schemas.get(channel.schema_id, 0)
+                channels[channel.id] = writer.register_channel(*told)
+            times = message.log_time, message.data, message.publish_time, message.sequence
+            writer.add_message(channels[channel.id], *times)
+        writer.finish()  # type: ignore[no-untyped-call]
+    return path.read_bytes()
 
 
 @settings(max_examples=60, deadline=None)
