@@ -77,6 +77,23 @@ def test_the_graph_the_room_and_the_versions_are_embedded(show: Path) -> None:
         }
 
 
+def test_a_replay_names_the_sources_that_were_not_recorded(
+    show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """They run as the graph declares them, beside the recorded ones."""
+    part = tmp_path / "part.mcap"
+    chosen = ["--record", str(part), "--record-ports", "camera/cam0,camera/cam1,camera/cam3"]
+    run = ["record", GLOWBALLS, "--set", f"camera.frames={FRAMES}", "--out", str(tmp_path), "--quiet"]
+    assert main([*run, *chosen]) == 0
+    capsys.readouterr()
+    notes = []
+    for path in (part, show):
+        assert replay(path, tmp_path) == 0
+        notes.append(json.loads(capsys.readouterr().out)["notes"])
+    assert [note for note in notes[0] if note.endswith("declares: camera/cam2, camera/cam4, camera/cam5")]
+    assert not any("declares" in note for note in notes[1])
+
+
 def test_a_replay_has_the_same_outputs_byte_for_byte(show: Path, tmp_path: Path) -> None:
     assert replay(show, tmp_path) == 0
     assert (tmp_path / "tracks.csv").read_bytes() == (show.parent / "out/tracks.csv").read_bytes()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -44,7 +44,7 @@ def replay_command(args: argparse.Namespace) -> int:
         if args.seed is not None:
             plan = replace(plan, seed=args.seed)
         clip = Clip(recording.path, args.start, args.stop, args.speed, args.loop)
-        plan = replay_plan(plan, replay_stages(recording, plan, _ports(plan, recording, more)), clip)
+        plan = _replayed(plan, replay_stages(recording, plan, _ports(plan, recording, more)), clip)
     _check_live(plan)
     check_sampled_cycles(plan, "--graph GRAPH, or play the port, too, with --ports")
     for options in load_plan_options():
@@ -82,6 +82,21 @@ def _ports(plan: Plan, recording: Recording, more: Sequence[str]) -> Iterator[st
     if mistakes:
         raise InputError(mistakes)
     return (port for port in known if port in asked)
+
+
+def _replayed(plan: Plan, chosen: Mapping[str, str], clip: Clip) -> Plan:
+    """The plan on these ports, with a note that names the sources that are not played.
+
+    chosen: the stage that replays each port, STAGE.PORT. Raises FollowspotError.
+    """
+    replayed = replay_plan(plan, chosen, clip)
+    needed = {stage.name for stage in replayed.stages}
+    others = (port.rpartition(".")[0] for port in source_ports(plan) if port not in chosen)
+    anew = [name for name in dict.fromkeys(others) if name in needed]
+    if not anew:
+        return replayed
+    note = f"not recorded, so the sources run that the graph or the room declares: {', '.join(anew)}"
+    return replace(replayed, notes=(*replayed.notes, note))
 
 
 def _mistakes(args: argparse.Namespace) -> Iterator[Mistake]:
