@@ -176,9 +176,12 @@ def did_you_mean(word: str, known: Collection[str], noun: str) -> Guess:
     return Guess(word, noun, known)
 
 
-def shown(text: str) -> str:
-    """A text for a terminal: without control characters, and its middle left out if it is very long."""
-    return printable_lines(_shortened(text))
+def shown(text: str, most: int = _LONGEST_TEXT) -> str:
+    """A text for a terminal: without control characters, and its middle left out if it is very long.
+
+    most: characters of a text that is shown whole.
+    """
+    return printable_lines(_shortened(text, most))
 
 
 def printable_lines(text: str) -> str:
@@ -193,11 +196,11 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
-def _shortened(text: str) -> str:
-    """The text without its middle if it is very long."""
-    if len(text) <= _LONGEST_TEXT:
+def _shortened(text: str, most: int = _LONGEST_TEXT) -> str:
+    """The text without its middle if it is longer than `most` characters."""
+    if len(text) <= most:
         return text
-    return f"{text[: _LONGEST_TEXT // 2]} ... {text[-_LONGEST_TEXT // 4 :]}"
+    return f"{text[: most // 2]} ... {text[-most // 4 :]}"
 
 
 def _window(line: str, column: int) -> tuple[str, int]:

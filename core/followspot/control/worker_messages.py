@@ -10,7 +10,7 @@ from followspot.control.dispatch import Request, Role
 from followspot.control.stage_status import PathStatus, StageStatus
 from followspot.control.swap import ChangeStatus
 from followspot.control.worker_report import WorkerReport
-from followspot.log.record import LogRecord
+from followspot.log.record import LogRecord, Said
 from followspot.valid_values.numbers import Count, Nanoseconds
 
 
@@ -82,4 +82,4 @@ class Done(WorkerMessage):
 class Failed(WorkerMessage):
     """The worker could not be built; error: why."""
 
-    error: Annotated[str, pydantic.Field(min_length=1)]
+    error: Annotated[Said, pydantic.Field(min_length=1)]

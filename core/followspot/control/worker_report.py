@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from followspot.control.path_latency import PathLatency
+from followspot.log.record import Said
 from followspot.valid_values.numbers import Count, Figure, Nanoseconds
 
 RUN_AGAIN = "the results are not whole, so run the replay again"
@@ -38,8 +39,8 @@ class WorkerReport:
     frames: Count
     stages: tuple[StageReport, ...] = ()
     paths: tuple[PathLatency, ...] = ()
-    warnings: tuple[str, ...] = ()
-    error: str = ""
+    warnings: tuple[Said, ...] = ()
+    error: Said = ""
     absent: bool = False
 
     def to_data(self) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 import pydantic
 
+from followspot.errors import printable_lines
 from followspot.valid_values.numbers import Last, Nanoseconds
 
 Level = Literal["info", "warning", "error"]
@@ -19,6 +20,8 @@ MAX_TEXT = 4000
 PAGE = 500
 """Most records of one page."""
 _MAX_NAME = 300
+Said = Annotated[str, pydantic.AfterValidator(printable_lines)]
+"""What others say, of several lines: control characters become escapes, for they could rewrite a terminal."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +33,7 @@ class LogRecord:
 
     time: Nanoseconds
     level: Level
-    text: Annotated[str, pydantic.Field(max_length=MAX_TEXT)]
+    text: Annotated[Said, pydantic.Field(max_length=MAX_TEXT)]
     host: Annotated[str, pydantic.Field(max_length=_MAX_NAME)] = ""
     worker: Annotated[str, pydantic.Field(max_length=_MAX_NAME)] = ""
     stage: Annotated[str, pydantic.Field(max_length=_MAX_NAME)] = ""

@@ -6,21 +6,25 @@ import logging
 import threading
 from pathlib import Path
 
+import pydantic
 import pytest
 from tests.full_disk import full_disk
 
 from followspot.context import Context
 from followspot.control.dispatch import Request, answer_from_wire, verb
 from followspot.control.observation import GetLog
+from followspot.control.worker_report import WorkerReport
 from followspot.errors import InputError
 from followspot.log.collector import BURST, PER_SECOND, LogCollector, collecting
 from followspot.log.file import LogFile, read_log
 from followspot.log.merged import MergedLog
 from followspot.log.record import MAX_TEXT, LogRecord, records_from_data
 from followspot.log.run_log import KEPT, RunLog
+from followspot.messages import Header
 from followspot.stage import Stage
 from followspot.worker.main import WorkerMain
 from followspot.worker.reporting.report import Warnings
+from followspot.worker.runners.error_policy import StageError
 
 
 def record(text: str) -> LogRecord:
@@ -40,6 +44,24 @@ def test_what_others_sent_moves_no_cursor_and_colours_nothing() -> None:
         assert r"sensor says \x1b[2J\x1b]0;title\x07 and \x9b31m" in text
         assert text.count("\n") == 1
         assert all(character.isprintable() or character == "\n" for character in text)
+
+
+def test_what_other_hosts_sent_moves_no_cursor_either() -> None:
+    sent, told = "sensor says \x1b[2J\nover two lines", "sensor says \\x1b[2J\nover two lines"
+    (record,) = records_from_data([{"time": 1, "level": "error", "text": sent}])
+    report = {"worker": "a", "frames": 0, "warnings": [sent], "error": sent}
+    took = pydantic.TypeAdapter(WorkerReport).validate_python(report)
+    assert (record.text, *took.warnings, took.error) == (told, told, told)
+
+
+def test_an_error_of_a_stage_moves_no_cursor_and_is_told_in_part_if_it_is_huge() -> None:
+    """Else the report of the run is longer than a message between processes may be."""
+    text = str(
+        StageError("read", Header("camera", 7, 8), ValueError("bad \x1b[2J bytes: " + "x" * 1_000_000))
+    )
+    assert text.startswith(r"stage read failed at camera#7, 0.000000 s: ValueError: bad \x1b[2J bytes: xxx")
+    assert len(text) < 20_000
+    assert all(character.isprintable() or character == "\n" for character in text)
 
 
 def test_what_stages_and_libraries_say_is_collected_while_the_block_runs() -> None:

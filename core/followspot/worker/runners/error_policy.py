@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Protocol
 
-from followspot.errors import FollowspotError
+from followspot.errors import FollowspotError, shown
 from followspot.frame_times import to_seconds
 from followspot.graph.plan import ErrorPolicy
 from followspot.messages import Header
@@ -22,6 +22,9 @@ RESTARTS = 5
 """How often a stage with policy `restart` is rebuilt before the run fails."""
 FIRST_BACK_OFF = 0.1
 """Pause before the first restart, s; it doubles each time."""
+_LONGEST_TEXT, _LONGEST_FAILURE = 4_000, 16_000
+"""Characters of an error's text, and of a failure with its traceback, that are told whole: a library may put
+all the bytes that it cannot read into its error."""
 
 
 class StageError(FollowspotError):
@@ -30,7 +33,8 @@ class StageError(FollowspotError):
     def __init__(self, stage: str, header: Header | None, error: BaseException) -> None:
         when = f" at {header.source}#{header.seq}, {to_seconds(header.time):.6f} s" if header else ""
         detail = "" if isinstance(error, FollowspotError) else _traceback(error)
-        super().__init__(f"stage {stage} failed{when}: {text_of(error)}{detail}")
+        text = shown(text_of(error), _LONGEST_TEXT)
+        super().__init__(shown(f"stage {stage} failed{when}: {text}{detail}", _LONGEST_FAILURE))
 
 
 class Failing(Protocol):
