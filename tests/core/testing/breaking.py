@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ctypes
+import os
 import threading
 import time
 from typing import Any
@@ -124,6 +126,22 @@ class Printing(Stage):
 
     def process(self, blobs: Blobs) -> Blobs:
         print("blobs")
+        return blobs
+
+
+class PrintingBytes(Stage):
+    """Prints past `print`, as a library in C does."""
+
+    def process(self, blobs: Blobs) -> Blobs:
+        os.write(1, b"\xff blobs\n")
+        return blobs
+
+
+class PrintingBuffered(Stage):
+    """Prints from C, which keeps the text in a buffer."""
+
+    def process(self, blobs: Blobs) -> Blobs:
+        ctypes.CDLL(None).puts(b"blobs")
         return blobs
 
 

@@ -139,6 +139,8 @@ def test_the_kit_names_each_broken_promise() -> None:
         (breaking.Clocked, "gives the same again"),
         (breaking.Drawing, "leaves the random numbers of others alone"),
         (breaking.Printing, "prints nothing"),
+        (breaking.PrintingBytes, "prints nothing"),
+        (breaking.PrintingBuffered, "prints nothing"),
         (breaking.WrongType, "sends what it declares"),
         (breaking.NoMessage, "sends what it declares"),
         (breaking.Timed, "sends what it declares"),

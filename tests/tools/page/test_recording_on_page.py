@@ -74,7 +74,8 @@ def test_a_recording_that_is_cut_short_is_shown_up_to_there_and_says_so(tmp_path
     whole = KEPT.read_bytes()
     cut.write_bytes(whole[: len(whole) * 9 // 10])
     with shown(PageOrder(0, recording=str(cut))) as page, look(page.url) as socket:
-        assert told(socket, "run")["faults"] == [f"{cut}: its index is damaged or incomplete; the messages are whole"]
+        said = f"{cut}: its index is damaged or incomplete; the messages are whole"
+        assert told(socket, "run")["faults"] == [said]
         assert told(socket, "view", port=TRACKS)["kind"] == "Tracks"
     cut.write_bytes(whole[: len(whole) // 2])
     with shown(PageOrder(0, recording=str(cut))) as page, look(page.url) as socket:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import io
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -13,6 +12,7 @@ from followspot.errors import FollowspotError
 from followspot.message_checks.outputs import WrongOutput, check_one_of_several, check_returned
 from followspot.message_checks.sealing import seal
 from followspot.messages import UNSTAMPED, InvalidMessage, Message, identical
+from followspot.testing.printed import printed_by
 from followspot.testing.samples import BLACK
 from followspot.testing.trial import PERIOD, Trial, noise, outputs, reason
 
@@ -149,10 +149,8 @@ def prints_nothing(trial: Trial) -> Iterator[str]:
     """Standard output is the command's; a stage warns with `self.context.warn`."""
     if not trial.ports.outputs:
         return
-    with contextlib.redirect_stdout(io.StringIO()) as printed:
-        sent(trial)
-    if printed.getvalue():
-        yield f"process prints {printed.getvalue()[:60]!r}; use self.context.warn"
+    if printed := printed_by(lambda: sent(trial)):
+        yield f"process prints {printed[:60]!r}; use self.context.warn"
 
 
 def does_together_what_it_does_alone(trial: Trial) -> Iterator[str]:
