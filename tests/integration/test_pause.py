@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import signal
+import threading
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import pytest
 from tests.commands import command
@@ -14,7 +17,9 @@ from tests.integration.hosts import near_agent
 from tests.integration.running import STAGES, finish, start, write_graph
 
 import followspot as fs
+from followspot.control.dispatch import Request
 from followspot.control.stage_status import StageStatus
+from followspot.control.worker_orders import HoldSources
 from followspot.operator.connect import runs_here
 from followspot.operator.run_handle import RunHandle
 
@@ -123,6 +128,37 @@ def test_a_replay_over_hosts_is_paused_and_stepped_everywhere(
     finally:
         agent.end()
     assert (tmp_path / "with" / "ticks.csv").read_bytes() == undisturbed(graph, stages)
+
+
+@pytest.mark.parametrize(
+    ("other", "said"), [("pause", "paused the run or made it step"), ("resume", "let the run go on")]
+)
+def test_a_step_ends_if_another_command_holds_the_run_or_lets_it_go_on(
+    graph: Path, stages: Path, other: str, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It does not undo what the other command did, and does not wait for what can no longer happen."""
+    with begun(graph, stages, "stage", "out") as run, ThreadPoolExecutor(1) as elsewhere:
+        until(lambda: [stage.fired for stage in sources(run).values()] == [2] * 3)  # they wait for the gate
+        ask, steps = run.ask, threading.Event()
+
+        def observed(request: Request, timeout: float) -> Any:
+            answer = ask(request, timeout)
+            if isinstance(request, HoldSources) and request.count:
+                steps.set()
+            return answer
+
+        monkeypatch.setattr(run, "ask", observed)
+        stepping = elsewhere.submit(run.step, COUNT // 2, source="a")
+        assert steps.wait(60.0)
+        getattr(run, other)()
+        with pytest.raises(fs.FollowspotError, match=f"another command has {said} meanwhile"):
+            stepping.result(timeout=30.0)
+        (run.out / "gate").touch()
+        if other == "pause":
+            until(lambda: paused(run))
+            run.resume()
+        assert not run.wait().errors
+    assert (graph.parent / "out" / "ticks.csv").read_bytes() == undisturbed(graph, stages)
 
 
 def test_a_step_beyond_the_end_ends_with_the_sources(graph: Path, stages: Path) -> None:

@@ -17,6 +17,9 @@ class Relayed(RunRequest):
     def check(self, plan: Plan, *, remote: bool) -> None:
         """Raise FollowspotError if the order does not fit the plan. remote: whether another host sent it."""
 
+    def check_after(self, before: Relayed) -> None:
+        """Raise FollowspotError if the order does not fit the last order of its type."""
+
     def part_for(self, stages: Collection[str]) -> Self:
         """The order, reduced to the parts that these stages need."""
         return self

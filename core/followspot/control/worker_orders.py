@@ -81,7 +81,7 @@ class HoldSources(Relayed):
     """
 
     id: str
-    """Of the order; an order with the same id changes only `until`."""
+    """Of the order; a further one with the same id has an `until` from 0 and changes only that."""
     held: bool = True
     """False lets the sources go on."""
     source: str = ""
@@ -99,6 +99,12 @@ class HoldSources(Relayed):
         if self.source and self.source not in known:
             remedy = did_you_mean(self.source, known, "sources")
             raise FollowspotError(f'there is no source "{self.source}"; {remedy}')
+
+    def check_after(self, before: Relayed) -> None:
+        """Raise FollowspotError if this changes an order in whose place there is another by now."""
+        if self.until >= 0 and isinstance(before, HoldSources) and before.id != self.id:
+            done = "paused the run or made it step" if before.held else "let the run go on"
+            raise FollowspotError(f"another command has {done} meanwhile")
 
     def standing(self, before: Sequence[Relayed]) -> list[Relayed]:
         """Only the newest order counts, and workers that start later are free without one."""

@@ -19,11 +19,19 @@ class OrderRelay:
         self._prepared = list(prepared)
         self._kept: list[Relayed] = []
         """Orders that each host gets after its preparation."""
+        self._last: dict[type[Relayed], Relayed] = {}
+        """The last order of each type."""
         self._lock = Lock()
 
     def send(self, order: Relayed, *, keep: bool) -> None:
-        """Send an order to all prepared hosts. keep: whether hosts that are prepared later get it, too."""
+        """Send an order to all prepared hosts. keep: whether hosts that are prepared later get it, too.
+
+        Raises FollowspotError if the order does not fit the last one of its type.
+        """
         with self._lock:
+            if (before := self._last.get(type(order))) is not None:
+                order.check_after(before)
+            self._last[type(order)] = order
             if keep:
                 self._kept = order.standing(self._kept)
             for host in self._prepared:

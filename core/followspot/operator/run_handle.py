@@ -136,7 +136,8 @@ class RunHandle:
 
         source: for example ``camera/cam0``; by default the first camera's. Every other source sends until it
         has reached the same time. Returns the newest capture time, ns, when the sources have sent these
-        messages; stages may still process them. Raises NoAnswer if no source sends for 60 s.
+        messages; stages may still process them. Raises FollowspotError if another command pauses, resumes or
+        steps the run meanwhile, NoAnswer if no source sends for 60 s.
         """
         return step(self, count, source)
 

@@ -20,6 +20,9 @@ _STALLED = 60.0
 """Seconds without a message of any source after which a step fails."""
 _POLL_INTERVAL = 0.02
 """Seconds between two polls of the sources."""
+_REPEAT_INTERVAL = 1.0
+"""Seconds after which the order is sent again: the run refuses it if another command has held the sources or
+let them go on."""
 
 
 class Steps(Protocol):
@@ -45,13 +48,17 @@ def step(run: Steps, count: int, source: str | None) -> int:
     order = HoldSources(id=uuid4().hex, source=chosen, count=count)
     run.ask(order, _TIMEOUT)
     names, times, deadline = {stage.name for stage in sources}, None, 0.0
+    repeat = time.monotonic() + _REPEAT_INTERVAL
     while True:
         found = _statuses(run, names)
         if found is None:
             return order.until
-        if chosen in found and found[chosen].time > order.until:
-            order = order.model_copy(update={"until": found[chosen].time})
+        late = time.monotonic() > repeat
+        reached = max(order.until, found[chosen].time if chosen in found else -1, 0 if late else -1)
+        if reached > order.until or late:
+            order = order.model_copy(update={"until": reached})
             run.ask(order, _TIMEOUT)
+            repeat = time.monotonic() + _REPEAT_INTERVAL
         if names == found.keys() and all(_has_stepped(stage, order) for stage in found.values()):
             return order.until
         if times != (times := {stage.stage: stage.time for stage in found.values()}):
