@@ -11,6 +11,7 @@ from followspot_persons.background.floor_contact import Contact
 from followspot_persons.body.stature import Stature
 from followspot_persons.color.model import ColorModel
 from followspot_persons.particles.track import Track, coasted
+from followspot_persons.slow_instance.floor_distance import FloorDistance
 
 MISSED_COST = 1.5
 """Loss of a person's trust per picture without a box."""
@@ -27,9 +28,8 @@ class KnownPerson:
     detector's last box (the foreground alone may move `seen` beyond it); foreground: mean share of the
     upper body that differs from the background, None while there is no background; comparable: whether the
     person came after the background, or once differed from it, and so is no part of it; left: whether the
-    last picture shows the background where the person would be; contact: where the person stood at the last
-    update, None if the feet were not seen; sized: the same by the sizes of boxes, None before the second one,
-    for the first placed the particles; stirring: how much has changed against the background; first:
+    last picture shows the background where the person would be; distance: where the person stood at the last
+    update; stirring: how much has changed against the background; first:
     (H, W, 3) u1, picture of the first box, as long as nothing about the person has changed since, then None.
     """
 
@@ -46,8 +46,7 @@ class KnownPerson:
     comparable: bool = False
     stature: Stature = field(default_factory=Stature)
     left: bool = False
-    contact: Contact | None = None
-    sized: Contact | None = None
+    distance: FloorDistance = FloorDistance()
     stirring: Stirring = Stirring()
     first: Array | None = None
 
@@ -73,36 +72,18 @@ class KnownPerson:
             hits=1,
             trust=score,
             comparable=comparable,
-            contact=contact,
+            distance=FloorDistance.of(contact),
             first=first,
         )
+
+    @property
+    def contact(self) -> Contact | None:
+        """Where the person most likely stood at the last update, None if the feet were not seen."""
+        return self.distance.contact
 
     def expected(self, seconds: float) -> KnownPerson:
         """The person where its next box is expected, some seconds after the last picture."""
         return replace(self, track=coasted(self.track, AHEAD * seconds))
-
-    def contact_after(self, measured: Contact | None, size: Contact | None, seconds: float) -> Contact | None:
-        """The floor contact some seconds later: as measured, or as the size of the body corrects it while
-        the feet are hidden.
-
-        Feet are those of another person if the last distance and the sizes of all boxes together forecast
-        none that they agree with. The first feet correct sizes, which may all be wrong by one error. size:
-        where the box says that the person stands, None if it says nothing.
-        """
-        if self.contact is None:
-            return measured
-        before, sizes = self.contact.later(seconds), self.sized_after(size, seconds)
-        forecast = before if sizes is None else before.with_size(sizes)
-        if measured is not None and measured.agrees(forecast):
-            return measured
-        return before if size is None else before.with_size(size)
-
-    def sized_after(self, size: Contact | None, seconds: float) -> Contact | None:
-        """Where sizes say that the person stands some seconds later; size: of a new box, None without one."""
-        if self.sized is None:
-            return size
-        before = self.sized.later(seconds)
-        return before if size is None else before.with_size(size)
 
 
 def missed(

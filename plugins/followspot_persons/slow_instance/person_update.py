@@ -197,12 +197,12 @@ class PersonUpdate:
         """
         size = None if known.part else by_size(self.camera, known.detection)
         age = (seen.now - person.seen) * NANOSECOND
-        contact, sized = person.contact_after(known.contact, size, age), person.sized_after(size, age)
-        fitness = self._fitness(picture, known.detection, contact or sized)
+        distance = person.distance.later(known.contact, size, age)
+        fitness = self._fitness(picture, known.detection, distance.contact or distance.sized)
         search = Search(self.params.particles)
         before = self._joined(person.track, known.detection) if joined else person.track
         track = updated(before, seen.seconds, fitness, self.girths, search, self.random())
-        return replace(person, track=track, contact=contact, sized=sized)
+        return replace(person, track=track, distance=distance)
 
     def _boxed_lately(self, person: KnownPerson, seen: Observation) -> bool:
         """Whether somebody is known, and had a box not long ago: what is no upper body may prolong this."""

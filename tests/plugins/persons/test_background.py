@@ -36,6 +36,7 @@ from followspot_persons.background.floor_contact import (
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.view import view
 from followspot_persons.likelihood.fitness import Detection
+from followspot_persons.slow_instance.floor_distance import FloorDistance
 from followspot_persons.slow_instance.known_person import KnownPerson
 from followspot_persons.slow_instance.part_box import stood
 
@@ -315,10 +316,10 @@ def test_nothing_that_stirred_once_is_furniture():
 
 def test_hidden_feet_leave_the_distance_of_before_ever_more_vague():
     new = KnownPerson.tentative(np.tile(standing(3.0), (4, 1)), 45, 1.0, 0, comparable=True, contact=None)
-    assert new.contact_after(None, Contact(2.0), 1.0) is None
-    stands = replace(new, contact=Contact(3.0, 0.1))
-    assert stands.contact_after(None, None, 1.0) == Contact(3.0, float(np.hypot(0.1, WALK)))
-    assert stands.contact_after(Contact(2.0), None, 1.0) == Contact(2.0)
+    assert new.distance.later(None, Contact(2.0), 1.0).contact is None
+    stands = FloorDistance.of(Contact(3.0, 0.1))
+    assert stands.later(None, None, 1.0).contact == Contact(3.0, float(np.hypot(0.1, WALK)))
+    assert stands.later(Contact(2.0), None, 1.0).contact == Contact(2.0)
 
 
 def test_noise_in_dim_light_makes_no_foreground():

@@ -17,6 +17,7 @@ from followspot_persons.body.upper_body_box import RATIO
 from followspot_persons.body.view import view
 from followspot_persons.fast_instance.slow_pose import particles_about
 from followspot_persons.particles.track import Track
+from followspot_persons.slow_instance.floor_distance import FloorDistance
 from followspot_persons.slow_instance.foreground_box import STEP, foreground_box, shares, without_others
 
 CAMERA = perspective()
@@ -97,7 +98,7 @@ def test_who_was_taken_for_somebody_far_away_is_where_the_feet_are_at_once():
         show.see(standing(3.0))
     (person,) = show.stage.people
     far = Track.initiated(particles_about(standing(6.5), 60, np.random.default_rng(1)))
-    show.stage.people = [replace(person, track=far, contact=None)]
+    show.stage.people = [replace(person, track=far, distance=FloorDistance())]
     told = show.see_pixels(background_and_body(standing(3.0)).pixels, boxed=[], score=1.0)
     assert told.pose[0, 0] == pytest.approx(3.0, abs=0.5)
 
@@ -109,7 +110,7 @@ def test_the_foreground_alone_measures_no_size_and_so_no_distance():
     for _ in range(4):
         show.see(standing(2.6))
     (person,) = show.stage.people
-    show.stage.people = [replace(person, contact=Contact(2.6))]
+    show.stage.people = [replace(person, distance=FloorDistance.of(Contact(2.6)))]
     for _ in range(4):
         told = show.see(standing(2.6), boxed=[])
     assert told.person.tolist() == [1]

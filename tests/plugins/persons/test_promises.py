@@ -40,6 +40,7 @@ from followspot_persons.fast_instance.pose_history import propagated_detection
 from followspot_persons.likelihood.fitness import Detection, pictured
 from followspot_persons.particles.track import Track
 from followspot_persons.slow_instance.box_assignment import BoxAssignment
+from followspot_persons.slow_instance.floor_distance import FloorDistance
 from followspot_persons.slow_instance.identity import same_person
 from followspot_persons.slow_instance.known_person import KnownPerson
 from followspot_persons.slow_instance.recognition import LIKENESS_MARGIN, MAXIMUM_WAIT, Recognition
@@ -222,7 +223,7 @@ def test_nobody_whose_feet_were_seen_takes_the_box_of_somebody_of_another_height
     track = Track.initiated(np.tile(standing(2.6, 0.0), (10, 1)))
     known = replace(known_person(1, 0, SECOND - SECOND // 5), absent=False, track=track)
     height = Stature(np.full(9, 1.7), np.ones(9), 0.03)
-    person = replace(known, contact=Contact(2.6, STRIDE_SIGMA), stature=height)
+    person = replace(known, distance=FloorDistance.of(Contact(2.6, STRIDE_SIGMA)), stature=height)
     assignment = BoxAssignment(camera, shape, read_relations())
     for away, tall, given in ((2.4, 1.7, True), (2.6, 1.75, True), (2.6, 1.5, False), (2.6, 2.1, False)):
         pose = standing(away, 0.0)
@@ -238,7 +239,7 @@ def test_nobody_whose_feet_were_seen_takes_the_box_of_somebody_nearer() -> None:
     picture = picture_of(camera, drawn(camera, standing(2.4, 0.0)))
     track = Track.initiated(np.tile(told, (10, 1)))
     by_size = replace(known_person(1, 0, SECOND - SECOND // 5), absent=False, track=track)
-    by_feet = replace(by_size, contact=Contact(3.6, STRIDE_SIGMA))
+    by_feet = replace(by_size, distance=FloorDistance.of(Contact(3.6, STRIDE_SIGMA)))
     assignment = BoxAssignment(camera, shape, read_relations())
     for away, by_feet_too in ((2.4, False), (3.3, True)):
         box = view(camera, shape, standing(away, 0.0)[None]).box[0]

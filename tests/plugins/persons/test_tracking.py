@@ -37,6 +37,7 @@ from followspot_persons.particles.spawning import farthest, spawned
 from followspot_persons.particles.track import Track
 from followspot_persons.pose_fusion.pose_table import fused_pose, pose_table
 from followspot_persons.pose_tracker import PoseTracker
+from followspot_persons.slow_instance.floor_distance import FloorDistance
 from followspot_persons.slow_instance.identity import same_person
 from followspot_persons.slow_instance.known_person import KnownPerson
 
@@ -155,10 +156,11 @@ def test_feet_where_nobody_walks_to_in_this_time_are_somebody_elses():
         standing(3.0)[None], 45, 1.0, 0, comparable=True, contact=Contact(4.4, STRIDE_SIGMA)
     )
     near = Contact(4.0, STRIDE_SIGMA)
-    assert person.contact_after(near, None, 0.2) == near
-    assert person.contact_after(Contact(3.3, STRIDE_SIGMA), None, 0.2) == person.contact.later(0.2)
-    assert person.contact_after(Contact(3.3, STRIDE_SIGMA), None, 1.0).distance == 3.3
-    assert person.contact_after(None, None, 0.2) == person.contact.later(0.2)
+    distance = person.distance
+    assert distance.later(near, None, 0.2).contact == near
+    assert distance.later(Contact(3.3, STRIDE_SIGMA), None, 0.2).contact == person.contact.later(0.2)
+    assert distance.later(Contact(3.3, STRIDE_SIGMA), None, 1.0).contact.distance == 3.3
+    assert distance.later(None, None, 0.2).contact == person.contact.later(0.2)
 
 
 def test_feet_where_neither_the_last_distance_nor_sizes_are_are_somebody_elses():
@@ -167,11 +169,11 @@ def test_feet_where_neither_the_last_distance_nor_sizes_are_are_somebody_elses()
         standing(4.8)[None], 45, 1.0, 0, comparable=True, contact=Contact(4.8, STRIDE_SIGMA)
     )
     feet, size = Contact(3.9, STRIDE_SIGMA), Contact(4.8, 0.4)
-    assert person.contact_after(feet, None, 0.6) == feet
-    person = replace(person, sized=Contact(4.8, 0.3))
-    assert person.contact_after(feet, size, 0.6) == person.contact.later(0.6).with_size(size)
-    assert person.contact_after(Contact(4.4, STRIDE_SIGMA), size, 0.6).distance == 4.4
-    assert replace(person, contact=None).contact_after(feet, size, 0.6) == feet
+    assert person.distance.later(feet, None, 0.6).contact == feet
+    distance = replace(person.distance, sized=Contact(4.8, 0.3))
+    assert distance.later(feet, size, 0.6).contact == person.contact.later(0.6).with_size(size)
+    assert distance.later(Contact(4.4, STRIDE_SIGMA), size, 0.6).contact.distance == 4.4
+    assert replace(FloorDistance.of(None), sized=distance.sized).later(feet, size, 0.6).contact == feet
 
 
 def test_feet_that_the_size_of_the_body_contradicts_refuse_no_others_for_long():
@@ -183,7 +185,7 @@ def test_feet_that_the_size_of_the_body_contradicts_refuse_no_others_for_long():
     )
     size, feet = Contact(3.9, 0.4), Contact(3.9, STRIDE_SIGMA)
     for _ in range(3):
-        person = replace(person, contact=person.contact_after(feet, size, 0.2))
+        person = replace(person, distance=person.distance.later(feet, size, 0.2))
     assert person.contact == feet
 
 
@@ -198,14 +200,14 @@ def test_sizes_of_many_boxes_tell_a_distance_no_better_than_proportions_do():
 
 def test_sizes_of_boxes_in_a_row_tell_the_distance_together():
     person = KnownPerson.tentative(standing(3.0)[None], 45, 1.0, 0, comparable=True, contact=None)
-    assert person.sized_after(None, 0.2) is None
+    assert person.distance.sized_after(None, 0.2) is None
     told = []
     for number in range(20):
         size = Contact(3.3 if number % 2 else 2.7, 0.3)
-        person = replace(person, sized=person.sized_after(size, 0.2))
-        told.append(person.sized.distance)
+        person = replace(person, distance=person.distance.later(None, size, 0.2))
+        told.append(person.distance.sized.distance)
     assert np.abs(np.array(told[10:]) - 3.0).max() < 0.2
-    assert person.sized_after(None, 1.0) == person.sized.later(1.0)
+    assert person.distance.sized_after(None, 1.0) == person.distance.sized.later(1.0)
 
 
 def test_two_hearings_tell_where_a_walker_is_by_now():
