@@ -19,7 +19,7 @@ from followspot_persons.likelihood.certainty import certainties
 from followspot_persons.likelihood.fitness import Detection, Picture, sampled
 from followspot_persons.panorama import turn_of
 from followspot_persons.slow_instance.known_person import KnownPerson
-from followspot_persons.slow_instance.validation_gate import ValidationGate
+from followspot_persons.slow_instance.validation_gate import GATE, ValidationGate
 
 NEAR, FAR = 0.5, 1.5
 """Distance between the boxes of a person at which they may belong together, in heights: at once, and more for
@@ -69,7 +69,7 @@ class BoxAssignment:
         if not people or not detections:
             return []
         boxes = np.array([d.box for d in detections])
-        gate = ValidationGate.of(self.camera, boxes)
+        gate = ValidationGate.of(self.camera, detections)
         limit = 1 + COLOR_SHARE * MAXIMUM_MISMATCH
         cost = np.empty((len(people), len(boxes)))
         for i, person in enumerate(people):
@@ -79,6 +79,7 @@ class BoxAssignment:
             reach = NEAR + FAR * age
             farther = NEAR + WALK * age / max(float(seen.bearing.distance[0]), 0.1)
             change = np.abs(size[0]) / np.where(size[0] > 0, farther, reach)
+            change = np.fmax(change, gate.sigmas(person, age) / GATE)
             cost[i] = np.hypot(shift[0] / reach, change)
             none = (change >= 1) | (still & person.comparable) | gate.refused(person, age)
             cost[i, none] = np.inf

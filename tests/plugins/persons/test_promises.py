@@ -44,6 +44,7 @@ from followspot_persons.slow_instance.floor_distance import FloorDistance
 from followspot_persons.slow_instance.identity import same_person
 from followspot_persons.slow_instance.known_person import KnownPerson
 from followspot_persons.slow_instance.recognition import LIKENESS_MARGIN, MAXIMUM_WAIT, Recognition
+from followspot_persons.slow_instance.validation_gate import ValidationGate
 from followspot_sim.actor.landmarks import NAMES
 
 
@@ -247,6 +248,36 @@ def test_nobody_whose_feet_were_seen_takes_the_box_of_somebody_nearer() -> None:
         for person, given in ((by_size, True), (by_feet, by_feet_too)):
             pairs = assignment.pairs([person], detections, *np.zeros((2, 1), bool), picture, SECOND)
             assert pairs == ([(0, 0)] if given else [])
+
+
+def test_who_was_hidden_for_a_picture_takes_no_box_of_who_stands_before_it() -> None:
+    """Feet at 3.9 m, hidden since 0.4 s, beside feet at 2.9 m whose box is one picture old; the new box, of
+    2.9 m, lies nearer to where the farther person is expected.
+    """
+    camera, shape = perspective(), read_shape()
+    picture = picture_of(camera, drawn(camera, standing(2.9, 0.1)))
+    people = []
+    for number, (away, aside, age) in enumerate(((2.9, -0.05, 0.2), (3.9, 0.13, 0.4)), 1):
+        track = Track.initiated(np.tile(standing(away, aside), (10, 1)))
+        known = replace(known_person(number, 0, int(SECOND * (1 - age))), absent=False, track=track)
+        people.append(replace(known, distance=FloorDistance.of(Contact(away, STRIDE_SIGMA))))
+    box = view(camera, shape, standing(2.9, 0.1)[None]).box[0]
+    detections = [Detection(box, np.zeros(0), np.zeros(0))]
+    assignment = BoxAssignment(camera, shape, read_relations())
+    assert assignment.pairs(people, detections, *np.zeros((2, 1), bool), picture, SECOND) == [(0, 0)]
+    assert assignment.pairs(people[1:], detections, *np.zeros((2, 1), bool), picture, SECOND) == [(0, 0)]
+
+
+def test_a_small_box_of_a_part_is_still_that_of_the_person() -> None:
+    """A box three sigmas too far away is unlikely of an upper body; an unsure one may be of a head."""
+    boxes = [view(perspective(), read_shape(), standing(away, 0.0)[None]).box[0] for away in (3.0, 6.0)]
+    person = replace(known_person(1, 0, SECOND), distance=FloorDistance.of(Contact(3.0, STRIDE_SIGMA)))
+    for certainty, most in ((1.0, np.inf), (0.2, 1.0)):
+        detections = [Detection(box, np.zeros(0), np.zeros(0), certainty) for box in boxes]
+        whole, small = ValidationGate.of(perspective(), detections).sigmas(person, 0.2)
+        assert whole < 0.5
+        assert small < most
+        assert (small > 3.0) == (certainty == 1.0)
 
 
 def test_a_box_far_aside_must_have_the_colours_of_the_person() -> None:
