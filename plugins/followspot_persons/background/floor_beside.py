@@ -14,8 +14,17 @@ from followspot import Array, Camera
 from followspot.geometry import project
 from followspot_persons.background.background import foreground
 from followspot_persons.background.body_axis import Axis, distance_on_floor
-from followspot_persons.background.floor_contact import ASTRIDE, GAP, LARGEST_CHANGE, SHARE, Contact, lowest
+from followspot_persons.background.floor_contact import (
+    ASTRIDE,
+    GAP,
+    LARGEST_CHANGE,
+    SHARE,
+    Contact,
+    lowest,
+    moved,
+)
 from followspot_persons.background.goes_on import goes_on_below
+from followspot_persons.body.view import HEIGHT
 from followspot_persons.panorama import full_turn, short_way, turn_of
 
 FIRST, LAST = 1.3, 0.7
@@ -24,6 +33,8 @@ FLOOR = 0.9
 """The same from which on the floor tells its colours: a person may seem farther away than it stands."""
 BEFORE = 0.5
 """Rows of this floor, in heights of the upper body."""
+LEAST_BEFORE = 0.07
+"""The same that the picture shows at least."""
 WIDTH = 0.22
 """Half the width of the legs' strip, in heights of the upper body."""
 BESIDE, ASIDE = 0.42, 1.0
@@ -63,6 +74,8 @@ def contact_beside(camera: Camera, pixels: Array, pose: Array, others: Array) ->
     pixels: (H, W, 3) u1 BGR; pose: (6,), about where the person is; others: (K, 4) px, upper bodies of nearer
     people.
     """
+    by_size = float(np.hypot(*(pose[:2] - camera.center[:2])))
+    pose = _with_floor(camera, pose)
     axis = Axis.of(camera, pose)
     if axis is None:
         return None
@@ -72,8 +85,23 @@ def contact_beside(camera: Camera, pixels: Array, pose: Array, others: Array) ->
     floor = None if low is None else distance_on_floor(camera, axis, low)
     if floor is None:
         return None
-    distance, by_size = floor - LAG, float(np.hypot(*(pose[:2] - camera.center[:2])))
+    distance = floor - LAG
     return Contact(distance) if abs(distance - by_size) <= LARGEST_CHANGE * by_size else None
+
+
+def _with_floor(camera: Camera, pose: Array) -> Array:
+    """The pose (6,), but at least so far away that the picture shows the floor before its feet: its distance
+    errs, and a person who seems too near would have no feet on a floor.
+    """
+    axis = Axis.of(camera, pose)
+    if axis is None:
+        return pose
+    lowest_row = camera.size[1] - 1 - max(2, round(LEAST_BEFORE * axis.tall))
+    nearest = distance_on_floor(camera, axis, lowest_row)
+    share = 0.0 if nearest is None else nearest / (FLOOR * float(np.hypot(*(pose[:2] - camera.center[:2]))))
+    eye = camera.center
+    height = float(eye[2] + share * (pose[HEIGHT] - eye[2]))
+    return pose if nearest is None or share <= 1 else moved(pose, eye, nearest / FLOOR, height)
 
 
 def body_before(camera: Camera, pixels: Array, pose: Array, others: Array) -> bool:

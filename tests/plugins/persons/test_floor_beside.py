@@ -11,7 +11,7 @@ from tests.plugins.persons.shown import SlowInstance
 
 from followspot.geometry import project
 from followspot_persons.background.body_axis import BEFORE_AXIS
-from followspot_persons.background.floor_beside import body_before, contact_beside
+from followspot_persons.background.floor_beside import FLOOR, body_before, contact_beside
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.view import view
 from followspot_persons.likelihood.fitness import Detection
@@ -50,6 +50,16 @@ def test_the_floor_about_the_feet_tells_the_distance_that_the_pose_misses(distan
     camera, pixels = of_person(standing(distance))
     contact = contact_beside(camera, pixels, standing(seeming * distance, height=1.75), NOBODY)
     assert contact.distance == pytest.approx(distance, abs=0.15)
+
+
+def test_feet_are_seen_although_the_floor_before_the_seeming_ones_is_below_the_picture():
+    """Feet at 3.0 m, and a pose of the size of 2.45 m: at 2.2 m the floor is below the picture."""
+    camera, pixels = of_person(standing(3.0))
+    seeming_near = standing(2.45)
+    before = project(camera, np.array([[FLOOR * 2.45, 0.0, 0.0]]))[0, 1]
+    assert before > camera.size[1] - 2
+    assert contact_beside(camera, pixels, seeming_near, NOBODY).distance == pytest.approx(3.0, abs=0.15)
+    assert contact_beside(camera, pixels, standing(2.2), NOBODY) is None
 
 
 def test_no_feet_are_told_where_the_picture_shows_none():
