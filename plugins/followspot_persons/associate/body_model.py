@@ -6,7 +6,7 @@ from typing import Protocol, Self, TypeVar
 
 from followspot import Array
 from followspot_persons.associate.existence import OddsLimits
-from followspot_persons.associate.views import View, Views
+from followspot_persons.associate.multi_view.views import View, Views
 
 
 class Bodies(Protocol):

@@ -11,7 +11,7 @@ from followspot import Array, Camera
 from followspot.geometry import undistort
 from followspot.people import Boxes
 from followspot.points import Points2D
-from followspot_persons.associate.torso_colors import torsos, torsos_in
+from followspot_persons.associate.colors.torso_colors import torsos, torsos_in
 
 MAXIMUM_DETECTIONS = 60
 """Detections of one picture, those with the best scores."""

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from followspot import Array
-from followspot_persons.associate.views import View
+from followspot_persons.associate.multi_view.views import View
 
 MINIMUM_ODDS, MAXIMUM_ODDS = -8.0, 10.0
 """Bounds of the log-odds, so that further evidence can reverse them."""

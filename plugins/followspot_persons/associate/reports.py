@@ -9,11 +9,11 @@ import numpy as np
 from followspot import Array
 from followspot.people import Poses, Skeletons
 from followspot.tracking import PREDICTED, TRACKED
-from followspot_persons.associate.ellipsoid import HEIGHT, PLACE, SPEED
-from followspot_persons.associate.joint_tracks import JointTracks
-from followspot_persons.associate.shape_mixture import ShapeMixture
-from followspot_persons.associate.skeleton_pose import UNKNOWN, poses_of
-from followspot_persons.associate.tracks import Tracks
+from followspot_persons.associate.boxes.ellipsoid import HEIGHT, PLACE, SPEED
+from followspot_persons.associate.boxes.shape_mixture import ShapeMixture
+from followspot_persons.associate.joints.skeleton_pose import UNKNOWN, poses_of
+from followspot_persons.associate.joints.tracks import JointTracks
+from followspot_persons.associate.tracks.tracks import Tracks
 
 WALKING = 0.3
 """Speed from which the way of a person tells where the chest points, m/s."""

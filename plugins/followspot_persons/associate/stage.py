@@ -17,21 +17,21 @@ from followspot.plain_values import from_plain, to_plain
 from followspot.points import Points2D
 from followspot.tracking import Frame
 from followspot.two_views import check_two_views
-from followspot_persons.associate.box_model import BoxModel
+from followspot_persons.associate.boxes.model import BoxModel
+from followspot_persons.associate.boxes.shape_mixture import ShapeMixture
+from followspot_persons.associate.colors.torso_colors import BINS, histograms
 from followspot_persons.associate.detections import Detections, Measured, boxes_of, joints_of
-from followspot_persons.associate.joint_model import JointModel
-from followspot_persons.associate.joint_tracks import JointTracks
-from followspot_persons.associate.limbs import Lengths, constrained, learnt
-from followspot_persons.associate.multi_camera_update import Rules, updated
+from followspot_persons.associate.joints.limbs import Lengths, constrained, learnt
+from followspot_persons.associate.joints.model import JointModel
+from followspot_persons.associate.joints.skeleton_pose import tell_heading
+from followspot_persons.associate.joints.tracks import JointTracks
+from followspot_persons.associate.multi_view.views import Noise, views_of
 from followspot_persons.associate.parameters import AssociateParams
 from followspot_persons.associate.picture_size import Reach, picture_size_warning
 from followspot_persons.associate.reports import box_poses, joint_poses, skeletons_of
-from followspot_persons.associate.shape_mixture import ShapeMixture
-from followspot_persons.associate.skeleton_pose import tell_heading
-from followspot_persons.associate.torso_colors import BINS, histograms
-from followspot_persons.associate.tracks import Tracks, no_tracks, reported_at
+from followspot_persons.associate.tracks.multi_camera_update import Rules, updated
+from followspot_persons.associate.tracks.tracks import Tracks, no_tracks, reported_at
 from followspot_persons.associate.unassigned_detections import unassigned_warning
-from followspot_persons.associate.views import Noise, views_of
 
 FLOOR = np.array([0.0, 0.0, 1.0, 0.0])
 """Of a room whose file has no plane "floor"."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot_persons.associate.joint_tracks import JointTracks
-from followspot_persons.associate.sides import unknown
+from followspot_persons.associate.joints.sides import unknown
+from followspot_persons.associate.joints.tracks import JointTracks
 from followspot_sim.actor.landmarks import NAMES
 
 LEFT, RIGHT = 0.28, 0.26

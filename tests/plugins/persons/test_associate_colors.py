@@ -14,9 +14,9 @@ from followspot.geometry import project
 from followspot.messages import Header, stamped
 from followspot.points import Points2D
 from followspot.tracking import Frame
-from followspot_persons.associate import track_colors
+from followspot_persons.associate.colors import track_colors
+from followspot_persons.associate.colors.torso_colors import BINS, histograms, log_ratios, torsos_in
 from followspot_persons.associate.stage import Associate
-from followspot_persons.associate.torso_colors import BINS, histograms, log_ratios, torsos_in
 
 RED, BLUE = (30, 30, 200), (200, 60, 30)
 JOINTS = ("nose", "left_shoulder", "right_shoulder", "left_hip", "right_hip")

@@ -10,9 +10,9 @@ from tests.plugins.persons.crowded import corner_room
 from followspot import Array, Context
 from followspot.messages import Header, stamped
 from followspot.people import Boxes
-from followspot_persons.associate.ellipsoid import SIZE, boxes_of
+from followspot_persons.associate.boxes.ellipsoid import SIZE, boxes_of
+from followspot_persons.associate.multi_view.views import View, views_of
 from followspot_persons.associate.stage import Associate
-from followspot_persons.associate.views import View, views_of
 
 PEOPLE, SETS, PERIOD = 8, 60, 0.25
 HALF = 1.8

@@ -12,14 +12,14 @@ from followspot import Array, Context
 from followspot.geometry import project
 from followspot.messages import Header, stamped
 from followspot.people import Boxes, Poses
-from followspot_persons.associate.box_model import BoxModel
-from followspot_persons.associate.box_tracks import BoxTracks, fitted
-from followspot_persons.associate.ellipsoid import SIZE, boxes_of
-from followspot_persons.associate.lost_people import LostPeople, found_again
-from followspot_persons.associate.shape_mixture import ShapeMixture
+from followspot_persons.associate.boxes.ellipsoid import SIZE, boxes_of
+from followspot_persons.associate.boxes.model import BoxModel
+from followspot_persons.associate.boxes.shape_mixture import ShapeMixture
+from followspot_persons.associate.boxes.tracks import BoxTracks, fitted
+from followspot_persons.associate.colors.torso_colors import BINS
+from followspot_persons.associate.multi_view.views import views_of
 from followspot_persons.associate.stage import Associate
-from followspot_persons.associate.torso_colors import BINS
-from followspot_persons.associate.views import views_of
+from followspot_persons.associate.tracks.lost_people import LostPeople, found_again
 
 ROOM = corner_room()
 PERIOD = 0.25

@@ -10,8 +10,8 @@ from tests.plugins.persons.crowded import crowded, followed
 from tests.plugins.persons.joint_tracks import LEFT, RIGHT, bodies
 
 from followspot.people import Skeletons
-from followspot_persons.associate.joint_tracks import JointTracks
-from followspot_persons.associate.limbs import SPREAD, USUAL, Lengths, constrained, learnt
+from followspot_persons.associate.joints.limbs import SPREAD, USUAL, Lengths, constrained, learnt
+from followspot_persons.associate.joints.tracks import JointTracks
 from followspot_sim.actor.landmarks import NAMES
 
 RNG = np.random.default_rng(4)

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from tests.plugins.persons.crowded import corner_room
 
-from followspot_persons.associate.affinity import pair_ratios
-from followspot_persons.associate.camera_association import clear
-from followspot_persons.associate.contraction import clusters
-from followspot_persons.associate.ellipsoid import boxes_of
+from followspot_persons.associate.assignment.affinity import pair_ratios
+from followspot_persons.associate.assignment.contraction import clusters
+from followspot_persons.associate.boxes.ellipsoid import boxes_of
 from followspot_persons.associate.existence import ExistenceEvidence, missed_detection, visible_shares
 from followspot_persons.associate.motion import step
-from followspot_persons.associate.triangulation import triangulated
-from followspot_persons.associate.views import Noise, images, views_of
+from followspot_persons.associate.multi_view.triangulation import triangulated
+from followspot_persons.associate.multi_view.views import Noise, images, views_of
+from followspot_persons.associate.tracks.camera_association import clear
 
 VIEWS = views_of(tuple(corner_room().cameras.values()))
 

@@ -12,19 +12,19 @@ from tests.plugins.persons.joint_tracks import bodies
 
 from followspot import Array
 from followspot.assignment import assigned
-from followspot_persons.associate import joint_tracks
-from followspot_persons.associate.association_probabilities import association_probabilities
-from followspot_persons.associate.box_model import BoxModel
-from followspot_persons.associate.camera_association import Association, associated
+from followspot_persons.associate.assignment.association_probabilities import association_probabilities
+from followspot_persons.associate.boxes.ellipsoid import SIZE, boxes_of
+from followspot_persons.associate.boxes.model import BoxModel
+from followspot_persons.associate.boxes.shape_mixture import NEW, SHAPES, ShapeMixture
+from followspot_persons.associate.colors.torso_colors import BINS
+from followspot_persons.associate.colors.track_colors import unknown_colors
 from followspot_persons.associate.detections import Detections
-from followspot_persons.associate.ellipsoid import SIZE, boxes_of
 from followspot_persons.associate.existence import log_visibility
-from followspot_persons.associate.lost_people import LostPeople
-from followspot_persons.associate.shape_mixture import NEW, SHAPES, ShapeMixture
-from followspot_persons.associate.torso_colors import BINS
-from followspot_persons.associate.track_colors import unknown_colors
-from followspot_persons.associate.tracks import LifeCycles, Tracks
-from followspot_persons.associate.views import Noise, views_of
+from followspot_persons.associate.joints import tracks as joint_tracks
+from followspot_persons.associate.multi_view.views import Noise, views_of
+from followspot_persons.associate.tracks.camera_association import Association, associated
+from followspot_persons.associate.tracks.lost_people import LostPeople
+from followspot_persons.associate.tracks.tracks import LifeCycles, Tracks
 
 VIEWS = views_of(tuple(corner_room().cameras.values()))
 VIEW = VIEWS.each[0]

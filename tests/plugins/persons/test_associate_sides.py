@@ -13,7 +13,15 @@ from followspot import Room
 from followspot.messages import Header, stamped
 from followspot.points import Points2D
 from followspot_accuracy import PoseTruthTable
-from followspot_persons.associate.sides import PARTS, SHARE, SURE, observed, predicted, sides_of, unknown
+from followspot_persons.associate.joints.sides import (
+    PARTS,
+    SHARE,
+    SURE,
+    observed,
+    predicted,
+    sides_of,
+    unknown,
+)
 from followspot_persons.associate.stage import Outputs
 from followspot_persons.pose_net.blazepose import BlazePose
 from followspot_sim.actor.landmarks import NAMES

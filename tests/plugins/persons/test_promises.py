@@ -25,10 +25,10 @@ from tests.plugins.persons.joint_tracks import bodies
 
 from followspot.people import Boxes
 from followspot.points import Points2D
-from followspot_persons.associate import joint_tracks
 from followspot_persons.associate.detections import boxes_of
-from followspot_persons.associate.skeleton_pose import poses_of
-from followspot_persons.associate.views import Noise, views_of
+from followspot_persons.associate.joints import tracks as joint_tracks
+from followspot_persons.associate.joints.skeleton_pose import poses_of
+from followspot_persons.associate.multi_view.views import Noise, views_of
 from followspot_persons.background.floor_contact import STRIDE_SIGMA, Contact
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.stature import Stature

@@ -7,18 +7,17 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from followspot import Array
-from followspot_persons.associate import sides
+from followspot_persons.associate.joints import sides
 from followspot_persons.associate.motion import step
+from followspot_persons.associate.multi_view.point_errors import OUTLIER
+from followspot_persons.associate.multi_view.views import Noise, View, images, jacobians
 from followspot_persons.associate.rows import Rows
-from followspot_persons.associate.views import Noise, View, images, jacobians
 
 BODY_SPEED, BODY_MEMORY = 1.0, 1.0
 """Sigma of the velocity of head and trunk, m/s, and the time in which it fades, s."""
 LIMB_SPEED, LIMB_MEMORY = 1.5, 0.5
 """The same of arms and legs."""
 LIMBS = ("elbow", "wrist", "knee", "ankle", "toe", "heel", "hand", "foot")
-OUTLIER = 9.0
-"""Squared normalised distance above which a point's variance grows with it: a bound on its influence."""
 _EYE = np.eye(3)
 
 
@@ -27,7 +26,7 @@ class JointTracks(Rows):
     """M bodies of J joints. xyz, velocity: (M, J, 3) m, m/s; (M, J, 3, 3) covariances of position, of
     position with velocity, and of velocity; views: (M, J) cameras that saw the joint in the last set;
     known: (M, J) whether it was ever measured; exchanged, reversal: (M, C, G, 2), (M, G) log-odds of
-    `followspot_persons.associate.sides`, of C cameras and G parts.
+    `followspot_persons.associate.joints.sides`, of C cameras and G parts.
     """
 
     xyz: Array

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from followspot import Array
-from followspot_persons.associate.torso_colors import BINS, log_ratios
+from followspot_persons.associate.colors.torso_colors import BINS, log_ratios
 
 LEARNING_RATE = 0.1
 """Share of a new picture in a histogram."""

@@ -10,9 +10,9 @@ from followspot import Array
 from followspot.assignment import assigned
 from followspot.frame_times import NANOSECOND
 from followspot_persons.associate.body_model import BodyModel, S
+from followspot_persons.associate.colors.torso_colors import log_ratios
+from followspot_persons.associate.colors.track_colors import unknown_colors
 from followspot_persons.associate.rows import Rows
-from followspot_persons.associate.torso_colors import log_ratios
-from followspot_persons.associate.track_colors import unknown_colors
 
 PLACE_SIGMA = 0.5
 """Sigma of the place where a track was deleted, per axis, m: it had lost its person before."""

@@ -8,8 +8,8 @@ import numpy as np
 
 from followspot import Array
 from followspot_persons.associate.body_model import BodyModel, S
-from followspot_persons.associate.lost_people import LostPeople, found_again, lost
-from followspot_persons.associate.tracks import Tracks
+from followspot_persons.associate.tracks.lost_people import LostPeople, found_again, lost
+from followspot_persons.associate.tracks.tracks import Tracks
 
 
 def confirmed(

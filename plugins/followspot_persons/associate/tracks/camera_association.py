@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from followspot import Array
-from followspot_persons.associate.association_probabilities import association_probabilities
+from followspot_persons.associate.assignment.association_probabilities import association_probabilities
 from followspot_persons.associate.body_model import BodyModel, S
+from followspot_persons.associate.colors.track_colors import color_log_ratios, updated_colors
 from followspot_persons.associate.detections import Detections
 from followspot_persons.associate.existence import log_visibility, missed_detection, visible_shares
-from followspot_persons.associate.track_colors import color_log_ratios, updated_colors
-from followspot_persons.associate.tracks import Tracks
-from followspot_persons.associate.views import View
+from followspot_persons.associate.multi_view.views import View
+from followspot_persons.associate.tracks.tracks import Tracks
 
 Choice = Callable[[Array], tuple[Array, Array]]
 """Rows and columns, (K,) each, of the pairs that belong together, by their log-likelihood ratios, (M, N)."""

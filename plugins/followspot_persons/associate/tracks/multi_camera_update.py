@@ -12,8 +12,6 @@ from followspot import Array
 from followspot.assignment import assigned
 from followspot.frame_times import NANOSECOND
 from followspot_persons.associate.body_model import BodyModel, S
-from followspot_persons.associate.camera_association import Association, Choice, associated, clear
-from followspot_persons.associate.confirmation import confirmed, remembered
 from followspot_persons.associate.detections import Detections
 from followspot_persons.associate.existence import (
     MAXIMUM_ODDS,
@@ -21,9 +19,11 @@ from followspot_persons.associate.existence import (
     ExistenceEvidence,
     independence,
 )
-from followspot_persons.associate.track_initiation import with_initiated
-from followspot_persons.associate.tracks import Tracks, predicted, shifted
-from followspot_persons.associate.views import Views
+from followspot_persons.associate.multi_view.views import Views
+from followspot_persons.associate.tracks.camera_association import Association, Choice, associated, clear
+from followspot_persons.associate.tracks.confirmation import confirmed, remembered
+from followspot_persons.associate.tracks.track_initiation import with_initiated
+from followspot_persons.associate.tracks.tracks import Tracks, predicted, shifted
 
 TENTATIVE_DELETION = -3.0
 """Log-odds below which a track that was never confirmed is deleted."""

@@ -10,10 +10,10 @@ import numpy as np
 from followspot import Array
 from followspot.frame_times import NANOSECOND
 from followspot_persons.associate.body_model import BodyModel, S
-from followspot_persons.associate.lost_people import LostPeople
+from followspot_persons.associate.colors.track_colors import unknown_colors
+from followspot_persons.associate.multi_view.views import Views
 from followspot_persons.associate.rows import Rows
-from followspot_persons.associate.track_colors import unknown_colors
-from followspot_persons.associate.views import Views
+from followspot_persons.associate.tracks.lost_people import LostPeople
 
 
 @dataclass(frozen=True, eq=False)

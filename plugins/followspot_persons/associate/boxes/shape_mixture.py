@@ -12,12 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from followspot import Array
-from followspot_persons.associate import box_tracks
-from followspot_persons.associate.box_tracks import BoxTracks
-from followspot_persons.associate.ellipsoid import PLACE, SHAPE, SIZE, SPEED
+from followspot_persons.associate.boxes import tracks as box_tracks
+from followspot_persons.associate.boxes.ellipsoid import PLACE, SHAPE, SIZE, SPEED
+from followspot_persons.associate.boxes.tracks import BoxTracks
 from followspot_persons.associate.motion import step
+from followspot_persons.associate.multi_view.views import View
 from followspot_persons.associate.rows import Rows
-from followspot_persons.associate.views import View
 
 
 class Shape(NamedTuple):
@@ -34,8 +34,8 @@ class Shape(NamedTuple):
 
 UPRIGHT = Shape(
     np.array([np.log(0.27), np.log(0.86), 0.0, 0.0]),
-    np.array([0.25, 0.12, 0.0, 0.0]),
-    3.0,
+    np.array([0.3, 0.15, 0.0, 0.0]),
+    8.0,
     np.array([0.1, 0.1, 0.2, 0.0, 0.0, 0.0]),
 )
 """A round body; its width changes with arms and steps."""
@@ -63,9 +63,8 @@ LEAST = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class ShapeMixture(Rows):
-    """M bodies, each upright and of another shape. state: (M, 2, 10) as in
-    `followspot_persons.associate.ellipsoid`; covariance: (M, 2, 10, 10); shape: (M, 2) probabilities; views:
-    (M,) cameras that saw the body in the last set.
+    """M bodies, each upright and of another shape. state: (M, 2, 10) as in `boxes.ellipsoid`; covariance:
+    (M, 2, 10, 10); shape: (M, 2) probabilities; views: (M,) cameras that saw the body in the last set.
     """
 
     state: Array

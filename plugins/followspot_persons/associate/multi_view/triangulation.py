@@ -8,8 +8,8 @@ import numpy as np
 
 from followspot import Array
 from followspot.geometry import triangulate_views
-from followspot_persons.associate.joint_tracks import OUTLIER
-from followspot_persons.associate.views import Noise, Views, images, jacobians, rays
+from followspot_persons.associate.multi_view.point_errors import OUTLIER
+from followspot_persons.associate.multi_view.views import Noise, Views, images, jacobians, rays
 
 STEPS = 4
 """Gauss-Newton steps after the linear start."""

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from followspot import Array
-from followspot_persons.associate.views import NEAREST, View
+from followspot_persons.associate.multi_view.views import NEAREST, View
 
 PLACE, SPEED, WIDTH, HEIGHT, ELONGATION = slice(0, 3), slice(3, 6), 6, 7, slice(8, 10)
 SHAPE, SIZE = slice(6, 10), 10

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from followspot import Array
-from followspot_persons.associate.joint_tracks import JointTracks
+from followspot_persons.associate.joints.tracks import JointTracks
 from followspot_persons.associate.rows import Rows
 
 USUAL = 1.72 * np.array([[0.186, 0.146], [0.245, 0.246]])

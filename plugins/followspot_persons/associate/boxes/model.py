@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from followspot import Array
-from followspot_persons.associate import box_tracks, shape_mixture
-from followspot_persons.associate.affinity import pair_ratios
-from followspot_persons.associate.ellipsoid import PLACE, SPEED, boxes_of
+from followspot_persons.associate.assignment.affinity import pair_ratios
+from followspot_persons.associate.boxes import shape_mixture
+from followspot_persons.associate.boxes import tracks as box_tracks
+from followspot_persons.associate.boxes.ellipsoid import PLACE, SPEED, boxes_of
+from followspot_persons.associate.boxes.shape_mixture import ShapeMixture
 from followspot_persons.associate.existence import OddsLimits
-from followspot_persons.associate.shape_mixture import ShapeMixture
-from followspot_persons.associate.triangulation import triangulated
-from followspot_persons.associate.views import Noise, View, Views
+from followspot_persons.associate.multi_view.triangulation import triangulated
+from followspot_persons.associate.multi_view.views import Noise, View, Views
 
 MIDDLE = 0.12
 """Sigma of the middle of a box, and of its ends, on a body, m."""

@@ -8,9 +8,9 @@ from itertools import product
 import numpy as np
 
 from followspot import Array
-from followspot_persons.associate.ellipsoid import HEIGHT, PLACE, SIZE, SPEED, slopes_of
+from followspot_persons.associate.boxes.ellipsoid import HEIGHT, PLACE, SIZE, SPEED, slopes_of
+from followspot_persons.associate.multi_view.views import View
 from followspot_persons.associate.rows import Rows
-from followspot_persons.associate.views import View
 
 EDGE = np.array([0.05, 0.035, 0.05, 0.05])
 """Sigma of a box's edges, left, upper, right, lower, over the longer side of the body in the picture."""
@@ -28,8 +28,8 @@ _DIAGONAL = np.eye(4)
 
 @dataclass(frozen=True, eq=False)
 class BoxTracks(Rows):
-    """M bodies. state: (M, 10) of `followspot_persons.associate.ellipsoid`; covariance: (M, 10, 10); views:
-    (M,) cameras that saw the body in the last set.
+    """M bodies. state: (M, 10) of `boxes.ellipsoid`; covariance: (M, 10, 10); views: (M,) cameras that saw
+    the body in the last set.
     """
 
     state: Array

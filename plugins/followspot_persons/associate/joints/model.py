@@ -8,15 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from followspot import Array
-from followspot_persons.associate import joint_tracks
-from followspot_persons.associate.affinity import pair_ratios
+from followspot_persons.associate.assignment.affinity import pair_ratios
 from followspot_persons.associate.existence import OddsLimits
-from followspot_persons.associate.joint_tracks import JointTracks, expected, speeds
-from followspot_persons.associate.point_ratios import labelled, log_ratios
-from followspot_persons.associate.reversal import righted
-from followspot_persons.associate.sides import Sides, sides_of, unknown
-from followspot_persons.associate.triangulation import triangulated
-from followspot_persons.associate.views import Noise, View, Views, images
+from followspot_persons.associate.joints import tracks as joint_tracks
+from followspot_persons.associate.joints.point_ratios import labelled, log_ratios
+from followspot_persons.associate.joints.reversal import righted
+from followspot_persons.associate.joints.sides import Sides, sides_of, unknown
+from followspot_persons.associate.joints.tracks import JointTracks, expected, speeds
+from followspot_persons.associate.multi_view.triangulation import triangulated
+from followspot_persons.associate.multi_view.views import Noise, View, Views, images
 
 LEAST = 3
 """Joints that two cameras must see of a new body."""

@@ -6,8 +6,8 @@ import numpy as np
 
 from followspot import Array
 from followspot.geometry import epipolar_distance, triangulate_pairs
-from followspot_persons.associate.point_ratios import INDEPENDENT, WRONG
-from followspot_persons.associate.views import Noise, Views, rays
+from followspot_persons.associate.multi_view.point_errors import INDEPENDENT, WRONG
+from followspot_persons.associate.multi_view.views import Noise, Views, rays
 
 ANYWHERE = 1000.0
 """Distance from an epipolar line within which points of other bodies are, px."""

@@ -8,14 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from followspot import Array
+from followspot_persons.associate.assignment.contraction import clusters
 from followspot_persons.associate.body_model import BodyModel, S
-from followspot_persons.associate.contraction import clusters
+from followspot_persons.associate.colors.torso_colors import log_ratios
+from followspot_persons.associate.colors.track_colors import initial_colors
 from followspot_persons.associate.detections import Detections
 from followspot_persons.associate.existence import missed_detection, visible_shares
-from followspot_persons.associate.torso_colors import log_ratios
-from followspot_persons.associate.track_colors import initial_colors
-from followspot_persons.associate.tracks import LifeCycles, Tracks
-from followspot_persons.associate.views import Views
+from followspot_persons.associate.multi_view.views import Views
+from followspot_persons.associate.tracks.tracks import LifeCycles, Tracks
 
 SAME_BODY = 0.3
 """Distance within which a new body is one that is tracked already, m."""

@@ -7,15 +7,12 @@ from dataclasses import replace
 import numpy as np
 
 from followspot import Array
-from followspot_persons.associate import sides as side_odds
-from followspot_persons.associate.joint_tracks import JointTracks, PredictedPoints
-from followspot_persons.associate.sides import Sides
-from followspot_persons.associate.views import View
+from followspot_persons.associate.joints import sides as side_odds
+from followspot_persons.associate.joints.sides import Sides
+from followspot_persons.associate.joints.tracks import JointTracks, PredictedPoints
+from followspot_persons.associate.multi_view.point_errors import INDEPENDENT, WRONG
+from followspot_persons.associate.multi_view.views import View
 
-WRONG = 0.1
-"""Share of a network's points that are anywhere."""
-INDEPENDENT = 4
-"""Points of a body whose errors are independent: more of them are no more evidence."""
 TELLING, ALONE = 5.0, 0.5
 """Log-likelihood ratio of sides that a point gives at most if the same joint of the other side was found, and
 if not: then a joint at a wrong place looks like an exchange.

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from followspot import Array
-from followspot_persons.associate.joint_tracks import JOINT_FIELDS, JointTracks
-from followspot_persons.associate.sides import Sides
+from followspot_persons.associate.joints.sides import Sides
+from followspot_persons.associate.joints.tracks import JOINT_FIELDS, JointTracks
 
 REVERSED = 1.5
 """Log-odds from which both sides of a part are taken for each other."""

@@ -1,0 +1,1 @@
+"""Which detections are one body: likelihood ratios, clusters over cameras, probabilities."""

@@ -1,0 +1,1 @@
+"""Several cameras: their matrices, triangulation and the errors of points."""

@@ -1,0 +1,1 @@
+"""Tracks of people: association, update, initiation, confirmation and deletion."""
