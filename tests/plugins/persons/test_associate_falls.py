@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.plugins.persons.box_bodies import standing
 from tests.plugins.persons.crowded import corner_room
 
 from followspot import Array, Context
@@ -17,9 +19,12 @@ from followspot_persons.associate.boxes.model import BoxModel
 from followspot_persons.associate.boxes.shape_mixture import ShapeMixture
 from followspot_persons.associate.boxes.tracks import BoxTracks, fitted
 from followspot_persons.associate.colors.torso_colors import BINS
+from followspot_persons.associate.colors.track_colors import unknown_colors
 from followspot_persons.associate.multi_view.views import views_of
 from followspot_persons.associate.stage import Associate
+from followspot_persons.associate.tracks.confirmation import confirmed
 from followspot_persons.associate.tracks.lost_people import LostPeople, found_again
+from followspot_persons.associate.tracks.tracks import LifeCycles, Tracks
 
 ROOM = corner_room()
 PERIOD = 0.25
@@ -163,3 +168,37 @@ def test_colours_tell_two_lost_people_apart() -> None:
     two.colors[:] = new[::-1]
     assert again(two, (0.0, 0.0), (0.4, 0.0), colors=new) == {0: 2, 1: 1}
     assert again(two, (0.0, 0.0), (0.4, 0.0)) == {0: 1, 1: 2}
+
+
+def people(numbers: Sequence[int], *xy: tuple[float, float]) -> Tracks[ShapeMixture]:
+    """Tracks at these places, m, as sure as can be; number: 0 of those that are not confirmed yet."""
+    count = len(numbers)
+    life = LifeCycles(np.array(numbers), np.full(count, 8.0), np.zeros(count, int), unknown_colors(count, 4))
+    return Tracks(standing(*xy), life, SECOND, 5, np.zeros((4, 2), int), LostPeople.none(4))
+
+
+def confirm(
+    tracks: Tracks[ShapeMixture], missed: Sequence[bool], recalled: int = SECOND
+) -> Tracks[ShapeMixture]:
+    model = BoxModel(0.01, np.array([0.0, 0.0, 1.0, 0.0]))
+    return confirmed(tracks, model, np.array(missed), 4.0, recalled)
+
+
+def test_a_new_track_replaces_that_of_a_person_nearby_whom_no_camera_found() -> None:
+    two = people([3, 0], (0.0, 0.0), (0.5, 0.0))
+    after = confirm(two, [True, False])
+    assert after.life.number.tolist() == [3]
+    assert after.bodies.mean.state[0, 0] == pytest.approx(0.5)
+    assert confirm(two, [False, False]).life.number.tolist() == [3, 6]
+    assert confirm(two, [True, False], recalled=0).life.number.tolist() == [3, 6]
+    assert confirm(people([3, 0], (0.0, 0.0), (3.0, 0.0)), [True, False]).life.number.tolist() == [3, 6]
+
+
+def test_only_one_new_person_gets_the_number_of_somebody_lost() -> None:
+    lost_one = replace(lost((0.0, 0.0)), time=np.array([SECOND // 2]))
+    first = confirm(replace(people([0], (0.2, 0.0)), lost=lost_one), [False])
+    assert (first.life.number.tolist(), len(first.lost)) == ([1], 0)
+    both = confirm(replace(people([0, 0], (0.6, 0.0), (0.2, 0.0)), lost=lost_one), [False, False])
+    assert both.life.number.tolist() == [6, 1]
+    late = replace(people([0], (0.2, 0.0)), time=3 * SECOND, lost=lost_one)
+    assert confirm(late, [False]).life.number.tolist() == [6]

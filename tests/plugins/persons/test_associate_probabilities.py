@@ -7,15 +7,15 @@ from itertools import product
 
 import numpy as np
 import pytest
+from tests.plugins.persons.box_bodies import standing
 from tests.plugins.persons.crowded import corner_room
 from tests.plugins.persons.joint_tracks import bodies
 
 from followspot import Array
 from followspot.assignment import assigned
 from followspot_persons.associate.assignment.association_probabilities import association_probabilities
-from followspot_persons.associate.boxes.ellipsoid import SIZE, boxes_of
+from followspot_persons.associate.boxes.ellipsoid import boxes_of
 from followspot_persons.associate.boxes.model import BoxModel
-from followspot_persons.associate.boxes.shape_mixture import NEW, SHAPES, ShapeMixture
 from followspot_persons.associate.colors.torso_colors import BINS
 from followspot_persons.associate.colors.track_colors import unknown_colors
 from followspot_persons.associate.detections import Detections
@@ -45,17 +45,6 @@ def enumerated(log_ratio: Array) -> Array:
             if column >= 0:
                 found[row, column] += weight
     return found / total
-
-
-def standing(*xy: tuple[float, float]) -> ShapeMixture:
-    """People at these places, m, known to some centimetres."""
-    state, covariance = np.zeros((len(xy), 2, SIZE)), np.zeros((len(xy), 2, SIZE, SIZE))
-    state[..., :2], state[..., 2] = np.array(xy)[:, None], 0.86
-    for number, shape in enumerate(SHAPES):
-        state[:, number, 6:] = shape.mean
-        sigmas = np.append([0.1, 0.1, 0.05, 0.3, 0.3, 0.1], 0.5 * shape.sigma)
-        covariance[:, number] = np.diag(sigmas**2)
-    return ShapeMixture(state, covariance, np.tile(NEW, (len(xy), 1)), np.zeros(len(xy), int))
 
 
 def test_probabilities_are_nearly_those_of_all_assignments() -> None:
