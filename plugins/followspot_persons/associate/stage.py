@@ -35,6 +35,8 @@ from followspot_persons.associate.unassigned_detections import unassigned_warnin
 
 FLOOR = np.array([0.0, 0.0, 1.0, 0.0])
 """Of a room whose file has no plane "floor"."""
+STEEPEST = 0.5
+"""Cosine of the steepest slope of a floor that people stand on."""
 MOST_JOINTS = 150
 """Names of joints that are followed, the first that come."""
 
@@ -76,7 +78,9 @@ class Associate(Stage):
         return check_two_views(cameras, "a new person needs detections of")
 
     def setup(self) -> None:
-        """Prepare the cameras. Raises FollowspotError if both kinds of detections are connected."""
+        """Prepare the cameras. Raises FollowspotError if both kinds of detections are connected, or if
+        people in boxes cannot stand on the floor.
+        """
         if {Points2D, Boxes} <= set(self.context.receives):
             raise FollowspotError(f"{self.context.name} takes points or boxes; use a stage for each")
         given, cameras = self.params, self.room.cameras
@@ -84,6 +88,8 @@ class Associate(Stage):
         self.views = views_of(tuple(cameras.values()))
         noise = Noise(given.point_sigma, given.body_sigma, given.delay_sigma)
         floor = self.room.planes.get("floor")
+        if floor is not None and Boxes in set(self.context.receives):
+            check_slope(np.asarray(floor), self.context.name)
         plane = None if floor is None else tuple(np.asarray(floor).tolist())
         self.joint_model = JointModel((), noise, len(cameras), plane)
         self.box_model = BoxModel(given.delay_sigma, FLOOR if floor is None else np.asarray(floor))
@@ -197,6 +203,15 @@ class Associate(Stage):
             colors = histograms(picture, found.torsos)
         time = message.header.time + self.views.each[camera].offset
         return Detections(camera, time, found.measured, colors)
+
+
+def check_slope(floor: Array, name: str) -> None:
+    """Raise FollowspotError if a plane, (4,), is too steep to stand on upright. name: of the stage."""
+    if abs(floor[2]) < STEEPEST * np.linalg.norm(floor[:3]):
+        raise FollowspotError(
+            f"{name} takes people for upright along z, and the room's plane floor is steeper than "
+            "60 degrees: calibrate the cameras in a frame of reference whose z axis points up"
+        )
 
 
 def _time(messages: Sequence[Points2D] | Sequence[Boxes], without: int) -> int:

@@ -153,7 +153,9 @@ def test_a_box_that_may_be_a_rivals_is_less_evidence_of_existence() -> None:
         box = boxes_of(VIEW, people.likeliest[:1])[0]
         before = Association.none(Detections(0, 0, box, np.full((1, BINS), np.nan)), count)
         model = BoxModel(0.01, np.array([0.0, 0.0, 1.0, 0.0]))
-        return float(associated(tracks, model, VIEW, before, assigned)[1].gain.sum())
+        return float(
+            associated(tracks, model, VIEW, before, assigned)[1].gain(0.9, model.odds_limits.detection).sum()
+        )
 
     assert gain((0.0, 0.0)) == pytest.approx(2.0, rel=0.01)
     assert gain((0.0, 0.0), (0.0, 0.0)) == pytest.approx(1.0, rel=0.01)

@@ -24,14 +24,15 @@ Choice = Callable[[Array], tuple[Array, Array]]
 class Association:
     """What is associated so far of M tracks and N detections of one camera.
 
-    found: (M,) bool, tracks with a detection; gain: (M,) log-odds that these add; used: (N,) bool, detections
-    of tracks; explained: (N,) bool, detections that fit a person with a number; visible: (M,) share of each
-    body that the camera sees.
+    found: (M,) bool, tracks with a detection; ratio: (M,) log-likelihood ratios of these; probability: (M,)
+    that they are the tracks', 0 without one; used: (N,) bool, detections of tracks; explained: (N,) bool,
+    detections that fit a person with a number; visible: (M,) share of each body that the camera sees.
     """
 
     detections: Detections
     found: Array
-    gain: Array
+    ratio: Array
+    probability: Array
     used: Array
     explained: Array
     visible: Array
@@ -40,13 +41,23 @@ class Association:
     def none(cls, detections: Detections, bodies: int) -> Association:
         """Before the first round."""
         none, nothing = np.zeros(len(detections.measured), bool), np.zeros(bodies)
-        return cls(detections, np.zeros(bodies, bool), nothing, none, none, nothing)
+        return cls(detections, np.zeros(bodies, bool), nothing, nothing, none, none, nothing)
 
     @property
     def unassigned(self) -> Detections:
         """The detections that belong to no track and fit no person with a number."""
         one, free = self.detections, ~(self.used | self.explained)
         return replace(one, measured=one.measured[free], colors=one.colors[free])
+
+    def gain(self, detection: float, most: float) -> Array:
+        """Change of the log-odds of the tracks with a detection, (M,), `most` at most.
+
+        Ratios are against one false detection anywhere in the picture. Those of `unassigned` are taken for
+        false: the more there are, the more of them fit a body by chance. None counts less than a missed one.
+        """
+        false = max(len(self.unassigned.measured), 1)
+        least = missed_detection(self.visible, detection)
+        return np.asarray(self.probability * np.clip(self.ratio - np.log(false), least, most))
 
     def loss(self, detection: float) -> Array:
         """Change of the log-odds of the tracks without a detection, (M,).
@@ -95,13 +106,14 @@ def associated(
     score[before.found] = score[:, before.used] = -np.inf
     rows, columns = choose(score)
     probability = association_probabilities(score, 1 / (1 + np.exp(-life.odds)))[rows, columns]
-    found, gain, used = before.found.copy(), before.gain.copy(), before.used.copy()
+    found, used = before.found.copy(), before.used.copy()
     found[rows], used[columns] = True, True
-    gain[rows] = probability * np.minimum(ratio[rows, columns], model.odds_limits.detection)
+    ratios, probabilities = before.ratio.copy(), before.probability.copy()
+    ratios[rows], probabilities[rows] = ratio[rows, columns], probability
     explained = np.asarray((ratio[life.number > 0] > 0).any(axis=0))
     seen = life.seen.copy()
     seen[rows] = one.time
     colors = updated_colors(life.colors, rows, one.camera, one.colors[columns], visible[rows])
     bodies = model.updated(tracks.bodies, rows, view, one.measured[columns], probability)
     tracks = replace(tracks, bodies=bodies, life=replace(life, seen=seen, colors=colors))
-    return tracks, Association(one, found, gain, used, explained, visible)
+    return tracks, Association(one, found, ratios, probabilities, used, explained, visible)

@@ -57,7 +57,7 @@ def updated(
     before, tracks = tracks.time, replace(tracks, bodies=model.before_set(tracks.bodies))
     tracks, cameras = _with_detections(tracks, model, views, detections)
     weight = independence((tracks.time - before) * NANOSECOND)
-    evidence = _evidence(cameras, len(tracks.bodies), rules)
+    evidence = _evidence(cameras, len(tracks.bodies), rules.detection, model.odds_limits.detection)
     odds = np.clip(tracks.life.odds + evidence.change(weight), MINIMUM_ODDS, MAXIMUM_ODDS)
     tracks = replace(tracks, life=replace(tracks.life, odds=odds), unassigned=_counted(tracks, cameras))
     tracks = with_initiated(tracks, model, views, [one.unassigned for one in cameras], rules.detection)
@@ -89,11 +89,13 @@ def _with_detections(
     return tracks, cameras
 
 
-def _evidence(cameras: Sequence[Association], bodies: int, rules: Rules) -> ExistenceEvidence:
-    """The evidence of all cameras of a set."""
+def _evidence(
+    cameras: Sequence[Association], bodies: int, detection: float, most: float
+) -> ExistenceEvidence:
+    """The evidence of all cameras of a set. detection: as in `Rules`; most: what a detection adds at most."""
     gain, loss, views = np.zeros(bodies), np.zeros(bodies), np.zeros(bodies, int)
     for one in cameras:
-        gain, loss, views = gain + one.gain, loss + one.loss(rules.detection), views + one.found
+        gain, loss, views = gain + one.gain(detection, most), loss + one.loss(detection), views + one.found
     return ExistenceEvidence(gain, loss, views)
 
 
