@@ -72,6 +72,24 @@ class Told(Message):
 
 
 @pytest.mark.parametrize(
+    ("field", "value", "reason"),
+    [
+        ("number", "5", "number is a str, declared int"),
+        ("number", None, "number is None, declared int"),
+        ("text", 5, "text is an int, declared str"),
+        ("names", ["a"], "names is a list, declared tuple[str, ...]"),
+    ],
+)
+def test_types_of_a_wrong_field_are_named_as_declarations_write_them(
+    field: str, value: object, reason: str
+) -> None:
+    told = Told(**({"number": 1, "text": "", "names": ()} | {field: value}))
+    with pytest.raises(InvalidMessage) as refused:
+        seal(told)
+    assert str(refused.value) == reason
+
+
+@pytest.mark.parametrize(
     ("told", "reason"),
     [
         (Told(1 << 63, "", ()), "number is no number of 64 bits"),

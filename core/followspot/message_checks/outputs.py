@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from followspot.errors import FollowspotError
+from followspot.message_checks.type_names import named_value
 from followspot.messages import UNSTAMPED, Header, Message
 from followspot.ports.specs import ONE_OUTPUT, OutputSpec
 
@@ -37,7 +38,7 @@ def several(result: Any) -> Iterator[Any]:
         return iter(result)
     except TypeError:
         raise WrongOutput(
-            f"returned {_named(result)} instead of several messages: yield them, or return a list"
+            f"returned {named_value(result)} instead of several messages: yield them, or return a list"
         ) from None
 
 
@@ -76,13 +77,13 @@ def _messages(declared: Sequence[OutputSpec], output: Any, did: str) -> Sequence
     if len(declared) == 1 and declared[0].name == ONE_OUTPUT:
         return () if output is None else (_of_type(declared[0].type, output, did),)
     if not declared:
-        raise WrongOutput(f"{did} {_named(output)}, declared None: declare what `process` returns")
+        raise WrongOutput(f"{did} {named_value(output)}, declared None: declare what `process` returns")
     found = []
     for port in declared:
         message = getattr(output, port.name, _MISSING)
         if message is _MISSING:
             names = ", ".join(f"`{each.name}`" for each in declared)
-            raise WrongOutput(f"{did} {_named(output)}, declared outputs {names}: name each of them")
+            raise WrongOutput(f"{did} {named_value(output)}, declared outputs {names}: name each of them")
         if message is not None:
             found.append(_of_type(port.type, message, f"{did} as `{port.name}`"))
     return found
@@ -90,13 +91,7 @@ def _messages(declared: Sequence[OutputSpec], output: Any, did: str) -> Sequence
 
 def _of_type(kind: type[Message], message: Any, did: str) -> Message:
     if type(message) is not kind:
-        raise WrongOutput(f"{did} {_named(message)}, declared {kind.__name__}: the type must be exactly that")
+        raise WrongOutput(
+            f"{did} {named_value(message)}, declared {kind.__name__}: the type must be exactly that"
+        )
     return message
-
-
-def _named(value: object) -> str:
-    """A value by its type: a list, an ndarray, None."""
-    if value is None:
-        return "None"
-    name = type(value).__name__
-    return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from followspot.message_checks.type_names import named_type, named_value
 from followspot.messages import (
     MAX_BYTES,
     MAX_INTEGER,
@@ -55,7 +56,7 @@ def seal(message: M) -> M:
     for name in message.array_names:
         array = values[name]
         if type(array) is not np.ndarray:
-            raise InvalidMessage(f"{name} is a {type(array).__name__}, not a numpy array")
+            raise InvalidMessage(f"{name} is {named_value(array)}, not a numpy array")
         if not array.flags.c_contiguous:
             values[name] = array = np.ascontiguousarray(array)
         elif array.base is not None:
@@ -123,7 +124,7 @@ def _plain(name: str, value: Any, kind: Any) -> Any:
     else:
         matches = type(value) is kind
     if not matches:
-        raise InvalidMessage(f"{name} is a {type(value).__name__}, declared {kind}")
+        raise InvalidMessage(f"{name} is {named_value(value)}, declared {named_type(kind)}")
     return value
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from followspot.message_checks.sealing import beyond_truth, check_shape
+from followspot.message_checks.type_names import named_type, named_value
 from followspot.messages import (
     MAX_BYTES,
     MAX_INTEGER,
@@ -102,7 +103,7 @@ class Codec:
             if type(value) is list and kind == tuple[str, ...] and all(type(word) is str for word in value):
                 value = tuple(value)
             elif type(value) is not kind:
-                raise InvalidMessage(f"{name} is a {type(value).__name__}, declared {kind}")
+                raise InvalidMessage(f"{name} is {named_value(value)}, declared {named_type(kind)}")
             elif type(value) is int and not MIN_INTEGER <= value <= MAX_INTEGER:
                 raise InvalidMessage(f"{name} is {value}, which is no number of 64 bits")
             values[name] = value
