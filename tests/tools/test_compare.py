@@ -138,6 +138,14 @@ def test_mistakes_of_all_variants_come_at_once_and_nothing_runs(
     assert not (tmp_path / "out").exists()
 
 
+def test_an_option_of_a_variant_takes_the_place_of_that_of_all_variants() -> None:
+    words = ["compare", RECORDED, "--set", "fuse.uses=balls.mean", "--variant", "b:fuse.uses=balls.bundle"]
+    args = build_parser(words).parse_args(words)
+    (scene,) = plan_scenes(read_variants(args.graphs, args.variants), args)
+    used = [stage.uses for plan in scene.plans for stage in plan.stages if stage.name == "fuse"]
+    assert used == ["balls.mean", "balls.bundle"]
+
+
 def test_room_without_truth_cannot_be_compared_in(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     blind = tmp_path / "blind.yaml"
     blind.write_text(re.sub(r"^truth:.*\n", "", Path(SIMULATED).read_text(), flags=re.MULTILINE))

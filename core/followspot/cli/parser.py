@@ -77,7 +77,17 @@ def _add_common_options(parser: argparse.ArgumentParser) -> None:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Suggests the word that a wrong word may have meant."""
+    """Suggests the word that a wrong word may have meant, and refuses two values of one option."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self._given: dict[argparse.Action, tuple[Any, str]] = {}
+        """The options of the command line that is read: the value of each, and how it is written."""
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Read a command line; see `argparse`."""
+        self._given.clear()
+        return super().parse_known_args(args, namespace)
 
     def took_more(self, args: argparse.Namespace, words: Sequence[str]) -> bool:
         """Give words after an option to the argument that takes several: options may stand anywhere.
@@ -98,6 +108,15 @@ class _Parser(argparse.ArgumentParser):
         if options:
             remedy = f"; {did_you_mean(options[0], self._option_string_actions, 'options')}"
         return f"unrecognized arguments: {' '.join(words)}{remedy}"
+
+    def _get_value(self, action: argparse.Action, arg_string: str) -> Any:
+        """The value of one word. Raises ArgumentError if the option had another value before."""
+        value = super()._get_value(action, arg_string)
+        if action.option_strings and action.nargs is None and isinstance(action, argparse._StoreAction):
+            before, written = self._given.setdefault(action, (value, arg_string))
+            if arg_string != written and before != value:
+                raise argparse.ArgumentError(action, f"given twice, as {written:.80} and as {arg_string:.80}")
+        return value
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:

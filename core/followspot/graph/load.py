@@ -12,7 +12,7 @@ from followspot.graph.compose.compose import Composed, compose
 from followspot.graph.compose.interface_targets import StageTarget
 from followspot.graph.compose.optional_use import OptionalUse
 from followspot.graph.declaration import StageDeclaration, read_stage
-from followspot.graph.override import read_override
+from followspot.graph.override import read_overrides
 from followspot.graph.room_part import part_of
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.room import Room
@@ -119,7 +119,7 @@ def _composed(
     mistakes: list[Mistake],
 ) -> tuple[Composed, Room | None, Node | None]:
     """The composed graph; the room and its document: see `Loaded.room`, `Loaded.room_node`."""
-    changes = [change for option in overrides if (change := read_override(option, mistakes)) is not None]
+    changes = read_overrides(overrides, mistakes)
     found: tuple[Room | None, Node | None] = None, None
 
     def find_room(named: Node | None) -> tuple[Room | None, Node | None]:

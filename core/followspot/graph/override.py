@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +40,11 @@ class Override:
     stage_place: Place
     within: str = ""
     tune: bool = False
+
+    @property
+    def written(self) -> str:
+        """The whole option."""
+        return self.stage_place.written
 
     def below(self, subgraph: str) -> Override:
         """The override, named from within a sub-graph."""
@@ -83,6 +89,45 @@ def read_override(option: str, mistakes: list[Mistake]) -> Override | None:
         mistakes += error.mistakes
         return None
     return Override(keys[0], tuple(keys[1:]), tuple(places[1:]), node, places[0])
+
+
+def read_overrides(options: Iterable[str], mistakes: list[Mistake]) -> list[Override]:
+    """Read all options of a command; note a mistake for each that is malformed or undoes another."""
+    found = [change for option in options if (change := read_override(option, mistakes)) is not None]
+    mistakes += _contradictions(found)
+    return found
+
+
+def _contradictions(overrides: Sequence[Override]) -> Iterator[Mistake]:
+    """A mistake for each option that undoes an earlier one: another value of its key, or of what holds it."""
+    for first, second in combinations(overrides, 2):
+        name, _, before = first.written.partition("=")
+        other, _, value = second.written.partition("=")
+        if _undoes(second.written, first.written) and (
+            _path(name) != _path(other) or before.strip() != value.strip()
+        ):
+            text = f'"{name:.80}" is set to {before:.80}, and'
+            text = f"{text} to {value:.80}" if name == other else f'{text} "{other:.80}" to {value:.80}'
+            yield Mistake(
+                replace(second.stage_place, width=max(1, len(other))), text, "leave one of them out"
+            )
+
+
+def not_undone(options: Sequence[str], later: Sequence[str]) -> list[str]:
+    """The options whose keys no later option gives another value."""
+    return [option for option in options if not any(_undoes(other, option) for other in later)]
+
+
+def _undoes(option: str, earlier: str) -> bool:
+    """Whether an option replaces all that an earlier one sets."""
+    path = _path(option)
+    return len(path) > 1 and _path(earlier)[: len(path)] == path
+
+
+def _path(option: str) -> tuple[str, ...]:
+    """The stage and the keys that an option sets; STAGE.with.KEY is STAGE.KEY."""
+    stage, *keys = option.partition("=")[0].split(".")
+    return (stage, *(keys[1:] if keys[:1] == ["with"] else keys))
 
 
 def is_set(node: Node) -> bool:

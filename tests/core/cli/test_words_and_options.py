@@ -96,6 +96,37 @@ def test_a_run_in_the_place_of_something_else_is_told_the_option(
     assert "--run glowballs" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            ["run", "g.yaml", "--room", "a.yaml", "--room", "b.yaml"],
+            "--room: given twice, as a.yaml and as b",
+        ),
+        (["run", "g.yaml", "--out=a", "--frames", "3", "--out", "b"], "--out: given twice, as a and as b"),
+        (["run", "g.yaml", "--placement", "camera", "--placement", "stage"], "as camera and as stage"),
+        (["run", "g.yaml", "--edges", "auto", "--edges", "ring"], "as auto and as ring"),
+        (["run", "g.yaml", "--cameras", "a", "--cameras", "b"], "as a and as b"),
+        (["sweep", "g.yaml", "-o", "a", "--out", "b"], "-o/--out: given twice, as a and as b"),
+        (["demo", "--frames", "3", "--frames", "4"], "--frames: given twice, as 3 and as 4"),
+    ],
+)
+def test_two_values_of_an_option_that_takes_one_are_refused(
+    capsys: pytest.CaptureFixture[str], words: list[str], said: str
+) -> None:
+    with pytest.raises(SystemExit) as refused:
+        command_line.main(words)
+    assert refused.value.code == 2
+    assert said in capsys.readouterr().err
+
+
+def test_an_option_may_say_the_same_twice_and_be_another_in_the_next_command() -> None:
+    words = ["run", "g.yaml", "--frames", "3", "--frames=3", "--connect", "tcp/a:1", "--connect", "tcp/b:1"]
+    parser = command_parser.build_parser()
+    assert parser.parse_args(words).connect == ["tcp/a:1", "tcp/b:1"]
+    assert parser.parse_args([*words[:2], "--frames", "4"]).frames == 4
+
+
 def test_a_word_too_many_is_told_if_a_command_takes_one(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         command_line.main(["check", "a.yaml", "b.yaml"])

@@ -74,6 +74,19 @@ def test_what_does_not_fit_is_said(plan: Plan, word: str, said: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["detect.level=0.7", "detect.level=0.8"], '"detect.level" is set to 0.7, and to 0.8'),
+        (["pair=toy.pair_again", "pair=toy.pair"], '"pair.uses" is set to toy.pair_again, and to toy.pair'),
+    ],
+)
+def test_words_that_undo_others_are_refused_with_both_values(plan: Plan, words: list[str], said: str) -> None:
+    with pytest.raises(InputError) as raised:
+        changed_stages(plan, words)
+    assert said in str(raised.value)
+
+
+@pytest.mark.parametrize(
     ("word", "typed"),
     [
         ("pair=toy.nothing", ("swap:1:1", "pair=toy.nothing", "^^^^")),

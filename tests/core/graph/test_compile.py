@@ -242,6 +242,32 @@ def test_an_empty_graph_is_one_mistake(tmp_path: Path, text: str, said: str) -> 
     assert said in mistake
 
 
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["detect.level=0.1", "detect.level=0.2"], '"detect.level" is set to 0.1, and to 0.2'),
+        (["pair.uses=toy.any", "pair.uses=toy.pair"], '"pair.uses" is set to toy.any, and to toy.pair'),
+        (
+            ["detect.with.level=0.1", "detect.level=0.2"],
+            '"detect.with.level" is set to 0.1, and "detect.level" to 0.2',
+        ),
+        (
+            ["pair.in.blobs.from=a", "pair.in.blobs=detect"],
+            '"pair.in.blobs.from" is set to a, and "pair.in.blobs" to detect',
+        ),
+    ],
+)
+def test_options_that_undo_others_are_refused_with_both_values(
+    tmp_path: Path, options: list[str], said: str
+) -> None:
+    assert any(said in mistake for mistake in refused(tmp_path, *options))
+
+
+def test_options_that_say_the_same_twice_or_a_part_of_the_other_are_no_mistake(tmp_path: Path) -> None:
+    plan = planned(tmp_path, "detect.level=0.1", "detect.with.level=0.1")
+    assert {stage.params["level"] for stage in plan.stages if stage.group == "detect"} == {0.1}
+
+
 def test_mistakes_of_graph_room_placement_and_options_are_reported_together(tmp_path: Path) -> None:
     graph = write(
         tmp_path,

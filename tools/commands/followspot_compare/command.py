@@ -16,6 +16,7 @@ from followspot.cli.progress import ProgressBar
 from followspot.cli.trial_options import check_rooms, planned
 from followspot.cli.trial_outputs import same_outputs
 from followspot.errors import FollowspotError, InputError, Mistake, writing
+from followspot.graph.override import not_undone
 from followspot.graph.plan import Plan
 from followspot.library.execute import RunOptions, room_truth
 from followspot_accuracy import PoseTruthTable, TruthTable
@@ -90,7 +91,10 @@ def plan_scenes(variants: Sequence[Variant], args: argparse.Namespace) -> tuple[
     rooms = args.rooms or [None]
     scenes = []
     for room in rooms:
-        found = (planned(v.graph, room, [*args.overrides, *v.overrides], args, mistakes) for v in variants)
+        found = (
+            planned(v.graph, room, [*not_undone(args.overrides, v.overrides), *v.overrides], args, mistakes)
+            for v in variants
+        )
         plans = [plan for plan in found if plan is not None]
         if len(plans) == len(variants):
             _check_room(plans, room, mistakes)

@@ -14,7 +14,7 @@ from followspot.graph.change.subgraph_change import BY_A_CHANGE, replaced, uses_
 from followspot.graph.change.subgraph_plan import room_document
 from followspot.graph.distinct_mistakes import distinct_mistakes
 from followspot.graph.names import enclosing
-from followspot.graph.override import SUBGRAPH, Override, read_override
+from followspot.graph.override import SUBGRAPH, Override, read_overrides
 from followspot.graph.parameter_origin import origin_of
 from followspot.graph.parameters import output_paths, plain_default, validated
 from followspot.graph.plan import Plan, PlannedStage
@@ -59,13 +59,10 @@ def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change
     mistakes: list[Mistake] = []
     requested: dict[str, _Changes] = {}
     begun = plan
-    for word in sorted(words, key=sets_parameter):
-        override = read_override(as_set_option(word), mistakes)
-        if override is None:
-            continue
+    for override in read_overrides(map(as_set_option, sorted(words, key=sets_parameter)), mistakes):
         if not uses_of(plan, override.stage):
             _note(override, plan, requested, mistakes)
-        elif sets_parameter(word):
+        elif override.written in words:  # not STAGE=USES, whose long form it would be
             _note_parameter(override, plan, requested, mistakes)
         else:
             plan = _note_file(override, plan, folder, requested, mistakes)
