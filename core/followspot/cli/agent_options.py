@@ -53,7 +53,6 @@ def add_network_options(
         )
     group.add_argument(
         "--certificates",
-        default="",
         metavar="DIR",
         help="folder with the certificate of this host, made by followspot certs; tls/ needs it",
     )
@@ -77,7 +76,7 @@ def network_of(
     router = getattr(args, "router", "")
     if args.certificates:  # loopback uses TLS, too: certificates identify the peers
         listen, connect, (router,) = secured(listen), secured(connect), secured([router])
-    network = Network(listen, connect, args.certificates, args.insecure, router, discover)
+    network = Network(listen, connect, args.certificates or "", args.insecure, router, discover)
     if network.insecure and network.exposed:
         print(_INSECURE.format(", ".join(network.exposed)), file=sys.stderr, flush=True)
     return network

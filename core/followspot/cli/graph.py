@@ -16,7 +16,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     add_graph_options(parser)
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--mermaid", action="store_true", help="print a Mermaid flow chart")
-    form.add_argument("--svg", metavar="FILE", help="write an SVG picture")
+    form.add_argument("--svg", type=Path, metavar="FILE", help="write an SVG picture")
     form.add_argument("--flat", action="store_true", help="print it as one file without sub-graphs")
     form.add_argument("--origin", action="store_true", help="print where each stage and value is written")
     parser.add_argument("--unfold", action="store_true", help="show the stages of sub-graphs one by one")
@@ -51,8 +51,8 @@ def _run(args: argparse.Namespace) -> int:
         return 0
     plan = plan_of(args)
     if args.svg:
-        with writing(Path(args.svg)):
-            Path(args.svg).write_text(svg(plan, fold=not args.unfold), encoding="utf-8")
+        with writing(args.svg):
+            args.svg.write_text(svg(plan, fold=not args.unfold), encoding="utf-8")
     elif args.json:
         print(json.dumps(plan_to_data(plan)))
     elif args.flat or args.origin:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from followspot.cli import agent, attach, certs, check, completion, graph, move, plugins, router, run, swap
@@ -110,7 +111,9 @@ class _Parser(argparse.ArgumentParser):
         return f"unrecognized arguments: {' '.join(words)}{remedy}"
 
     def _get_value(self, action: argparse.Action, arg_string: str) -> Any:
-        """The value of one word. Raises ArgumentError if the option had another value before."""
+        """The value of one word. Raises ArgumentError for an empty path and a second value of an option."""
+        if not arg_string and arg_string is not action.default and _names_a_file(action):
+            raise argparse.ArgumentError(action, "the path is empty")
         value = super()._get_value(action, arg_string)
         if action.option_strings and action.nargs is None and isinstance(action, argparse._StoreAction):
             before, written = self._given.setdefault(action, (value, arg_string))
@@ -122,6 +125,11 @@ class _Parser(argparse.ArgumentParser):
         if action.choices is not None and value not in action.choices:
             remedy = did_you_mean(str(value), [str(choice) for choice in action.choices], "known")
             raise argparse.ArgumentError(action, f'there is no "{value}"; {remedy}')
+
+
+def _names_a_file(action: argparse.Action) -> bool:
+    """Whether an argument names a file or folder that nothing else looks up."""
+    return action.type is Path or action.metavar in ("DIR", "RUN|DIR")
 
 
 class _Version(argparse.Action):

@@ -102,8 +102,9 @@ def _value(info: FieldInfo | None, name: str, node: Node, mistakes: list[Mistake
     if _marked(info, PathIn):
         file = node.place.file
         path = (folder if file.startswith(_OPTION) else Path(file).parent) / value
-        problem = _unfit(path)
-        if problem:
+        if not value:
+            mistakes.append(Mistake(node.place, f'"{name}" names no file: the path is empty', "write a path"))
+        elif problem := _unfit(path):
             remedy = "paths are relative to the file that they are written in"
             mistakes.append(Mistake(node.place, f'"{name}" names {path!s}, which {problem}', remedy))
         return str(path.absolute())

@@ -120,6 +120,29 @@ def test_two_values_of_an_option_that_takes_one_are_refused(
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["run", "g.yaml", "--out", ""], "--out"),
+        (["run", "g.yaml", "--media="], "--media"),
+        (["run", "g.yaml", "--certificates", ""], "--certificates"),
+        (["graph", "g.yaml", "--svg", ""], "--svg"),
+        (["simulate", "--room", "", "--out", "a"], "--room"),
+        (["simulate", "--room", "r.yaml", "--out", ""], "--out"),
+        (["export", "a.mcap", "", "--to", "csv"], "DIR"),
+        (["new", "plugin", "mine", "--dir", ""], "--dir"),
+    ],
+)
+def test_an_empty_path_is_not_the_current_folder(
+    capsys: pytest.CaptureFixture[str], words: list[str], named: str
+) -> None:
+    with pytest.raises(SystemExit) as refused:
+        command_line.main(words)
+    assert refused.value.code == 2
+    said = capsys.readouterr().err
+    assert f"{named}: the path is empty" in said
+
+
 def test_an_option_may_say_the_same_twice_and_be_another_in_the_next_command() -> None:
     words = ["run", "g.yaml", "--frames", "3", "--frames=3", "--connect", "tcp/a:1", "--connect", "tcp/b:1"]
     parser = command_parser.build_parser()

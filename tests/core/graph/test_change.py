@@ -62,6 +62,7 @@ def test_what_is_so_already_is_no_change(plan: Plan) -> None:
         ("pair=toy.any", "its replacement plain Blobs"),
         ("track=toy.save", 'has no input "blobs"'),
         ("save=toy.detect", 'needs the input "frame"'),
+        ("camera.path=''", '"path" names no file: the path is empty'),
         ("camera.frames=5", 'source "camera/cam0" would begin its stream anew'),
         ("pair=toy.camera", "takes the place of a live source"),
         ("save=toy.save_again", 'would write tracks.csv, which "save" is writing'),
