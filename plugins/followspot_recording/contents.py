@@ -27,6 +27,8 @@ from followspot_recording.records import (
 )
 
 _FOOTER = Span(0, HEAD.size + 20)
+_UNCHUNKED = "it has messages outside of chunks (mcap compress FILE -o NEW.mcap puts them into chunks)"
+"""Any writer of MCAP may leave out chunks; their checksums are what tells damaged messages."""
 _MAX_ITEMS = 1 << 22
 """Most records that one file is read for."""
 
@@ -190,6 +192,8 @@ class _Scan:
             self.contents.metadata[fact.name] = span
         elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
             self.definitions.take(opcode, read_span(self.file, span, Opcode(opcode)))
+        elif opcode == Opcode.MESSAGE:
+            raise Damaged(_UNCHUNKED)
         elif opcode not in (Opcode.HEADER, Opcode.MESSAGE_INDEX) and opcode < 0x80:
             raise Damaged(f"record {opcode} does not belong")
 

@@ -157,6 +157,14 @@ def test_a_recording_from_elsewhere_writes_nothing_outside_and_loads_no_file(
     assert not (tmp_path / "outside.csv").exists()
 
 
+def test_a_recording_whose_plan_is_none_is_refused_with_its_name(
+    show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    strange = altered(show, tmp_path / "strange.mcap", stages="none")
+    assert replay(strange, tmp_path / "out") != 0
+    assert f"{strange}: plan.json: this is no plan" in capsys.readouterr().err
+
+
 def test_messages_of_a_stranger_are_recorded_replayed_and_verified(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -205,6 +205,18 @@ def last_chunk(data: bytes) -> tuple[int, int]:
     return found
 
 
+def test_a_file_without_chunks_is_told_with_a_remedy(tmp_path: Path) -> None:
+    file = BytesIO()
+    writer = Writer(file, use_chunking=False)
+    writer.start()
+    channel = writer.register_channel(PORT, "", writer.register_schema("a", "", b""))
+    writer.add_message(channel, 0, b"", 0)
+    writer.finish()
+    numbers, problem = read(tmp_path / "a.mcap", file.getvalue())
+    assert not numbers
+    assert "messages outside of chunks (mcap compress FILE -o NEW.mcap" in problem
+
+
 @pytest.mark.parametrize("data", [b"", b"hello, world"])
 def test_another_file_is_refused(tmp_path: Path, data: bytes) -> None:
     with pytest.raises(FollowspotError, match="no recording"):

@@ -12,7 +12,7 @@ import pydantic
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.graph.parameters import output_paths
 from followspot.graph.plan import Plan, PlannedStage
-from followspot.graph.plan_data import plan_from_data
+from followspot.graph.plan_data import PlanDataError, plan_from_data
 from followspot.plugins.registry import load_stage, use_plugin_files
 from followspot_record.record import PLAN
 from followspot_record.replay_plan import on_this_host
@@ -35,8 +35,11 @@ def recorded_plan(recording: Recording, plugin_files: Sequence[str]) -> Plan:
 
 def plan_of_recording(recording: Recording) -> Plan:
     """The plan in the file, unchecked. Raises FollowspotError."""
+    data = recording.attachment(PLAN)
     try:
-        return plan_from_data(json.loads(recording.attachment(PLAN)))
+        return plan_from_data(json.loads(data))
+    except PlanDataError as error:
+        raise FollowspotError(f"{recording.path}: {PLAN}: {error}") from None
     except (ValueError, RecursionError) as error:
         raise FollowspotError(f"{recording.path}: {PLAN} is damaged: {error}") from None
 
