@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import FollowspotError
 from followspot.plugins.loaded_hooks import load_plan_options
 
@@ -85,19 +86,20 @@ def plan_of(args: argparse.Namespace, *, strict: bool = False) -> Plan:
     """
     from followspot.graph.compile import compile_graph
 
-    plan = compile_graph(
-        args.graph,
-        room=args.room,
-        cameras=args.cameras,
-        placement=args.placement,
-        overrides=args.overrides,
-        plugin_files=args.plugin_files,
-        edges=args.edges,
-        seed=args.seed,
-        strict=strict,
-    )
-    for options in load_plan_options():
-        plan = options.change(plan, args)
+    with printed_to_stderr(getattr(args, "json", False)):  # the modules of stages may print
+        plan = compile_graph(
+            args.graph,
+            room=args.room,
+            cameras=args.cameras,
+            placement=args.placement,
+            overrides=args.overrides,
+            plugin_files=args.plugin_files,
+            edges=args.edges,
+            seed=args.seed,
+            strict=strict,
+        )
+        for options in load_plan_options():
+            plan = options.change(plan, args)
     return plan
 
 

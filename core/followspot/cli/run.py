@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from followspot.cli.agent_options import add_network_options, network_of
 from followspot.cli.graph_options import add_graph_options, frame_count, output_folder, plan_of
+from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import FollowspotError, warning_lines
 from followspot.plugins.hooks import Command
 from followspot.plugins.loaded_hooks import load_plan_options
@@ -100,7 +101,7 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
         print(
             f"warning: an earlier run left {', '.join(old)} in {out}; this one replaces it", file=sys.stderr
         )
-    with closing(ProgressBar()) as bar, ExitStack() as watchers:
+    with printed_to_stderr(args.json), closing(ProgressBar()) as bar, ExitStack() as watchers:
         if network.certificates:
             from followspot.security.rejected_peers import RejectedPeers
 
@@ -116,7 +117,8 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
             restart=args.restart,
             on_log=ShownLog(out, bar.say, verbose=args.verbose).take,
         )
-    whole = Report(report, out, _scores(report, out, quiet=args.quiet))
+    with printed_to_stderr(args.json):
+        whole = Report(report, out, _scores(report, out, quiet=args.quiet))
     if args.json:
         print(json.dumps(whole.to_json()))
     else:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from followspot.cli.graph_options import frame_count
+from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import InputError, Mistake
 
 if TYPE_CHECKING:
@@ -45,9 +46,10 @@ def planned(
     from followspot.graph.compile import compile_graph
 
     try:
-        return compile_graph(
-            graph, room=room, overrides=overrides, plugin_files=args.plugin_files, seed=args.seed
-        )
+        with printed_to_stderr(args.json):  # the modules of stages may print
+            return compile_graph(
+                graph, room=room, overrides=overrides, plugin_files=args.plugin_files, seed=args.seed
+            )
     except InputError as error:
         mistakes += error.mistakes
         return None

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from followspot.cli.graph_options import output_folder
 from followspot.cli.progress import ProgressBar
+from followspot.cli.standard_output import printed_to_stderr
 from followspot.cli.trial_options import check_rooms, planned
 from followspot.cli.trial_outputs import same_outputs
 from followspot.errors import FollowspotError, InputError, Mistake, writing
@@ -46,7 +47,8 @@ def compare(args: argparse.Namespace) -> int:
     trials: list[Trial] = []
     try:
         for scene in scenes:
-            trials.extend(run_scene(scene, variants, out, args))
+            with printed_to_stderr(args.json):
+                trials.extend(run_scene(scene, variants, out, args))
     except (FollowspotError, KeyboardInterrupt) as ended:
         if known := comparable(trials, len(variants)):
             try:

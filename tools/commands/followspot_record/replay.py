@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import partial
 
 from followspot.cli.run import execute
+from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import InputError, Mistake, did_you_mean
 from followspot.frame_times import to_seconds
 from followspot.graph.compile import compile_graph
@@ -34,7 +35,7 @@ def replay_command(args: argparse.Namespace) -> int:
     mistakes = list(_mistakes(args))
     if mistakes:
         raise InputError(mistakes)
-    with Recording(args.recording) as recording:
+    with printed_to_stderr(args.json), Recording(args.recording) as recording:
         if recording.problem:
             print(f"followspot: {recording.problem}", file=sys.stderr)
         _check_begin(args.start, recording)

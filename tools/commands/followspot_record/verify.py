@@ -13,6 +13,7 @@ from operator import itemgetter
 from pathlib import Path
 
 from followspot.cli.progress import ProgressBar
+from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import FollowspotError, InputError
 from followspot.frame_times import to_seconds
 from followspot.graph.output_ports import output_ports
@@ -33,7 +34,11 @@ _LIVE = "it was recorded live: a message that came too late then comes in time n
 
 def verify_command(args: argparse.Namespace) -> int:
     """Run again, compare, print. Returns the exit code."""
-    with Recording(args.recording) as old, tempfile.TemporaryDirectory(prefix="followspot-verify-") as folder:
+    with (
+        printed_to_stderr(args.json),
+        Recording(args.recording) as old,
+        tempfile.TemporaryDirectory(prefix="followspot-verify-") as folder,
+    ):
         old.examine()
         plan = recorded_plan(old, args.plugin_files)
         if old.firings or old.metadata.get(MOMENT) == "true":
