@@ -35,6 +35,9 @@ class Agent:
     seen: list[tuple[WorkerStatus, ...]] = field(default_factory=list)
     """The workers that the operator knew of when it asked for the log."""
 
+    def has_twins(self, agent: str) -> bool:
+        return False
+
     def ask(self, agent: str, request: Request, timeout: float) -> Any:
         if isinstance(request, GetHostStatus):
             return HostStatus((WorkerStatus("left", "over"),), (), logged=0, age_s=0.0)
@@ -63,6 +66,9 @@ class Closed:
 
     asked: list[str] = field(default_factory=list)
 
+    def has_twins(self, agent: str) -> bool:
+        return False
+
     def ask(self, agent: str, request: Request, timeout: float) -> Any:
         self.asked.append(verb(type(request)))
         if isinstance(request, FindRun):
@@ -85,6 +91,49 @@ def test_an_observer_does_not_resume_an_ended_run(monkeypatch: pytest.MonkeyPatc
     assert set(agent.asked) == {"get_host_status", "find_run"}
     with pytest.raises(HostLost, match="host pc-left no longer has the run: another operator ended it"):
         host.attend(0.0)
+
+
+@dataclass
+class Twins:
+    """Two agents of one name: the second has no run, and is found when the first one has answered."""
+
+    asked: list[str] = field(default_factory=list)
+
+    def has_twins(self, agent: str) -> bool:
+        return True
+
+    def ask(self, agent: str, request: Request, timeout: float) -> Any:
+        self.asked.append(verb(type(request)))
+        if self.asked == ["get_host_status"]:
+            return HostStatus((WorkerStatus("left", "running"),), ())
+        raise HostRefused("there is no run here")
+
+
+def test_a_second_agent_of_the_name_is_told_once_and_does_not_get_the_run() -> None:
+    agents = Twins()
+    host = RemoteHost(agents, "pc-left", order=RunOrder("feedc0de", {}))  # type: ignore[arg-type]
+    host.watch()
+    deadline = time.monotonic() + 60.0
+    while len(agents.asked) < 4:
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+    host.leave()
+    assert set(agents.asked) == {"get_host_status"}
+    (told,) = host.log.after(-1).records
+    assert told.text.startswith('several agents are named "pc-left" since the run began')
+
+
+@pytest.mark.parametrize("soon", [False, True])
+def test_agents_of_one_name_are_looked_for_now_and_then_while_one_answers(
+    soon: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(remote_host, "_NAME_PERIOD", -1.0 if soon else 1e9)
+    agent = Agent()
+    host = agent.operated()
+    monkeypatch.setattr(agent, "has_twins", lambda name: True)
+    host._poll()
+    told = [record.text for record in host.log.after(-1).records if "several agents" in record.text]
+    assert len(told) == soon
 
 
 def test_the_age_of_a_status_counts_from_its_answer(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -129,6 +178,9 @@ class Forgetful:
     asked: list[str] = field(default_factory=list)
     prepared: RunOrder | None = None
     started: bool = False
+
+    def has_twins(self, agent: str) -> bool:
+        return False
 
     def ask(self, agent: str, request: Request, timeout: float) -> Any:
         name = verb(type(request))

@@ -27,6 +27,8 @@ from followspot.transport.zenoh.network import UNPROVEN
 
 _POLL_PERIOD = 0.2
 """Seconds between two polls of the agent's status."""
+_NAME_PERIOD = 5.0
+"""Seconds between two looks for another agent of the same name."""
 _RESTART_MARGIN = 4
 """Restarts of a worker that the operator may have missed before the agent died."""
 _MAX_ENDED_WORKERS = 1000
@@ -67,6 +69,8 @@ class RemoteHost:
         """Monotonic times, s, of the last answer and of the kept status."""
         self._invalid = ""
         """Why the last answer was invalid, "" if it was valid."""
+        self._named, self._has_twin = self._heard, False
+        """When another agent of this name was looked for, monotonic time, s, and whether there was one."""
         self._heartbeat = Heartbeat()
         self._news = threading.Event()
         self._closed = threading.Event()
@@ -165,9 +169,21 @@ class RemoteHost:
             self._refresh()
         except HostRefused as error:
             self._missing = str(error)
-            self._resume()
+            if not self._found_twin():  # which may have refused, and must not take the run
+                self._resume()
             return
+        if time.monotonic() - self._named > _NAME_PERIOD:
+            self._found_twin()
         self._orders.deliver()
+
+    def _found_twin(self) -> bool:
+        """Whether another agent of this name answers, too; logs when one appears. Raises ZError."""
+        self._named = time.monotonic()
+        before, self._has_twin = self._has_twin, self._client.has_twins(self.name)
+        if self._has_twin and not before:
+            remedy = "end the one that was started last"
+            self.log.say("warning", f'several agents are named "{self.name}" since the run began: {remedy}')
+        return self._has_twin
 
     def _end_if_not_resumed(self) -> None:
         """Mark all workers as ended if no other operator has resumed the run in time."""
