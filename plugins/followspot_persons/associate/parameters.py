@@ -61,7 +61,7 @@ class AssociateParams(StageParams):
         "gaps, and keeps false persons longer",
     )
     recall_time: float = Field(
-        3.0,
+        1.0,
         ge=0,
         unit="s",
         description="time after the deletion of a person in which somebody found near gets the same number; "

@@ -120,7 +120,7 @@ def test_boxes_of_a_lying_body_are_as_inexact_as_it_is_long() -> None:
 @pytest.mark.parametrize(("away", "same"), [(1.75, True), (6.0, False)])
 def test_who_is_found_again_near_and_soon_keeps_the_number(away: float, same: bool) -> None:
     """No camera finds the person in the middle for some seconds; the other is found all the time."""
-    stage = Associate(Context("associate", ROOM))
+    stage = Associate(Context("associate", ROOM), recall_time=3.0)
     stage.setup()
     rng, seen = np.random.default_rng(5), []
     for time in np.arange(0, away + 4, PERIOD):

@@ -13,10 +13,10 @@ from followspot import Array, Context, FollowspotError
 from followspot.geometry import project
 from followspot.messages import Header, stamped
 from followspot.people import Boxes
-from followspot_persons.associate.camera_association import Association
+from followspot_persons.associate.colors.torso_colors import BINS
 from followspot_persons.associate.detections import Detections
 from followspot_persons.associate.stage import Associate
-from followspot_persons.associate.torso_colors import BINS
+from followspot_persons.associate.tracks.camera_association import Association
 
 ROOM = corner_room()
 PERIOD = 0.25
