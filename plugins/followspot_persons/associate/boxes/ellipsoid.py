@@ -17,7 +17,9 @@ from followspot import Array
 from followspot_persons.associate.multi_view.views import NEAREST, View
 
 PLACE, SPEED, WIDTH, HEIGHT, ELONGATION = slice(0, 3), slice(3, 6), 6, 7, slice(8, 10)
+"""Columns of a state."""
 SHAPE, SIZE = slice(6, 10), 10
+"""Columns of the shape, and number of columns."""
 _MEASURED = (0, 1, 2, 6, 7, 8, 9)
 _STEP = 1e-4
 
@@ -49,7 +51,7 @@ def slopes_of(view: View, state: Array) -> tuple[Array, Array, Array]:
 def squared_axes(state: Array) -> Array:
     """Square of the matrix of the half axes of bodies (..., 10): (..., 3, 3) m^2."""
     across, down = np.exp(2 * state[..., WIDTH]), np.exp(2 * state[..., HEIGHT])
-    a, b = state[..., 8], state[..., 9]
+    a, b = np.moveaxis(state[..., ELONGATION], -1, 0)
     e = np.maximum(np.hypot(a, b), 1e-9)
     both, apart = across * np.cosh(2 * e), across * np.sinh(2 * e) / e
     squares = np.zeros((*a.shape, 3, 3))

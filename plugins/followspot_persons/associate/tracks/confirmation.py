@@ -26,14 +26,14 @@ def confirmed(
     people = tracks.lost.where(tracks.time - tracks.lost.time <= recalled)
     if not len(new):
         return replace(tracks, lost=people)
-    astray = np.flatnonzero(missed & (number > 0))
-    known = people.joined(remembered(tracks, model, astray)) if recalled else people
+    unseen = np.flatnonzero(missed & (number > 0))
+    known = people.joined(remembered(tracks, model, unseen)) if recalled else people
     xy = model.middle(tracks.bodies.where(new))[:, :2]
     rows, found = found_again(known, xy, tracks.life.colors[new], tracks.time)
     number[new[found]] = known.number[rows]
     others = np.delete(new, found)
     number[others] = tracks.numbers + 1 + np.arange(len(others))
-    replaced = astray[rows[rows >= len(people)] - len(people)]
+    replaced = unseen[rows[rows >= len(people)] - len(people)]
     stay = np.delete(np.arange(len(number)), replaced)
     return replace(
         tracks,
