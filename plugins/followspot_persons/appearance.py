@@ -214,7 +214,7 @@ class Appearance(Stage):
         self.illumination = from_plain(Illumination, state["illumination"])
 
     def people_here(self) -> Array:
-        """Boxes of the upper bodies of people who are surely not a part of the room, (K, 4) px."""
+        """Boxes of the upper bodies of confirmed people that differ from the background, (K, 4) px."""
         return self.bodies.boxes(
             [p for p in self.people if not p.absent and p.number and (p.foreground or 0.0) >= THERE]
         )

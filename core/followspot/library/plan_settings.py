@@ -88,9 +88,11 @@ def whole_number(name: str, value: Any, least: int, remedy: str, most: int | Non
 
 
 def of_kind(name: str, value: Any, kind: Any, remedy: str) -> None:
-    """Raise InputError for an option whose value is of another kind. kind: as `isinstance` takes it."""
+    """Raise InputError for an option that is empty or of another kind. kind: as `isinstance` takes it."""
     if not isinstance(value, kind):
         raise InputError.of(f"{name} is of type {type(value).__name__}", remedy)
+    if value == "":
+        raise InputError.of(f"{name} is empty", remedy)
 
 
 def several(name: str, values: Any) -> tuple[Any, ...]:

@@ -73,8 +73,6 @@ def run(
     """
     ports = several("ports", ports)
     of_kind("out", out, PATH | None, "give the path of a folder")
-    if out == "":
-        raise InputError.of("out is empty", "give the path of a folder")
     of_kind("media", media, PATH, "give the path of a folder")
     of_kind("network", network, Network, "give followspot.Network(connect=...)")
     frames = whole_number("frames", frames, 1, "give a whole number from 1, or nothing for all")

@@ -24,7 +24,7 @@ class Step(NamedTuple):
     velocity: Array
 
 
-def step(seconds: float, sigma: Array, memory: Array) -> Step:
+def step(seconds: float | Array, sigma: Array, memory: Array) -> Step:
     """sigma: of velocities in the long run, m/s; memory: time constant of their decay, s. Any equal
     shapes.
     """

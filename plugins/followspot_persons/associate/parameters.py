@@ -35,7 +35,7 @@ class AssociateParams(StageParams):
         le=1,
         unit="1",
         description="intersection over union from which two boxes of a picture are one person's; raising it "
-        "keeps apart people who stand close together, and doubles of one person",
+        "separates people who stand close together, but also keeps two boxes of one person",
     )
     detection_probability: float = Field(
         0.9,
@@ -65,7 +65,7 @@ class AssociateParams(StageParams):
         ge=0,
         unit="s",
         description="time after the deletion of a person in which somebody found near gets the same number; "
-        "raising it keeps numbers over longer gaps, and gives them to others who come",
+        "raising it keeps numbers over longer gaps, but gives them to other people more often",
     )
     maximum_sigma: float = Field(
         0.15,

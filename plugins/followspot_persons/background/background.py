@@ -1,8 +1,8 @@
 """The room without people, as a median of pictures, and the foreground: regions that differ from it.
 
-Pictures are kept at growing intervals, so that the median spans a minute, and people who stand for a while do
-not become part of it. A shadow only darkens and keeps the colour, so it is no foreground (Horprasert et al.
-1999).
+Pictures are kept at growing intervals, so that the median spans a minute, and a person who stands still for
+some time does not become part of it. A shadow only darkens and keeps the colour, so it is no foreground
+(Horprasert et al. 1999).
 """
 
 from __future__ import annotations

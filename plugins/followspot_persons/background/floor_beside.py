@@ -90,8 +90,9 @@ def contact_beside(camera: Camera, pixels: Array, pose: Array, others: Array) ->
 
 
 def _with_floor(camera: Camera, pose: Array) -> Array:
-    """The pose (6,), but at least so far away that the picture shows the floor before its feet: its distance
-    errs, and a person who seems too near would have no feet on a floor.
+    """The pose (6,), moved away until the picture shows the floor before its feet.
+
+    If the distance is estimated too small, the floor before the feet would lie below the picture.
     """
     axis = Axis.of(camera, pose)
     if axis is None:

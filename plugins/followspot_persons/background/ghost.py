@@ -1,4 +1,4 @@
-"""Ghosts: foreground at places where the background still shows people who left (Cucchiara et al. 2003).
+"""Ghosts: foreground where the background still shows a person who has left (Cucchiara et al. 2003).
 
 At both a person and a ghost the picture differs from the background. The outline of a person is in the
 picture, that of a ghost in the background.

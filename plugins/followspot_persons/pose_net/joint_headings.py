@@ -20,7 +20,7 @@ NECK = 0.6
 """Sigma of the head's direction relative to the chest, rad."""
 TRUST = ((0.7, 0.1), (0.3, 0.1))
 """Factor of the log-likelihoods and share of gross errors, for chest and face: the maximum likelihood for
-people who were left out."""
+people who were left out when the tables were learnt (cross-validation)."""
 
 
 @dataclass(frozen=True)

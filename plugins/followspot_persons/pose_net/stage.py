@@ -81,7 +81,7 @@ class PoseNet(Stage):
             le=1,
             unit="1",
             description="object keypoint similarity beyond which two detections are one person; raising it "
-            "keeps people apart who stand close together",
+            "separates people who stand close together",
         )
         frame_interval: int = Field(
             1, ge=1, unit="frames", description="one frame in so many is searched; raising it saves time"

@@ -55,6 +55,7 @@ def test_an_option_that_cannot_be_is_refused_with_what_can(option: dict[str, Any
         ({"out": ""}, "out is empty\n +give the path of a folder"),
         ({"out": 3}, "out is of type int\n +give the path of a folder"),
         ({"media": None}, "media is of type NoneType"),
+        ({"media": ""}, "media is empty\n +give the path of a folder"),
         ({"network": "tls/pc-left:7450"}, "network is of type str\n +give followspot.Network"),
     ],
 )

@@ -1,4 +1,4 @@
-"""People whose tracks were deleted, for some seconds: who is found near keeps the number."""
+"""People whose tracks were deleted: a new person who is found near soon afterwards gets the same number."""
 
 from __future__ import annotations
 
@@ -12,14 +12,15 @@ from followspot.frame_times import NANOSECOND
 from followspot_persons.associate.body_model import BodyModel, S
 from followspot_persons.associate.colors.torso_colors import log_ratios
 from followspot_persons.associate.colors.track_colors import unknown_colors
+from followspot_persons.associate.motion import step
 from followspot_persons.associate.rows import Rows
 
 PLACE_SIGMA = 0.5
 """Sigma of the place where a track was deleted, per axis, m: it had lost its person before."""
-SPEED_SIGMA, MEMORY = 0.6, 1.0
-"""Sigma of the velocity of lost people, m/s, and the time in which the last one fades, s."""
+SPEED_SIGMA, SPEED_MEMORY = np.array(1.0), np.array(1.0)
+"""Sigma of the velocity of people, m/s, and the time in which it fades, s."""
 NEW_PEOPLE = 0.015
-"""Density of people who are new while one is lost, 1/m^2: one in a room of 8 x 8 m."""
+"""Density of new people during the time of recall, 1/m^2: one in a room of 8 x 8 m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +37,7 @@ class LostPeople(Rows):
 
     @classmethod
     def none(cls, cameras: int) -> LostPeople:
-        """Nobody."""
+        """The table without people."""
         nothing = np.zeros(0, int)
         return cls(nothing, np.zeros((0, 2)), np.zeros((0, 2)), nothing, unknown_colors(0, cameras))
 
@@ -49,16 +50,18 @@ def lost(model: BodyModel[S], bodies: S, number: Array, time: int, colors: Array
 
 
 def found_again(people: LostPeople, xy: Array, colors: Array, time: int) -> tuple[Array, Array]:
-    """Who of the lost people new ones probably are: rows of both, (K,) each.
+    """Rows of lost people and of the new people that they probably are, (K,) each.
 
-    xy: (N, 2) m, places of the new people; colors: (N, C, BINS); time: ns.
+    A lost person walks on as people do (`followspot_persons.associate.motion`), and the assignment of largest
+    log-likelihood ratio against new people decides. xy: (N, 2) m, places of the new people; colors:
+    (N, C, BINS); time: ns.
     """
     if not (len(people) and len(xy)):
         return np.zeros(0, int), np.zeros(0, int)
     seconds = (time - people.time) * NANOSECOND
-    moved = MEMORY * -np.expm1(-seconds / MEMORY)
-    squared = np.square(people.xy + moved[:, None] * people.velocity - xy[:, None]).sum(axis=-1)
-    variance = PLACE_SIGMA**2 + 2 * SPEED_SIGMA**2 * MEMORY * (seconds - moved)
+    motion = step(seconds, SPEED_SIGMA, SPEED_MEMORY)
+    squared = np.square(people.xy + motion.reach[:, None] * people.velocity - xy[:, None]).sum(axis=-1)
+    variance = PLACE_SIGMA**2 + motion.position
     ratio = -squared / (2 * variance) - np.log(2 * np.pi * variance * NEW_PEOPLE)
     lost_rows, new_rows = assigned((ratio + log_ratios(colors[:, None], people.colors).sum(axis=-1)).T)
     return lost_rows, new_rows
