@@ -25,7 +25,10 @@ class BodyModel(Protocol[S]):
 
     @property
     def odds_limits(self) -> OddsLimits:
-        """Log-odds of existence of a new body, and of one detection."""
+        """Bounds of the log-odds of existence."""
+
+    def initial_gain(self, body: S) -> float:
+        """What each detection of a new body adds to its log-odds."""
 
     def none(self) -> S:
         """No bodies."""

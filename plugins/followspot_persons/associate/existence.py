@@ -28,7 +28,7 @@ _GRID = np.column_stack([_ACROSS.ravel(), _DOWN.ravel()])
 
 
 class OddsLimits(NamedTuple):
-    """Log-odds of a new body before its detections count, and what one detection adds at most."""
+    """Log-odds of a new body without its detections; what a detection adds to a tracked body's at most."""
 
     initial: float
     detection: float

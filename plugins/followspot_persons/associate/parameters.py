@@ -68,7 +68,7 @@ class AssociateParams(StageParams):
         "raising it keeps numbers over longer gaps, but gives them to other people more often",
     )
     maximum_sigma: float = Field(
-        0.15,
+        0.25,
         gt=0,
         unit="m",
         description="sigma beyond which a joint is left out of skeleton and pose; raising it gives more "

@@ -32,6 +32,10 @@ class BoxModel:
     floor: Array
     odds_limits = OddsLimits(initial=-3.0, detection=2.0)
 
+    def initial_gain(self, body: ShapeMixture) -> float:
+        """What each detection of a new body adds to its log-odds."""
+        return self.odds_limits.detection
+
     def none(self) -> ShapeMixture:
         """No bodies."""
         return ShapeMixture.none()

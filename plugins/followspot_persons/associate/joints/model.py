@@ -20,6 +20,11 @@ from followspot_persons.associate.multi_view.views import Noise, View, Views, im
 
 LEAST = 3
 """Joints that two cameras must see of a new body."""
+INITIAL_GAIN = 5.0
+"""What each detection of a new body adds to its log-odds if enough joints of the cameras agree."""
+ENOUGH, SHARE = 12, 0.7
+"""Joints that are enough: this number, or this share of all if they are few. Detections of different bodies
+agree about some joints by chance, seldom about most."""
 DISTANT = 0.3
 """Largest median sigma of a new body's joints, m: rays that are nearly parallel agree about everything."""
 LOWEST, HIGHEST = -0.3, 2.6
@@ -46,6 +51,11 @@ class JointModel:
     def sides(self) -> Sides:
         """The sides of the joints."""
         return sides_of(self.joints)
+
+    def initial_gain(self, body: JointTracks) -> float:
+        """What each detection of a new body adds to its log-odds: the more joints agree, the more."""
+        enough = min(ENOUGH, SHARE * len(self.joints))
+        return INITIAL_GAIN * min(1.0, float(body.known.sum()) / enough)
 
     def none(self) -> JointTracks:
         """No bodies."""

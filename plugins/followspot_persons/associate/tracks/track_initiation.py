@@ -87,7 +87,7 @@ def _initial_odds(
     detection: float,
 ) -> float:
     """Log-odds of a new body with this many detections, which these cameras of the set did not detect."""
-    odds = model.odds_limits.initial + model.odds_limits.detection * detections
+    odds = model.odds_limits.initial + model.initial_gain(body) * detections
     for number in missed_by:
         view = views.each[number]
         box, depth = model.bounding_boxes(tracks.bodies.joined(body), view)
