@@ -27,8 +27,8 @@ class BodyModel(Protocol[S]):
     def odds_limits(self) -> OddsLimits:
         """Bounds of the log-odds of existence."""
 
-    def initial_gain(self, body: S) -> float:
-        """What each detection of a new body adds to its log-odds."""
+    def initial_gain(self, body: S, views: Views, camera: Array, measured: Array) -> float:
+        """What each of the detections (V, ...) of a new body adds to its log-odds."""
 
     def none(self) -> S:
         """No bodies."""

@@ -6,15 +6,13 @@ import numpy as np
 
 from followspot import Array
 from followspot.geometry import epipolar_distance, triangulate_pairs
-from followspot_persons.associate.multi_view.point_errors import INDEPENDENT, WRONG
+from followspot_persons.associate.multi_view.point_errors import INDEPENDENT, WRONG, point_sigmas
 from followspot_persons.associate.multi_view.views import Noise, Views, rays
 
 ANYWHERE = 1000.0
 """Distance from an epipolar line within which points of other bodies are, px."""
 LARGEST, SMALLEST = 0.8, 0.08
 """Root mean square distance of a body's points from their middle, m."""
-WALKING = 1.0
-"""Speed that times of exposure count with, m/s."""
 
 
 def pair_ratios(views: Views, camera: Array, xy: Array, noise: Noise) -> Array:
@@ -33,7 +31,7 @@ def pair_ratios(views: Views, camera: Array, xy: Array, noise: Noise) -> Array:
     F = views.fundamental[camera[a], camera[b]][:, None]
     distance = epipolar_distance(F, xy[a], xy[b])
     xyz = _between(views, camera, xy, a, b)
-    sigma = np.hypot(_spread(views, camera[a], xyz, noise), _spread(views, camera[b], xyz, noise))
+    sigma = np.hypot(point_sigmas(views, camera[a], xyz, noise), point_sigmas(views, camera[b], xyz, noise))
     density = np.exp(-0.5 * (distance / sigma) ** 2) / (np.sqrt(2 * np.pi) * sigma)
     each = np.log((1 - WRONG) * ANYWHERE * density + WRONG)
     shared = np.isfinite(xy[a, :, 0]) & np.isfinite(xy[b, :, 0])
@@ -52,13 +50,6 @@ def _between(views: Views, camera: Array, xy: Array, a: Array, b: Array) -> Arra
     centers = np.stack([center[a], center[b]], axis=2).reshape(-1, 2, 3)
     directions = np.stack([direction[a], direction[b]], axis=2).reshape(-1, 2, 3)
     return triangulate_pairs(centers, directions).reshape(len(a), -1, 3)
-
-
-def _spread(views: Views, camera: Array, xyz: Array, noise: Noise) -> Array:
-    """Sigma of the points of a camera, (P, J) px, at these places."""
-    depth = np.linalg.norm(xyz - views.center[camera][:, None], axis=-1)
-    body = np.hypot(noise.body, WALKING * noise.delay)
-    return np.asarray(np.hypot(noise.pixel, views.focal[camera][:, None] * body / depth))
 
 
 def _is_body(xyz: Array) -> Array:

@@ -32,7 +32,7 @@ class BoxModel:
     floor: Array
     odds_limits = OddsLimits(initial=-3.0, detection=2.0)
 
-    def initial_gain(self, body: ShapeMixture) -> float:
+    def initial_gain(self, body: ShapeMixture, views: Views, camera: Array, measured: Array) -> float:
         """What each detection of a new body adds to its log-odds."""
         return self.odds_limits.detection
 

@@ -11,6 +11,7 @@ from followspot import Array
 from followspot_persons.associate.assignment.affinity import pair_ratios
 from followspot_persons.associate.existence import OddsLimits
 from followspot_persons.associate.joints import tracks as joint_tracks
+from followspot_persons.associate.joints.agreement import agreement
 from followspot_persons.associate.joints.point_ratios import labelled, log_ratios
 from followspot_persons.associate.joints.reversal import righted
 from followspot_persons.associate.joints.sides import Sides, sides_of, unknown
@@ -22,9 +23,8 @@ LEAST = 3
 """Joints that two cameras must see of a new body."""
 INITIAL_GAIN = 5.0
 """What each detection of a new body adds to its log-odds if enough joints of the cameras agree."""
-ENOUGH, SHARE = 12, 0.7
-"""Joints that are enough: this number, or this share of all if they are few. Detections of different bodies
-agree about some joints by chance, seldom about most."""
+ENOUGH, SHARE = 10, 0.6
+"""How many more joints must agree than not: this number, or this share of all if they are few."""
 DISTANT = 0.3
 """Largest median sigma of a new body's joints, m: rays that are nearly parallel agree about everything."""
 LOWEST, HIGHEST = -0.3, 2.6
@@ -52,10 +52,10 @@ class JointModel:
         """The sides of the joints."""
         return sides_of(self.joints)
 
-    def initial_gain(self, body: JointTracks) -> float:
+    def initial_gain(self, body: JointTracks, views: Views, camera: Array, measured: Array) -> float:
         """What each detection of a new body adds to its log-odds: the more joints agree, the more."""
-        enough = min(ENOUGH, SHARE * len(self.joints))
-        return INITIAL_GAIN * min(1.0, float(body.known.sum()) / enough)
+        agree = agreement(views, camera, measured, body.xyz[0], self.noise)
+        return INITIAL_GAIN * float(np.clip(agree / min(ENOUGH, SHARE * len(self.joints)), 0.0, 1.0))
 
     def none(self) -> JointTracks:
         """No bodies."""

@@ -45,7 +45,9 @@ def with_initiated(
         if body is None or _is_tracked(tracks, model, body):
             continue
         others = {one.camera for one in unassigned} - set(camera[rows].tolist())
-        odds = _initial_odds(tracks, model, views, body, len(rows), sorted(others), detection)
+        gain = model.initial_gain(body, views, camera[rows], measured[rows])
+        odds = model.odds_limits.initial + len(rows) * gain
+        odds += _missed(tracks, model, views, body, sorted(others), detection)
         initial = initial_colors(len(views.each), camera[rows], colors[rows])
         life = LifeCycles(np.zeros(1, int), np.array([odds]), np.array([tracks.time]), initial)
         tracks = replace(tracks, bodies=tracks.bodies.joined(body), life=tracks.life.joined(life))
@@ -77,20 +79,14 @@ def _is_tracked(tracks: Tracks[S], model: BodyModel[S], body: S) -> bool:
     return bool(distance.min() < SAME_BODY)
 
 
-def _initial_odds(
-    tracks: Tracks[S],
-    model: BodyModel[S],
-    views: Views,
-    body: S,
-    detections: int,
-    missed_by: Sequence[int],
-    detection: float,
+def _missed(
+    tracks: Tracks[S], model: BodyModel[S], views: Views, body: S, cameras: Sequence[int], detection: float
 ) -> float:
-    """Log-odds of a new body with this many detections, which these cameras of the set did not detect."""
-    odds = model.odds_limits.initial + model.initial_gain(body) * detections
-    for number in missed_by:
+    """Change of the log-odds of a new body that these cameras of the set did not detect."""
+    change = 0.0
+    for number in cameras:
         view = views.each[number]
         box, depth = model.bounding_boxes(tracks.bodies.joined(body), view)
         visible = visible_shares(box, depth, np.append(tracks.life.number > 0, False), view)
-        odds += missed_detection(visible, detection)[-1]
-    return odds
+        change += missed_detection(visible, detection)[-1]
+    return change
