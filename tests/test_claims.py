@@ -17,7 +17,7 @@ ROOT = Path(__file__).parent.parent
 SECTIONS = {
     "README": ("README.md",),
     "Who gets in": ("docs/security.md",),
-    "Several hosts": ("docs/distribution.md",),
+    "Several hosts": ("docs/distribution.md", "docs/faults.md", "docs/changing_runs.md"),
     "The rest": ("docs/is_and_is_not.md", "docs/design.md"),
 }
 """The pages that a section of the claims is about."""
