@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from tests.core.testing import breaking
+from tests.core.testing.breaking import effects, inputs, outputs, sources
 from tests.stages import rates
 
 from followspot import Field, Source, Stage, StageParams
@@ -132,48 +132,48 @@ def test_the_kit_names_each_broken_promise() -> None:
 @pytest.mark.parametrize(
     ("stage", "promise"),
     [
-        (breaking.Loose, "refuses unknown parameters"),
-        (breaking.Loose, "keeps its parameters"),
-        (breaking.Writing, "leaves its inputs as they were"),
-        (breaking.Reusing, "leaves what it sent alone"),
-        (breaking.Clocked, "gives the same again"),
-        (breaking.Drawing, "leaves the random numbers of others alone"),
-        (breaking.Printing, "prints nothing"),
-        (breaking.PrintingBytes, "prints nothing"),
-        (breaking.PrintingBuffered, "prints nothing"),
-        (breaking.WrongType, "sends what it declares"),
-        (breaking.NoMessage, "sends what it declares"),
-        (breaking.Timed, "sends what it declares"),
-        (breaking.WrongShape, "sends what it declares"),
-        (breaking.Stranger, "sends what it declares"),
-        (breaking.EarlyOutputs, "sends what it declares"),
-        (breaking.Hasty, "sends what it declares"),
-        (breaking.Unending, "sends what it declares"),
-        (breaking.LateAnswer, "sends what it declares"),
-        (breaking.WindowWriter, "leaves its inputs as they were"),
-        (breaking.NotANumber, "takes unknown numbers"),
-        (breaking.Late, "takes the same frame twice"),
-        (breaking.Late, "takes a late frame"),
-        (breaking.SmallPicture, "takes a picture of one pixel"),
-        (breaking.Hoarding, "keeps its memory"),
-        (breaking.Threaded, "leaves no thread behind"),
-        (breaking.Opening, "leaves no file open"),
-        (breaking.NeedsSetup, "closes without setup"),
-        (breaking.ObjectState, "has a state of plain values"),
-        (breaking.Forgetful, "carries on from its state"),
-        (breaking.Backwards, "never goes back in time"),
-        (breaking.Misdated, "tells its capture times"),
-        (breaking.Unsteady, "yields the same again"),
-        (breaking.Undeclared, "yields what it declares"),
-        (breaking.Timeless, "yields what it declares"),
-        (breaking.Lonely, "leaves empty inputs alone"),
-        (breaking.Speechless, "takes plausible inputs"),
-        (breaking.Untyped, "has readable ports"),
-        (breaking.Stubborn, "stops within a second"),
-        (breaking.HalfTimed, "yields what it declares"),
-        (breaking.Guessing, "tells its capture times"),
-        (breaking.Hashing, "does the same in a fresh process"),
-        (breaking.HashingSource, "does the same in a fresh process"),
+        (inputs.Loose, "refuses unknown parameters"),
+        (inputs.Loose, "keeps its parameters"),
+        (inputs.Writing, "leaves its inputs as they were"),
+        (outputs.Reusing, "leaves what it sent alone"),
+        (effects.Clocked, "gives the same again"),
+        (effects.Drawing, "leaves the random numbers of others alone"),
+        (effects.Printing, "prints nothing"),
+        (effects.PrintingBytes, "prints nothing"),
+        (effects.PrintingBuffered, "prints nothing"),
+        (outputs.WrongType, "sends what it declares"),
+        (outputs.NoMessage, "sends what it declares"),
+        (outputs.Timed, "sends what it declares"),
+        (outputs.WrongShape, "sends what it declares"),
+        (outputs.Stranger, "sends what it declares"),
+        (outputs.EarlyOutputs, "sends what it declares"),
+        (outputs.Hasty, "sends what it declares"),
+        (outputs.Unending, "sends what it declares"),
+        (outputs.LateAnswer, "sends what it declares"),
+        (inputs.WindowWriter, "leaves its inputs as they were"),
+        (inputs.NotANumber, "takes unknown numbers"),
+        (inputs.Late, "takes the same frame twice"),
+        (inputs.Late, "takes a late frame"),
+        (inputs.SmallPicture, "takes a picture of one pixel"),
+        (effects.Hoarding, "keeps its memory"),
+        (effects.Threaded, "leaves no thread behind"),
+        (effects.Opening, "leaves no file open"),
+        (effects.NeedsSetup, "closes without setup"),
+        (effects.ObjectState, "has a state of plain values"),
+        (effects.Forgetful, "carries on from its state"),
+        (sources.Backwards, "never goes back in time"),
+        (sources.Misdated, "tells its capture times"),
+        (sources.Unsteady, "yields the same again"),
+        (sources.Undeclared, "yields what it declares"),
+        (sources.Timeless, "yields what it declares"),
+        (inputs.Lonely, "leaves empty inputs alone"),
+        (inputs.Speechless, "takes plausible inputs"),
+        (inputs.Untyped, "has readable ports"),
+        (sources.Stubborn, "stops within a second"),
+        (sources.HalfTimed, "yields what it declares"),
+        (sources.Guessing, "tells its capture times"),
+        (effects.Hashing, "does the same in a fresh process"),
+        (sources.HashingSource, "does the same in a fresh process"),
     ],
 )
 def test_a_broken_promise_is_found(stage: type[Stage], promise: str) -> None:
@@ -188,7 +188,7 @@ def test_stages_with_inputs_and_results_of_all_kinds_keep_every_promise(stage: t
 
 
 def test_a_stage_that_holds_up_the_end_is_found() -> None:
-    (told,) = closes_within_a_second(Trial(breaking.Lingering))
+    (told,) = closes_within_a_second(Trial(effects.Lingering))
     assert told.startswith("close takes 1.")
 
 
@@ -208,7 +208,7 @@ def test_a_stage_that_only_this_process_can_import_is_found(
     monkeypatch.syspath_prepend(tmp_path)
     for name in ("kept", "gone"):
         (tmp_path / f"{name}.py").write_text(
-            f"from {breaking.__name__} import Loose\nclass Own(Loose):\n    pass\n"
+            f"from {inputs.__name__} import Loose\nclass Own(Loose):\n    pass\n"
         )
     kept, gone = (importlib.import_module(name).Own for name in ("kept", "gone"))
     (tmp_path / "gone.py").write_text("raise OSError('not with me')\n")
@@ -220,7 +220,7 @@ def test_a_stage_that_only_this_process_can_import_is_found(
 
 def test_hashes_are_others_in_a_fresh_process_although_the_environment_says_which(tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text(
-        f"from {breaking.__name__} import Hashing\n"
+        f"from {effects.__name__} import Hashing\n"
         "from followspot.testing.promises.fresh_process import does_the_same_in_a_fresh_process\n"
         "from followspot.testing.trial import Trial\n"
         "print(len(list(does_the_same_in_a_fresh_process(Trial(Hashing)))))\n"
@@ -244,7 +244,7 @@ def test_a_promise_that_raises_names_the_line_of_the_stage_also_if_a_library_rai
 
 
 def test_a_script_without_a_guard_checks_a_stage(tmp_path: Path) -> None:
-    (tmp_path / "mine.py").write_text(f"from {breaking.__name__} import Loose\nclass Own(Loose):\n    pass\n")
+    (tmp_path / "mine.py").write_text(f"from {inputs.__name__} import Loose\nclass Own(Loose):\n    pass\n")
     script = (
         "from mine import Own\n"
         "from followspot.testing.promises.fresh_process import does_the_same_in_a_fresh_process\n"
