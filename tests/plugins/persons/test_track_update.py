@@ -1,4 +1,4 @@
-"""The search of a pose: motion and its limits, ascent, particles, priors, and the smoothed track."""
+"""The track of a person after each picture: height, girth, feet, and what is kept while hidden."""
 
 from __future__ import annotations
 
@@ -7,200 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.plugins.persons.drawn import drawn, perspective, picture_of, standing
+from tests.plugins.persons.particles import crowd, rng
 
-from followspot.geometry import project, wrap
+from followspot.geometry import wrap
 from followspot_persons.background.floor_contact import Contact
 from followspot_persons.body.shape import read_shape
-from followspot_persons.body.stature import PROPORTION_SIGMA, SPREAD
-from followspot_persons.body.stature import USUAL as USUAL_HEIGHT
-from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT
-from followspot_persons.likelihood.fitness import Fitness, PosePrior, Weights, log_prior
+from followspot_persons.body.stature import PROPORTION_SIGMA
+from followspot_persons.body.view import HEADING, HEIGHT
+from followspot_persons.likelihood.fitness import Fitness, Weights
 from followspot_persons.likelihood.occlusion import covered
-from followspot_persons.particles.ascent import ACROSS, DISTANCE, STATURE, STEPS, ascend, moved
-from followspot_persons.particles.condensation import MODE, Search, condense, estimated, scattered, systematic
+from followspot_persons.particles.condensation import Search
 from followspot_persons.particles.girth import USUAL, Girth, girths_of, observed
-from followspot_persons.particles.motion import HIGHEST, LOWEST, MAX_PAN, MAX_TILT, limited, predicted
 from followspot_persons.particles.track import MAXIMUM_SPEED, MINIMUM_SHOWN, Track, coasted, updated
-
-EYE = np.array([0, 0, 1.2])
-SIDE = np.pi / 2
-
-
-def crowd(pose, count):
-    return np.tile(pose, (count, 1))
-
-
-def test_necks_and_heights_have_limits():
-    extreme = np.array([[0, 0, 9, 0, 3, 3], [0, 0, -9, 0, -3, -3.0]])
-    assert limited(extreme.copy())[:, [HEIGHT, PAN, TILT]].tolist() == [
-        [HIGHEST, MAX_PAN, MAX_TILT],
-        [LOWEST, -MAX_PAN, -MAX_TILT],
-    ]
-
-
-def test_motion_keeps_the_limits():
-    after = predicted(crowd([2, 0, HIGHEST, 0, MAX_PAN, MAX_TILT], 500), np.zeros(2), 0.5, EYE, rng())
-    assert after[:, HEIGHT].max() <= HIGHEST
-    assert after[:, PAN].max() <= MAX_PAN
-    assert after[:, TILT].max() <= MAX_TILT
-
-
-def test_particles_move_on_and_spread_more_along_the_line_of_sight_than_across():
-    after = predicted(crowd(standing(3.0), 4000), np.array([0.5, -1.0]), 0.2, EYE, rng())
-    assert after[:, :2].mean(axis=0) == pytest.approx([3.1, -0.2], abs=0.02)
-    along, across = after[:, :2].std(axis=0)
-    assert along == pytest.approx(1.5 * across, rel=0.1)
-
-
-def test_some_particles_turn_much_faster_than_most():
-    turned = np.abs(predicted(crowd(standing(3.0), 4000), np.zeros(2), 0.1, EYE, rng())[:, HEADING] - np.pi)
-    assert 0.02 < (turned > 0.5).mean() < 0.1
-    assert np.median(turned) < 0.12
-
-
-def rng():
-    return np.random.default_rng(8)
-
-
-@pytest.mark.parametrize("step", [-0.3, 0.3])
-@pytest.mark.parametrize("height", [1.5, 1.9])
-def test_ascent_along_the_distance_keeps_the_top_of_the_head_in_its_place_of_the_picture(step, height):
-    camera = perspective()
-    pose = standing(3.0, 0.4, height)[None]
-    farther = moved(pose, camera.center, DISTANCE, step)
-    top = project(camera, np.concatenate([pose, farther])[:, :3])
-    np.testing.assert_allclose(top[1], top[0], atol=1e-9)
-    apart = np.hypot(*farther[0, :2]) - np.hypot(*pose[0, :2])
-    assert apart == pytest.approx(step)
-    assert (farther[0, HEIGHT] - height) * (height - 1.2) * step > 0
-
-
-def test_ascent_across_the_line_of_sight_keeps_distance_and_height():
-    pose = np.array([[3.0, 4.0, 1.7, 1, 0, 0]])
-    moved_left = moved(pose, EYE, ACROSS, 0.1)
-    assert moved_left[0, :2] == pytest.approx([3 - 0.08, 4 + 0.06])
-    assert moved_left[0, HEIGHT] == 1.7
-
-
-def test_ascent_of_the_height_and_of_angles_changes_nothing_else():
-    pose = standing(3.0)[None]
-    for coordinate in (HEADING, PAN, TILT):
-        changed = np.flatnonzero(moved(pose, EYE, coordinate, 0.1) - pose)
-        assert changed.tolist() == [coordinate]
-    assert STATURE == HEIGHT
-    assert np.flatnonzero(moved(pose, EYE, STATURE, 0.1) - pose).tolist() == [HEIGHT]
-
-
-def test_ascent_keeps_the_limits():
-    pose = np.array([[2, 0, 1.7, 0, MAX_PAN, MAX_TILT]])
-    for coordinate in STEPS:
-        np.testing.assert_array_equal(
-            moved(pose, EYE, coordinate, 1.0), limited(moved(pose, EYE, coordinate, 1.0))
-        )
-
-
-def test_each_coordinate_climbs_and_none_ever_descends():
-    top = np.array([3.0, 0.0, 1.7, 1.0, 0.2, 0.1])
-
-    def hill(pose):
-        return -(((pose - top) / [1, 1, 1, 4, 4, 4]) ** 2).sum(axis=1)
-
-    start = top + rng().normal(0, 0.2, (30, 6))
-    before = hill(start)
-    after, value = ascend(start, before, hill, EYE, 3)
-    np.testing.assert_allclose(value, hill(after))
-    assert (value >= before).all()
-    assert np.median(value / before) < 0.5
-
-
-def test_a_share_of_the_best_particles_climbs():
-    asked = []
-
-    def level(pose):
-        asked.append(len(pose))
-        return pose[:, 0].copy()
-
-    condense(crowd(standing(3.0), 100), np.zeros(2), 0.1, level, EYE, Search(100, 0.1, 0.2), rng())
-    assert asked == [100] + [2 * 20] * len(STEPS)
-
-
-def test_a_share_of_the_particles_gets_another_heading():
-    def level(pose):
-        return np.zeros(len(pose))
-
-    away = {}
-    for share in (0.0, 0.3):
-        after, _ = condense(
-            crowd(standing(3.0, heading=0.0), 300), np.zeros(2), 0.0, level, EYE, Search(300, share, 0), rng()
-        )
-        away[share] = (np.cos(after[:, HEADING]) < 0).mean()
-    assert away[0.0] == 0
-    assert away[0.3] == pytest.approx(0.3 * (1 / 3 + 2 / 3 / 2), abs=0.04)
-
-
-def test_a_third_of_the_scattered_is_turned_by_half_a_turn():
-    scattering = scattered(crowd(standing(3.0, heading=0.3), 300), rng())
-    np.testing.assert_allclose(scattering[:100, HEADING], 0.3 + np.pi)
-    assert np.ptp(scattering[100:, HEADING]) > 6
-    assert np.ptp(scattering[:200, :2], axis=0).tolist() == [0, 0]
-    assert (scattering[200:, :2].std(axis=0) > 0.1).all()
-
-
-def test_particles_are_drawn_as_often_as_they_weigh():
-    weight = np.array([0.1, 0.0, 0.55, 0.35])
-    drawn_rows = np.bincount(systematic(weight, 1000, rng()), minlength=4)
-    assert np.abs(drawn_rows - 1000 * weight).max() <= 1
-
-
-def test_an_estimate_lies_in_one_of_two_headings_and_not_between():
-    cloud = crowd(standing(3.0), 100)
-    cloud[:60, HEADING], cloud[60:, HEADING] = 0.2, 0.2 + np.pi
-    pose = estimated(cloud, np.full(100, 0.01)).pose
-    assert pose[HEADING] == pytest.approx(0.2)
-    assert np.pi / 6 < MODE < np.pi / 2
-
-
-def test_walking_people_mostly_face_ahead():
-    prior = PosePrior(course=1.0, concentration=8.0)
-    ahead, aside, behind = log_prior(
-        np.stack([standing(3.0, heading=h) for h in (1.0, 1.0 + SIDE, 1.0 - np.pi)]), prior
-    )
-    assert ahead > aside + 1
-    assert ahead > behind + 1
-    still = log_prior(
-        np.stack([standing(3.0, heading=h) for h in (1.0, -2.0)]), replace(prior, concentration=0)
-    )
-    assert still[0] == still[1]
-
-
-def test_courses_count_from_a_slow_walk_on():
-    track = Track.initiated(crowd(standing(3.0), 5))
-    still, slow, fast = (replace(track, velocity=np.array([0.0, -v])).prior for v in (0.1, 0.4, 1.0))
-    assert still.concentration == 0 < slow.concentration < fast.concentration
-    assert fast.course == pytest.approx(-SIDE)
-
-
-def test_the_prior_knows_the_person_and_the_neck():
-    prior = PosePrior(1.8, 0.02)
-    usual, short, turned, nodding = (
-        log_prior(pose[None], prior)[0]
-        for pose in (
-            standing(3, height=1.8),
-            standing(3, height=1.76),
-            np.array([3, 0, 1.8, np.pi, 0.6, 0]),
-            np.array([3, 0, 1.8, np.pi, 0, 0.2]),
-        )
-    )
-    assert usual - short == pytest.approx(2.0)
-    assert usual - turned == pytest.approx(0.5)
-    assert usual - nodding == pytest.approx(0.5)
-
-
-def test_the_prior_is_what_is_known_of_the_height():
-    new = Track.initiated(crowd(standing(3.0), 5))
-    assert (new.prior.height, new.prior.height_sigma) == (USUAL_HEIGHT, SPREAD)
-    known = replace(new, stature=(1.9, 0.02)).prior
-    assert (known.height, known.height_sigma) == (1.9, 0.02)
 
 
 @pytest.mark.parametrize("known", [1.65, 1.85])
