@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
-from followspot.library.plan_settings import of_kind, several
+from followspot.library.plan_settings import as_tuple, check_type
 from followspot.library.script_handle import ScriptHandle
 from followspot.operator.connect import connected_run
 from followspot.plugins.registry import use_plugin_files
@@ -40,6 +40,6 @@ def connect(
     one run; plugin_files: with the stages and messages that agents have from files of theirs. Raises
     FollowspotError if there is no such run, or several.
     """
-    of_kind("run", run, str | None, "give its name, or the beginning of it")
-    use_plugin_files([str(Path(file).absolute()) for file in several("plugin_files", plugin_files)])
+    check_type("run", run, str | None, "give its name, or the beginning of it")
+    use_plugin_files([str(Path(file).absolute()) for file in as_tuple("plugin_files", plugin_files)])
     return ConnectedRun(run, network)

@@ -50,10 +50,11 @@ class OwnRun(ScriptHandle):
     def __init__(
         self,
         sinks: SubscriptionSinks,
-        ready: AbstractContextManager[PreparedRun],
+        prepared: AbstractContextManager[PreparedRun],
         out: Path,
-        keep: StartRecorder,
+        recorder: StartRecorder,
     ) -> None:
+        """Begin the run. sinks: those of its plan; out: folder for its outputs."""
         super().__init__("", sinks.plan.graph, self._asked, failure=self._failure)
         self.out = out
         self._sinks = sinks
@@ -66,10 +67,10 @@ class OwnRun(ScriptHandle):
         """Not the thread's own end: `Thread.join` takes a thread for ended when Ctrl-C interrupts it."""
         sinks.failure = self._failure
         self._abandoned = False
-        threading.Thread(target=self._live, args=(ready, keep), name="run", daemon=True).start()
+        threading.Thread(target=self._run, args=(prepared, recorder), name="run", daemon=True).start()
         try:
             self._begun.wait(_BEGIN)
-            if keep is not no_recorder:
+            if recorder is not no_recorder:
                 self._await_recorder()
         except BaseException:  # after Ctrl-C no script has this handle, and so none could end the run
             self._abandon()
@@ -147,20 +148,20 @@ class OwnRun(ScriptHandle):
         if self._dispatcher is not None:
             self.stop()
 
-    def _live(self, ready: AbstractContextManager[PreparedRun], keep: StartRecorder) -> None:
-        """The life of the run, in a thread: prepare, run, and tell all that wait for its end."""
+    def _run(self, prepared: AbstractContextManager[PreparedRun], recorder: StartRecorder) -> None:
+        """Prepare and execute the run, in a thread; then wake all that wait for its end."""
         try:
-            with errors_in_python(), ready as (coordinator, around):
+            with errors_in_python(), prepared as (coordinator, surroundings):
                 self.run = coordinator.name
-                self._dispatcher = run_dispatcher(coordinator, around)
+                self._dispatcher = run_dispatcher(coordinator, surroundings)
                 if self._abandoned:
                     coordinator.stop()
                 with (
-                    keep(self.run) as failed,
+                    recorder(self.run) as take_errors,
                     serve_requests(self.run, self.graph, self._dispatcher),
                 ):
                     self._report = coordinator.execute(on_begin=self._begun.set)
-                    failed(self._report.errors)
+                    take_errors(self._report.errors)
         except BaseException as error:
             self._error = error
         finally:

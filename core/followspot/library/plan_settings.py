@@ -56,8 +56,8 @@ def _compiled(
     remedy = f"give a whole number from 0 to {MAX_SEED}, or nothing for the graph's"
     checked: dict[str, Any] = {
         **options,
-        "cameras": several("cameras", options.get("cameras", ())),
-        "plugin_files": several("plugin_files", options.get("plugin_files", ())),
+        "cameras": as_tuple("cameras", options.get("cameras", ())),
+        "plugin_files": as_tuple("plugin_files", options.get("plugin_files", ())),
         "seed": whole_number("seed", options.get("seed"), 0, remedy, MAX_SEED),
     }
     edges = options.get("edges", "auto")
@@ -87,7 +87,7 @@ def whole_number(name: str, value: Any, least: int, remedy: str, most: int | Non
     return number
 
 
-def of_kind(name: str, value: Any, kind: Any, remedy: str) -> None:
+def check_type(name: str, value: Any, kind: Any, remedy: str) -> None:
     """Raise InputError for an option that is empty or of another kind. kind: as `isinstance` takes it."""
     if not isinstance(value, kind):
         raise InputError.of(f"{name} is of type {type(value).__name__}", remedy)
@@ -95,7 +95,7 @@ def of_kind(name: str, value: Any, kind: Any, remedy: str) -> None:
         raise InputError.of(f"{name} is empty", remedy)
 
 
-def several(name: str, values: Any) -> tuple[Any, ...]:
+def as_tuple(name: str, values: Any) -> tuple[Any, ...]:
     """Several names or files; one may stand alone. Raises InputError."""
     found = (values,) if isinstance(values, PATH) else values
     if not isinstance(found, Iterable) or not all(isinstance(value, PATH) for value in found):
@@ -105,8 +105,8 @@ def several(name: str, values: Any) -> tuple[Any, ...]:
 
 def _check_files(graph: Any, options: PlanSettings) -> None:
     """Raise InputError for a file that is named by anything but a path."""
-    of_kind("graph", graph, PATH | Graph, "give the path of a graph file, or an fs.Graph")
+    check_type("graph", graph, PATH | Graph, "give the path of a graph file, or an fs.Graph")
     remedy = "give the path of a room file; followspot.room_file.save(room, path) writes one"
-    of_kind("room", options.get("room"), PATH | None, remedy)
+    check_type("room", options.get("room"), PATH | None, remedy)
     remedy = 'give "camera", "stage", or the path of a placement file'
-    of_kind("placement", options.get("placement"), PATH | None, remedy)
+    check_type("placement", options.get("placement"), PATH | None, remedy)

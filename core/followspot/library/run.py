@@ -10,12 +10,13 @@ from typing import Any, Unpack
 
 from followspot.errors import InputError, Mistake
 from followspot.graph.arrange import EdgeChoice
+from followspot.graph.plan import Plan
 from followspot.library.flight_recorder import recorder_of
 from followspot.library.graph import Graph
 from followspot.library.keep_options import Keep
 from followspot.library.keywords import errors_in_python, in_python
 from followspot.library.own_run import OwnRun
-from followspot.library.plan_settings import PATH, PlanSettings, of_kind, plan_of, several, whole_number
+from followspot.library.plan_settings import PATH, PlanSettings, as_tuple, check_type, plan_of, whole_number
 from followspot.library.subscription_sinks import SubscriptionSinks
 from followspot.operator.launch import prepared, unused_agents
 from followspot.operator.output_folder import made
@@ -36,7 +37,7 @@ def check(
     set, ports, room, cameras, placement, seed, plugin_files, edges: as `run` takes them.
     """
     try:
-        ports = several("ports", ports)
+        ports = as_tuple("ports", ports)
         plan = plan_of(graph, set, ports, **options)
         SubscriptionSinks(plan, ports).end()
         return list(plan.warnings)
@@ -64,17 +65,17 @@ def run(
 ) -> OwnRun:
     """Start a graph and return a handle on the run; use it in a ``with`` block, which ends the run.
 
-    ports: STAGE.PORT, one or several, of subscriptions that miss nothing: ``run["track.tracks"]`` iterates
-    over the messages from the first one on; in a replay a slow loop holds up the run, in a live run it misses
-    messages, which are counted. set: parameters and stages, ``{"fuse.uses": "balls.mean"}``; out: folder for
-    outputs, by default a new one below ``runs``; frames: of each source; keep: a flight recorder holds so
-    many seconds (``"30s"``), and `OwnRun.mark` saves them; the others: as the options of `followspot run`.
+    ports: STAGE.PORT, one or several, of subscriptions from the first message on: ``run["track.tracks"]``
+    iterates over them. In a replay a slow loop holds up the run; in a live run it misses messages, which are
+    counted. set: parameters and stages, ``{"fuse.uses": "balls.mean"}``; out: folder for outputs, by default
+    a new one below ``runs``; frames: of each source; keep: time that a flight recorder holds (``"30s"``) and
+    `OwnRun.mark` saves; the others: as the options of `followspot run`.
     Issues the warnings of `check` in Python. Raises InputError with every mistake.
     """
-    ports = several("ports", ports)
-    of_kind("out", out, PATH | None, "give the path of a folder")
-    of_kind("media", media, PATH, "give the path of a folder")
-    of_kind("network", network, Network, "give followspot.Network(connect=...)")
+    ports = as_tuple("ports", ports)
+    check_type("out", out, PATH | None, "give the path of a folder")
+    check_type("media", media, PATH, "give the path of a folder")
+    check_type("network", network, Network, "give followspot.Network(connect=...)")
     frames = whole_number("frames", frames, 1, "give a whole number from 1, or nothing for all")
     plan = plan_of(
         graph,
@@ -87,15 +88,11 @@ def run(
         plugin_files=plugin_files,
         edges=edges,
     )
-    for mistake in plan.warnings:
-        warnings.warn(str(mistake), stacklevel=2)
-    for text in unused_agents(plan, network.connect):
-        warnings.warn(in_python(text), stacklevel=2)
+    _warn(plan, network)
     sinks = SubscriptionSinks(plan, ports)
-    kept = recorder_of(sinks.plan, keep)
-    with errors_in_python():
-        folder = made(Path(out or Path("runs") / f"{plan.graph}-{time.strftime('%Y%m%d-%H%M%S')}"))
-    ready = prepared(
+    recorder = recorder_of(sinks.plan, keep)
+    folder = _output_folder(out, plan)
+    run = prepared(
         sinks.plan,
         RunOptions(folder, frames),
         network=network,
@@ -103,4 +100,18 @@ def run(
         restart=restart,
         in_process=sinks.in_process,
     )
-    return OwnRun(sinks, ready, folder, kept)
+    return OwnRun(sinks, run, folder, recorder)
+
+
+def _warn(plan: Plan, network: Network) -> None:
+    """Issue the warnings of a plan in Python, at the line that called `run`."""
+    for mistake in plan.warnings:
+        warnings.warn(str(mistake), stacklevel=3)
+    for text in unused_agents(plan, network.connect):
+        warnings.warn(in_python(text), stacklevel=3)
+
+
+def _output_folder(out: str | Path | None, plan: Plan) -> Path:
+    """The folder for outputs, which exists now. Raises FollowspotError."""
+    with errors_in_python():
+        return made(Path(out or Path("runs") / f"{plan.graph}-{time.strftime('%Y%m%d-%H%M%S')}"))

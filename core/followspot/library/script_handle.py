@@ -10,7 +10,7 @@ from followspot.closing import Closing
 from followspot.control.dispatch import Ask
 from followspot.errors import FollowspotError
 from followspot.library.overlay import save_overlay
-from followspot.library.plan_settings import several
+from followspot.library.plan_settings import as_tuple
 from followspot.library.subscription import M, Subscription
 from followspot.library.tap_subscriptions import TapSubscriptions
 from followspot.operator.change_outcome import MoveOutcome
@@ -60,7 +60,7 @@ class ScriptHandle(RunHandle, Closing):
         Workers whose stages or kinds of edges change restart from the state of their stages. Messages in
         flight to and from them are lost and counted.
         """
-        return super().move(several("stages", stages), place)
+        return super().move(as_tuple("stages", stages), place)
 
     def save(self, path: str | Path) -> tuple[str, ...]:
         """Save what was changed as a new graph file that extends the run's own; the stages that it names.
