@@ -65,21 +65,7 @@ def disc_centers(
     if not len(known):
         return blobs.center, rim
     radius = radius.take(known)
-    index, label = rim_band(blobs, known, level.shape)
-    planes = derivatives(level, index) / (GAIN * blobs.peak.take(known)).take(label)
-    right, down, value = planes
-    slope = np.sqrt(right * right + down * down)
-    height = value - edge
-    voter = np.abs(height) < NEAR * slope
-    voter &= slope > FAINTEST
-    chosen = voter.nonzero()[0]
-    label, slope, height = label.take(chosen), slope.take(chosen), height.take(chosen)
-    reach = (radius.take(label) - height / slope) / slope
-    votes = planes[:2].take(chosen, axis=1) * reach
-    y, x = row_and_column(index.take(chosen), level.shape[1])
-    shift = strip.shift.take(blobs.part.take(known), axis=0)
-    votes[0] += x + shift[:, 0].take(label)
-    votes[1] += y + shift[:, 1].take(label)
+    votes, slope, label = rim_votes(level, strip, blobs, known, radius, edge)
     start, area = blobs.center.take(known, axis=0), blobs.area.take(known)
     doubtful = area > MERGED * np.pi * (radius * radius)
     if beside is not None:
@@ -104,6 +90,32 @@ def own_area(area: Array, largest: Array, radius: Array, rim: Array) -> Array:
     """
     merged = (area > largest) & (rim >= SEPARATE)
     return np.where(merged, np.pi * np.square(radius), area) if np.count_nonzero(merged) else area
+
+
+def rim_votes(
+    level: Array, strip: Strip, blobs: Components, known: Array, radius: Array, edge: float
+) -> tuple[Array, Array, Array]:
+    """For each pixel near an edge of a component the point one radius inward.
+
+    known: (K,) numbers of the components; radius: (K,) px; the others as of :func:`disc_centers`.
+    Returns (2, P) px in the picture, x and y; (P,) slope at the pixel, peaks per px; (P,) rows of `known`.
+    """
+    index, label = rim_band(blobs, known, level.shape)
+    planes = derivatives(level, index) / (GAIN * blobs.peak.take(known)).take(label)
+    right, down, value = planes
+    slope = np.sqrt(right * right + down * down)
+    height = value - edge
+    voter = np.abs(height) < NEAR * slope
+    voter &= slope > FAINTEST
+    chosen = voter.nonzero()[0]
+    label, slope, height = label.take(chosen), slope.take(chosen), height.take(chosen)
+    reach = (radius.take(label) - height / slope) / slope
+    votes = planes[:2].take(chosen, axis=1) * reach
+    y, x = row_and_column(index.take(chosen), level.shape[1])
+    shift = strip.shift.take(blobs.part.take(known), axis=0)
+    votes[0] += x + shift[:, 0].take(label)
+    votes[1] += y + shift[:, 1].take(label)
+    return votes, slope, label
 
 
 def rim_band(blobs: Components, known: Array, shape: tuple[int, ...]) -> tuple[Array, Array]:
