@@ -20,6 +20,7 @@ import followspot as fs
 from followspot.cli.main import main
 from followspot.control.swap import ChangeOrder
 from followspot.graph.compile import compile_graph
+from followspot.host.worker_thread import WorkerThread
 from followspot.operator.launch import local_run
 from followspot.operator.run_requests import ChangeStages
 from followspot.tracking import Frame
@@ -103,6 +104,48 @@ def test_the_walk_of_a_swap_is_the_documented_one_and_has_at_most_ten_files(tmp_
         assert main(["swap", "--run", run.run, WORD]) == 0
     assert files == documented("The life of a swap")
     assert len(files) <= 10
+
+
+def on_the_stack(frame: FrameType | None) -> list[str]:
+    """The files of the core whose functions are at work in a thread, each where it is first entered."""
+    files: list[str] = []
+    while frame is not None:
+        path = Path(frame.f_code.co_filename)
+        if path.is_relative_to(CORE):
+            files.append(str(path.relative_to(CORE)))
+        frame = frame.f_back
+    return list(dict.fromkeys(reversed(files)))
+
+
+@contextmanager
+def start_traced() -> Iterator[list[str]]:
+    """The files that are at work as a worker is started, then those in the worker as a stage processes."""
+    files: list[str] = []
+    seen: set[object] = set()
+
+    def profile(frame: FrameType, event: str, _: Any) -> None:
+        code = frame.f_code
+        of_a_stage = code.co_name == "process" and code.co_filename == str(STAGES / "pictures.py")
+        if event == "call" and code not in seen and (code is WorkerThread.__init__.__code__ or of_a_stage):
+            seen.add(code)
+            files.extend(file for file in on_the_stack(frame) if file not in files)
+
+    threading.setprofile(profile)
+    sys.setprofile(profile)
+    try:
+        yield files
+    finally:
+        threading.setprofile(None)
+        sys.setprofile(None)
+
+
+def test_the_walk_from_the_command_to_a_stage_is_the_documented_one(tmp_path: Path) -> None:
+    graph = tmp_path / "pictures.yaml"
+    graph.write_text(PICTURES)
+    words = [str(graph), "--plugin", str(STAGES / "pictures.py"), "--out", str(tmp_path / "out"), "-q"]
+    with start_traced() as files:
+        assert main(["run", *words]) == 0
+    assert files == documented("The start of a run")
 
 
 def holds_a_frame(value: Any) -> bool:
