@@ -35,7 +35,9 @@ def widened(x: Array, P: Array, size: int, acceleration: float) -> tuple[Array, 
 
 
 class SingleModel:
-    """Follows one target; beyond the gate it bounced, its track returns, or a measurement is not of it.
+    """Filters one target.
+
+    A measurement beyond the gate is a bounce, the return of the track to its target, or of another thing.
 
     initial_acceleration: one sigma of a new target's, m/s^2, if the model has accelerations.
     """

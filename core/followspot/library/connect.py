@@ -1,4 +1,4 @@
-"""A run that goes on elsewhere, held by a script."""
+"""A script's handle on a run of another process, or under agents."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from followspot.transport.zenoh.network import Network
 
 
 class ConnectedRun(ScriptHandle):
-    """A run of another process, or under agents. Closing the handle leaves the run to itself."""
+    """A run of another process, or under agents. Closing the handle does not end the run."""
 
     def __init__(self, wanted: str | None, network: Network | None) -> None:
         """Raises FollowspotError if there is no such run, or several."""
@@ -37,7 +37,7 @@ def connect(
     """A handle on a run that goes on: on this machine, else under agents that `network` leads to.
 
     run: the graph's name, the beginning of the run's, or the process id of its operator; None if there is
-    one run; plugin_files: with the stages and messages that agents have from files of theirs. Raises
+    one run; plugin_files: files with the stages and message types that agents have loaded from files. Raises
     FollowspotError if there is no such run, or several.
     """
     check_type("run", run, str | None, "give its name, or the beginning of it")

@@ -26,7 +26,7 @@ let them go on."""
 
 
 class Steps(Protocol):
-    """A run that steps, as its handle shows it."""
+    """The part of a handle on a run that stepping needs."""
 
     ask: Ask
 

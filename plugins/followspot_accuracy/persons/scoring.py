@@ -41,7 +41,7 @@ class Torso:
 
 @dataclass(frozen=True)
 class PersonScore:
-    """How a person was tracked. A figure that nothing was there to measure is NaN.
+    """How a person was tracked. A figure is NaN if there was nothing to measure.
 
     Errors are taken in frames that show at least half of the upper body, of poses up to 1 m away.
     """

@@ -27,7 +27,7 @@ REACH = 0.15
 
 @dataclass(frozen=True)
 class TargetScore:
-    """How one target was tracked. A figure that nothing was there to measure is NaN."""
+    """How one target was tracked. A figure is NaN if there was nothing to measure."""
 
     frames: int
     """Frames in which the target was trackable (25 % visible in two cameras, one of them colour)."""

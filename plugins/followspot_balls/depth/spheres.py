@@ -49,7 +49,7 @@ class Spheres(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Lens:
-    """What stays the same of a depth camera with H x W pixels.
+    """The constants of a depth camera with H x W pixels.
 
     center: (3,) m; rays: (H, W, 3), of unit depth; stretch: (H, W), their lengths; pitch: (H, W), distance of
     neighbouring rays at unit depth.

@@ -1,4 +1,4 @@
-"""Messages of stages that know another part of the room, whose cameras have other numbers there."""
+"""Numbers cameras anew in messages of stages that know another part of the room."""
 
 from __future__ import annotations
 

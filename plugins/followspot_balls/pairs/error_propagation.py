@@ -1,4 +1,4 @@
-"""What errors of rays do to points that are triangulated of pairs of them.
+"""Propagation of errors of rays to the points that are triangulated from pairs of them.
 
 With unit rays a and b, their cosine c and sine s, a displacement d of the first ray moves the point along the
 second one as far as d lies in their plane, and along their normal n = a x b by the first view's share f of

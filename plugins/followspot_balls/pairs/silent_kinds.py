@@ -1,4 +1,4 @@
-"""Cameras of a kind that takes no part, though the room has it."""
+"""A warning if no camera of a kind sends blobs, although the room has cameras of this kind."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ _WEIGHED = ("color", "infrared")
 
 
 def check_kinds(room: Room, cameras: Sequence[Camera]) -> Iterator[Mistake]:
-    """A warning for `Stage.check_room` if no camera of a kind sends blobs, and the room has some.
+    """The warning, for `Stage.check_room`. cameras: those that send blobs.
 
-    All cameras of the room weigh the place of a lost target, so these count as cameras that see no ball, and
-    no target is found. Rooms with depth cameras weigh no places; a camera alone finds nothing in any
-    case. cameras: those whose blobs come.
+    All cameras of the room weigh the position of a lost target. A camera that sends nothing counts as one
+    that sees no ball, so no target is found. Rooms with depth cameras weigh no positions, and a camera alone
+    finds nothing in any case.
     """
     kinds = {camera.kind for camera in cameras}
     silent = [c.name for c in room.cameras.values() if c.kind in _WEIGHED and c.kind not in kinds]

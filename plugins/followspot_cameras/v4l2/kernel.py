@@ -1,4 +1,4 @@
-"""The calls of the kernel that V4L2 is spoken with: all that a test must stand in for."""
+"""The system calls that V4L2 needs, behind an interface that tests replace."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from followspot.messages import Array
 
 
 class Kernel(Protocol):
-    """Every method raises OSError as the kernel does."""
+    """The system calls. Every method raises OSError as the kernel does."""
 
     def open(self, path: str) -> int:
         """The file of a device; its requests do not wait."""
@@ -27,7 +27,7 @@ class Kernel(Protocol):
         """(length,) uint8: memory of the driver."""
 
     def wait(self, file: int, timeout: float) -> bool:
-        """Whether the device has something to tell within `timeout`, s."""
+        """Whether the device has a picture or an event within `timeout`, s."""
 
     def close(self, file: int) -> None:
         """Release the device."""

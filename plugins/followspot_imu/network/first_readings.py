@@ -1,4 +1,4 @@
-"""The first readings of a sensor in the network, by which its units are doubted."""
+"""The first readings of a sensor in the network, from which its units are checked."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from followspot import Array
 from followspot_imu.units import doubts_of_units
 
 ENOUGH = 100
-"""Readings that tell whether the units are right."""
+"""Readings from which the units are checked."""
 
 
 class FirstReadings:
-    """Collects readings until there are `ENOUGH`."""
+    """Collects the first `ENOUGH` readings, and checks whether their units are plausible."""
 
     def __init__(self) -> None:
         self._turn_rate, self._force = [np.zeros((0, 3))], [np.zeros((0, 3))]
         self._missing = ENOUGH
 
     def doubts(self, turn_rate: Array, force: Array) -> dict[str, str]:
-        """Why the units are hardly right, by parameter, once there are enough; else none.
+        """Reasons to doubt the units, by parameter, once there are enough readings; else none.
 
         turn_rate, force: of the next readings, (N, 3) rad/s and m/s^2.
         """

@@ -1,4 +1,4 @@
-"""Readings that are missing, by the device times of those that came."""
+"""Counts missing readings, from the device times of those that came."""
 
 from __future__ import annotations
 
@@ -7,18 +7,21 @@ from collections import deque
 import numpy as np
 
 KNOWN = 200
-"""Intervals that say how often a sensor reads, a tenth of them at least."""
+"""Intervals whose median is that of the sensor, if its rate is not known; a tenth of them is enough."""
 
 
 class Losses:
-    """rate: readings a second, None if it is not known: then the usual interval says it."""
+    """Counts missing readings. rate: readings a second, None to take the median interval."""
 
     def __init__(self, rate: float | None) -> None:
         self._interval = 1e9 / rate if rate else 0.0
         self._intervals: deque[int] | None = None if rate else deque(maxlen=KNOWN)
 
     def within(self, interval: int) -> int:
-        """Number of readings that are missing within an interval of two that came, ns; 0: not known."""
+        """Number of readings that are missing between two that came; 0 while the rate is not known.
+
+        interval: between the two, ns.
+        """
         if self._intervals is not None and interval:
             self._intervals.append(interval)
             if len(self._intervals) >= KNOWN // 10:

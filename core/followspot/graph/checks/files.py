@@ -1,4 +1,4 @@
-"""Whether the files and members of the room that parameters name are there, as far as stages find out."""
+"""Lets each stage check the files and members of the room that its parameters name (`Stage.check_files`)."""
 
 from __future__ import annotations
 

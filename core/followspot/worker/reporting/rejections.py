@@ -1,4 +1,4 @@
-"""What the edges of a worker refused because it was malformed or not from their other end."""
+"""Reports of what the edges of a worker refused: malformed, or not from the other end of the edge."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _CERTIFIED = "a host with a certificate sent that"
 
 
 class Rejections:
-    """Tells of each edge that it refuses something as soon as it does, and at the end how often it did.
+    """Logs the first refusal of each edge at once, and warns of the number of refusals at the end.
 
     certified: whether sessions of Zenoh need certificates.
     """

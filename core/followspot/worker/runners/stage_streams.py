@@ -14,7 +14,7 @@ from followspot.worker.runners.stage_outputs import StageOutputs
 
 
 class StageStreams(StageLife):
-    """Announces on the outputs of a stage what its inputs say of the time to come.
+    """Passes the watermark, absence and end of a stage's inputs on to its outputs.
 
     join: its inputs, empty for a source; outputs: by port.
     """
