@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from followspot import Array, Field, InputError, Latest, Stage, StageParams
+from followspot import Array, Field, InputError, Latest, Stage
 from followspot.errors import Mistake
 from followspot.tracking import Candidates, DepthImage, Forecast
 from followspot_balls.depth.background import foreground, learnt, rendered
 from followspot_balls.depth.spheres import Lens, Spheres, spheres
 from followspot_balls.detection.search_circles import forecast_images
-from followspot_balls.detection.search_spheres import in_search_spheres, search_spheres
+from followspot_balls.detection.search_spheres import SphereParams, in_search_spheres, search_spheres
 from followspot_balls.scene.targets import lost_targets, target_radii
 
 ON_SPHERE = 2.5
@@ -34,7 +34,7 @@ class DepthBlobs(Stage):
 
     per_camera = True
 
-    class Params(StageParams):
+    class Params(SphereParams):
         depth_sigma: float = Field(
             0.008, gt=0, unit="m", description="sigma of a measured depth; raising it tolerates noise"
         )
@@ -51,18 +51,6 @@ class DepthBlobs(Stage):
             unit="frames",
             description="number of frames at the start from which the background is learnt, as the "
             "farthest depth of each pixel; 0: the planes of the room are the background",
-        )
-        minimum_search_radius: float = Field(
-            0.225,
-            gt=0,
-            unit="m",
-            description="smallest search radius around the forecast; raising it survives jumps",
-        )
-        search_radius_scale: float = Field(
-            2.0,
-            gt=0,
-            unit="1",
-            description="search radius over the last displacement; raising it survives turns",
         )
         minimum_face: float = Field(
             0.78,

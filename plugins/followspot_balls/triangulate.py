@@ -6,10 +6,10 @@ from functools import cached_property
 
 import numpy as np
 
-from followspot import Array, Field, Latest, Room, Stage, StageParams
+from followspot import Array, Field, Latest, Room, Stage
 from followspot.tracking import Candidates, Forecast, Pairs
 from followspot_balls.detection.hue import BINS
-from followspot_balls.detection.search_spheres import in_search_spheres, search_spheres
+from followspot_balls.detection.search_spheres import SphereParams, in_search_spheres, search_spheres
 from followspot_balls.measurement.outline import Stretch, unit_outline
 from followspot_balls.pairs.camera_numbers import numbered
 from followspot_balls.pairs.disagreement import UNCOVERED, Disagreement
@@ -33,19 +33,7 @@ class Triangulate(Stage):
         "targets that only infrared cameras see need marks (`track.marks`)"
     )
 
-    class Params(StageParams):
-        minimum_search_radius: float = Field(
-            0.225,
-            gt=0,
-            unit="m",
-            description="smallest search radius around the forecast; raising it survives jumps",
-        )
-        search_radius_scale: float = Field(
-            2.0,
-            gt=0,
-            unit="1",
-            description="search radius over the last displacement; raising it survives turns",
-        )
+    class Params(SphereParams):
         minimum_evident_area: float = Field(
             0.33,
             ge=0,

@@ -6,10 +6,28 @@ from collections.abc import Callable
 
 import numpy as np
 
+from followspot import Field, StageParams
 from followspot.messages import Array
 from followspot.tracking import TRACKED, Forecast
 from followspot_balls.scene.distances import squared_distances
 from followspot_balls.scene.targets import lost_targets
+
+
+class SphereParams(StageParams):
+    """How far from the forecast a target is searched for in the room."""
+
+    minimum_search_radius: float = Field(
+        0.225,
+        gt=0,
+        unit="m",
+        description="smallest search radius around the forecast; raising it survives jumps",
+    )
+    search_radius_scale: float = Field(
+        2.0,
+        gt=0,
+        unit="1",
+        description="search radius over the last displacement (beta); raising it survives turns",
+    )
 
 
 def search_spheres(forecast: Forecast, minimum: float, scale: float) -> Array:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot import Array, Field, Latest, Stage, StageParams
+from followspot import Array, Latest, Stage
 from followspot.tracking import Candidates, Forecast, Pairs
-from followspot_balls.detection.search_spheres import search_spheres
+from followspot_balls.detection.search_spheres import SphereParams, search_spheres
 from followspot_balls.pairs.camera_numbers import numbered
 from followspot_balls.pairs.rays import PairRays
 from followspot_balls.scene.targets import lost_targets
@@ -18,19 +18,8 @@ class PlainTriangulate(Stage):
     A lost target has no sphere; only pairs of a colour and an infrared camera may be it.
     """
 
-    class Params(StageParams):
-        minimum_search_radius: float = Field(
-            0.225,
-            gt=0,
-            unit="m",
-            description="smallest search radius around the forecast; raising it survives jumps",
-        )
-        search_radius_scale: float = Field(
-            2.0,
-            gt=0,
-            unit="1",
-            description="search radius over the last displacement (beta); raising it survives turns",
-        )
+    class Params(SphereParams):
+        """Radii of the spheres."""
 
     params: Params
 
