@@ -43,7 +43,8 @@ TARGETS = {
     },
     "fuzzing.parameters": {"parameters": 5_000},
     "fuzzing.control": {"request": 3_000, "status": 500, "registry": 500},
-    "fuzzing.edges": {"extreme_zenoh": 50_000, "extreme_ring": 50_000},
+    "fuzzing.ring_edges": {"extreme_ring": 50_000},
+    "fuzzing.zenoh_edges": {"extreme_zenoh": 50_000},
     "fuzzing.stages": {"extreme_stage": 20_000},
     "fuzzing.pictures": {"video": 1_000, "images": 1_000},
 }
