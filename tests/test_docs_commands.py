@@ -59,7 +59,7 @@ ELSEWHERE = {
     r"followspot cameras": "tests/plugins/cameras/test_genicam_listing.py",
     r"followspot doctor --(room studio|connect)": "tests/tools/test_doctor.py",
     r"python -c .from viva_genicam": "tests/plugins/cameras/test_genicam_viva.py",
-    r"cp": "tests/tools/test_compare.py",
+    r"cp": "tests/tools/test_experiment_pages.py",
 }
 """Beginnings of commands that need devices, other hosts, a browser, recordings, a run that goes on or many
 minutes, and the test that runs them with what it has made for them."""

@@ -1,4 +1,4 @@
-"""Colour and infrared detection, and the templates learnt for it (sections 2 and 3.2, 3.3)."""
+"""Balls in colour pictures (Jin & Qian 2008, section 3.3), and what no detector finds."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.plugins.balls.scene import SIZE, forecast_at, make_room, picture, whole_strip
-from tests.plugins.balls.two_balls import ROOM, discs, painted
+from tests.plugins.balls.detected import BALLS, FORECAST, HERE, THERE, detector
+from tests.plugins.balls.scene import forecast_at, make_room, picture, whole_strip
+from tests.plugins.balls.two_balls import ROOM, painted
 
 from followspot.context import Context
 from followspot.geometry import project
@@ -16,44 +17,7 @@ from followspot.stage import Stage
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.color_blobs import ColorBlobs
 from followspot_balls.detection.components import MOST, above_local_peak, components, of_size
-from followspot_balls.detection.hough import SEPARATE, agreement, disc_centers, own_area
-from followspot_balls.detection.hue import BIT, bhattacharyya, hue_bits, normalised
 from followspot_balls.ir_blobs import IrBlobs
-
-HERE, THERE = (0.1, 0.0, 1.0), (-0.4, 0.3, 0.8)
-BALLS = {"red": np.array(HERE), "green": np.array(THERE)}
-FORECAST = forecast_at([HERE, THERE])
-
-
-def detector(kind: type[Stage], camera: str, **params: float) -> Stage:
-    stage = kind(Context.serving(ROOM.cameras[camera], ROOM), **params)
-    stage.setup()
-    return stage
-
-
-def test_bhattacharyya_by_hand() -> None:
-    a, b = np.zeros(16), np.zeros(16)
-    a[[0, 1]], b[[1, 2]] = 0.5, [0.5, 0.5]
-    assert bhattacharyya(a, b) == pytest.approx(0.5)
-    assert bhattacharyya(a, a) == pytest.approx(1.0)
-    assert bhattacharyya(a, np.eye(16)[0]) == pytest.approx(np.sqrt(0.5))
-
-
-def test_histograms_are_normalised_and_an_empty_one_stays_zero() -> None:
-    counts = np.zeros((2, 16))
-    counts[0, [2, 5]] = [1, 3]
-    assert normalised(counts)[0, [2, 5]] == pytest.approx([0.25, 0.75])
-    assert not normalised(counts)[1].any()
-
-
-def test_a_hue_has_the_bit_of_its_bin() -> None:
-    histograms = np.random.default_rng(0).dirichlet(np.ones(16), 5)
-    bits = hue_bits(histograms, 0.05)
-    assert ((BIT[:16] & bits[:, None] > 0) == (histograms >= 0.05)).all()
-
-
-def test_an_overexposed_core_may_be_of_any_hue() -> None:
-    assert (BIT[16] & hue_bits(np.eye(16), 0.05)).all()
 
 
 @pytest.mark.parametrize("forecast", [None, Forecast.empty(), FORECAST])
@@ -167,39 +131,6 @@ def test_a_half_hidden_ball_is_found_where_it_is_and_not_at_its_centroid(
     assert np.hypot(*(blind.pixel[0] - [x, y])) > 0.9
 
 
-@pytest.mark.parametrize("forecast", [None, FORECAST])
-def test_ir_blobs_finds_both_balls_and_labels_neither(forecast: Forecast | None) -> None:
-    blobs = detector(IrBlobs, "cam1", radius_offset=0.0).process(
-        picture(ROOM.cameras["cam1"], BALLS), forecast
-    )
-    expected = project(ROOM.cameras["cam1"], np.array([HERE, THERE]))
-    order = np.argsort(blobs.pixel[:, 1])
-    assert blobs.pixel[order] == pytest.approx(expected[np.argsort(expected[:, 1])], abs=0.2)
-    assert (blobs.similarity == 1).all()
-    if forecast is None:
-        assert blobs.targets.all()
-    else:
-        assert blobs.targets[order].sum(axis=1).tolist() == [1, 1]
-
-
-def test_an_infrared_blob_in_two_windows_is_one_blob_of_two_targets() -> None:
-    near = (HERE[0] + 0.1, HERE[1], HERE[2])
-    frame = picture(ROOM.cameras["cam1"], {"red": np.array(HERE)})
-    blobs = detector(IrBlobs, "cam1").process(frame, forecast_at([HERE, near]))
-    assert blobs.targets.tolist() == [[True, True]]
-
-
-@pytest.mark.parametrize("camera", ["cam1", "cam3"])
-def test_infrared_balls_that_touch_in_a_picture_are_two_blobs(camera: str) -> None:
-    beside = (HERE[0] + 0.14, HERE[1], HERE[2])
-    places = np.array([HERE, beside])
-    frame = picture(ROOM.cameras[camera], dict(zip(("red", "green"), places, strict=True)))
-    assert len(detector(IrBlobs, camera).process(frame, None).pixel) == 1
-    found = detector(IrBlobs, camera).process(frame, forecast_at([HERE, beside]))
-    off = np.linalg.norm(found.pixel[:, None] - project(ROOM.cameras[camera], places), axis=2)
-    assert off.min(axis=0) == pytest.approx(np.zeros(2), abs=0.6)
-
-
 @pytest.mark.parametrize(
     ("apart", "size", "seen"), [(11.5, 5.5, True), (3.0, 9.0, False)], ids=["touching", "submerged"]
 )
@@ -220,33 +151,6 @@ def test_a_ball_that_touches_much_light_of_its_colour_is_found_by_its_rim(
         assert found.area[0] == pytest.approx(np.pi * radius**2, rel=0.01)
 
 
-def test_hot_pixels_are_not_balls() -> None:
-    frame = painted("cam1", [])
-    pixels = frame.pixels.copy()
-    pixels[::9, ::9] = 255
-    assert len(detector(IrBlobs, "cam1").process(seal(Frame(camera="cam1", pixels=pixels)), None).xy) == 0
-
-
-@pytest.mark.parametrize("forecast", [None, FORECAST])
-@pytest.mark.parametrize(("gray", "seen"), [(99, False), (100, True), (200, True), (201, False)])
-def test_grey_levels_out_of_the_range_are_not_seen(gray: int, seen: bool, forecast: Forecast | None) -> None:
-    room = make_room()
-    for target in room.targets.values():
-        target.gray["cam1"] = (100.0, 200.0)  # type: ignore[index]
-    stage = IrBlobs(Context.serving(room.cameras["cam1"], room))
-    stage.setup()
-    column, row = np.rint(project(room.cameras["cam1"], np.array([HERE]))[0]).astype(int)
-    pixels = np.zeros((SIZE[1], SIZE[0], 1), np.uint8)
-    pixels[row - 2 : row + 4, column - 2 : column + 4] = gray
-    assert len(stage.process(seal(Frame(camera="cam1", pixels=pixels)), forecast).xy) == seen
-
-
-def test_pixels_that_touch_at_a_corner_are_one_component() -> None:
-    level = np.zeros((20, 20), np.uint8)
-    level[5:9, 5:9] = level[9:13, 9:13] = 200
-    assert components(level > 0, level, whole_strip(20)).area.tolist() == [32]
-
-
 def test_noise_is_bounded() -> None:
     level = np.zeros((200, 200), np.uint8)
     level[::3, ::3] = 200
@@ -255,82 +159,6 @@ def test_noise_is_bounded() -> None:
     view = np.arange(len(found.area)) % 2
     kept = of_size(found.area, np.ones(len(view)), np.full(len(view), 9.0), view)
     assert np.bincount(view, kept).tolist() == [MOST, MOST]
-
-
-def test_without_a_radius_the_centre_is_the_centroid() -> None:
-    level, strip = np.zeros((20, 20), np.uint8), whole_strip(20)
-    level[5:9, 5:9] = 200
-    found = components(above_local_peak(level, 0.5), level, strip)
-    center, _ = disc_centers(level, strip, found, np.array([np.nan]), 0.5)
-    assert center == pytest.approx(np.array([[6.5, 6.5]]))
-
-
-def test_without_a_vote_the_centre_is_the_centroid() -> None:
-    start = np.array([[6.5, 7.0], [30.0, 2.0]])
-    nobody = np.empty(0, int)
-    point, heard = agreement(np.empty((2, 0)), np.empty(0), nobody, start)
-    assert point == pytest.approx(start)
-    assert (heard < 1e-6).all()
-
-
-@pytest.mark.parametrize("expected", [(19.0, 28.5), (34.0, 32.0)])
-def test_of_two_discs_in_one_blob_the_one_at_the_forecast_is_found(expected: tuple[float, float]) -> None:
-    both = (20.0, 30.0), (33.0, 31.0)
-    level, strip = discs(*both), whole_strip(60)
-    blobs = components(above_local_peak(level, 0.5), level, strip)
-    assert len(blobs.area) == 1
-    center, _ = disc_centers(level, strip, blobs, np.array([8.0]), 0.5, np.array([expected]))
-    nearest = min(both, key=lambda disc: np.hypot(*np.subtract(disc, expected)))
-    assert center == pytest.approx(np.array([nearest]), abs=0.3)
-
-
-@pytest.mark.parametrize(
-    ("hidden", "told"), [(0, True), (8, False)], ids=["most of its rim shows", "half of it is covered"]
-)
-def test_a_rim_tells_a_ball_from_the_light_that_it_is_merged_with(hidden: int, told: bool) -> None:
-    level, strip = discs((20.0, 30.0)), whole_strip(60)
-    level[22:39, : 12 + hidden] = 0
-    level[24:36, 27:58] = 200
-    blobs = components(above_local_peak(level, 0.5), level, strip)
-    radius = np.array([8.0])
-    center, rim = disc_centers(level, strip, blobs, radius, 0.5, np.array([[20.0, 30.0]]))
-    area = own_area(blobs.area, np.array([250.0]), radius, rim)
-    whole = own_area(blobs.area, blobs.area, radius, rim)
-    assert whole == pytest.approx(blobs.area)
-    assert (rim[0] >= SEPARATE) == told
-    assert area == pytest.approx(np.pi * 64 if told else blobs.area)
-    if told:
-        assert center == pytest.approx(np.array([[20.0, 30.0]]), abs=0.5)
-
-
-def test_a_forecast_beside_a_merged_blob_leads_to_a_disc_all_the_same() -> None:
-    level, strip = discs((20.0, 30.0), (26.0, 30.0)), whole_strip(60)
-    blobs = components(above_local_peak(level, 0.5), level, strip)
-    center, _ = disc_centers(level, strip, blobs, np.array([8.0]), 0.5, np.array([[45.0, 12.0]]))
-    assert center == pytest.approx(np.array([[26.0, 30.0]]), abs=0.3)
-
-
-def test_a_fragment_does_not_ask_the_forecast_which_its_edge_would_confirm() -> None:
-    level, strip = np.zeros((60, 60), np.uint8), whole_strip(60)
-    level[25:35, 20:24] = 200
-    blobs = components(above_local_peak(level, 0.5), level, strip)
-    alone, _ = disc_centers(level, strip, blobs, np.array([8.0]), 0.5)
-    center, _ = disc_centers(level, strip, blobs, np.array([8.0]), 0.5, np.array([[15.5, 29.5]]))
-    assert np.array_equal(center, alone)
-
-
-@pytest.mark.parametrize("expected", [(20.0, 30.0), (22.0, 31.0), (18.0, 28.5), (20.0, 33.0)])
-def test_the_forecast_of_a_ball_beside_another_tells_its_rim_from_the_two_edges_that_cover_it(
-    expected: tuple[float, float],
-) -> None:
-    level, strip = discs((20.0, 30.0)), whole_strip(60)
-    level[30:] = level[:, 20:] = 0
-    blobs = components(above_local_peak(level, 0.5), level, strip)
-    given = level, strip, blobs, np.array([8.0]), 0.5, np.array([expected])
-    center, _ = disc_centers(*given, np.array([True]))
-    assert center == pytest.approx(np.array([[20.0, 30.0]]), abs=0.1)
-    other, _ = disc_centers(*given, np.array([False]))
-    assert np.linalg.norm(other - center) > 8
 
 
 def test_detectors_of_a_room_without_targets_find_nothing() -> None:
