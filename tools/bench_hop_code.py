@@ -19,39 +19,24 @@ import json
 import os
 import re
 import shutil
-import socket
 import subprocess
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable
-from math import prod
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import numpy as np
-
-from benching.bare_ring import SMALL, BareReader, BareWriter, create
-from benching.edge_writer import DEPTH
-from followspot.message_checks.sealing import seal
-from followspot.messages import Header, Message, stamped
-from followspot.tracking import Frame
-from followspot.transport.ring.reader import RingReader
-from followspot.transport.ring.writer import RingWriter
+from benching.hop_cases import CASES, Hop
 from scripting import shown, table_options
 
 SIZES = {"1 kB": (18, 19, 3), "640x480": (480, 640, 3)}
-HEAD = 96
-"""Bytes of a datagram without its arrays, about those of the ring."""
 CACHES = ("--cache-sim=yes", "--I1=32768,8,64", "--D1=32768,8,64")
 """The simulated caches: bytes, ways, and bytes of a line."""
 EVENTS = {"instructions": ("Ir",), "I1 misses": ("I1mr",), "D1 misses": ("D1mr", "D1mw")}
 """Of callgrind, by what they are called here."""
 MISSES = tuple(EVENTS)[1:]
-Hop = Callable[[int], None]
-"""Send and read the message of this number."""
 
 
 def main() -> None:
@@ -72,93 +57,6 @@ def parser() -> argparse.ArgumentParser:
     options.add_argument("--rounds", type=int, default=7, help="interleaved rounds (default %(default)s)")
     options.add_argument("--only", nargs=2, metavar=("CASE", "SIZE"), help="run one case, to be counted")
     return options
-
-
-def system_calls(shape: tuple[int, ...]) -> Hop:
-    """A datagram of the size that a message has."""
-    near, far = pair()
-    data = bytes(HEAD + prod(shape) * (prod(shape) <= SMALL))
-    buffer = [bytearray(HEAD + SMALL)]
-
-    def hop(_number: int) -> None:
-        far.send(data)
-        near.recvmsg_into(buffer, socket.CMSG_LEN(4), socket.MSG_CMSG_CLOEXEC)
-
-    return hop
-
-
-def and_messages(shape: tuple[int, ...]) -> Hop:
-    """The same, and what stages get in their hands at both ends."""
-    datagram, pixels = system_calls(shape), np.zeros(shape, np.uint8)
-
-    def hop(number: int) -> None:
-        made(pixels, number)
-        datagram(number)
-        read = object.__new__(Frame)
-        read.__dict__.update(camera="cam0", pixels=np.ndarray(shape, np.uint8, pixels), header=header(number))
-
-    return hop
-
-
-def bare_ring(shape: tuple[int, ...]) -> Hop:
-    """The yardstick."""
-    near, far = pair()
-    memory = create(shape)
-    writer, reader = BareWriter(far, memory, shape), BareReader(near, memory, shape)
-    own = np.zeros(shape, np.uint8)
-
-    def hop(_number: int) -> None:
-        writer.credit()
-        writer.send(own if own.nbytes <= SMALL else writer.loan(), time.monotonic_ns())
-        reader.poll()
-        reader.consumed()
-
-    return hop
-
-
-def ring(shape: tuple[int, ...]) -> Hop:
-    """The edge as it is: what is large is written in place."""
-    near, far = pair()
-    writer, reader = RingWriter([far], DEPTH), RingReader(near, Frame)
-    own = np.zeros(shape, np.uint8)
-
-    def hop(number: int) -> None:
-        writer.credit()
-        loan = writer.loan(shape, "u1")
-        writer.send(made(own if loan is None else loan, number))
-        del loan
-        count = sum(isinstance(token, Message) for token in reader.poll())
-        if not count:
-            raise RuntimeError("the message did not arrive")
-        reader.consumed(count)
-
-    return hop
-
-
-CASES: dict[str, Callable[[tuple[int, ...]], Hop]] = {
-    "system calls": system_calls,
-    "and messages": and_messages,
-    "bare ring": bare_ring,
-    "ring": ring,
-}
-
-
-def pair() -> tuple[socket.socket, socket.socket]:
-    """Both ends of a connection."""
-    near, far = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-    near.setblocking(False)
-    far.setblocking(False)
-    return near, far
-
-
-def header(number: int) -> Header:
-    """The header of a message of a source."""
-    return Header("camera/cam0", number, number, time.monotonic_ns())
-
-
-def made(pixels: np.ndarray[Any, Any], number: int) -> Frame:
-    """A message as the worker sends it."""
-    return stamped(seal(Frame("cam0", pixels)), header(number))
 
 
 def run(hop: Hop, messages: int) -> None:

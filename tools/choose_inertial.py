@@ -17,6 +17,7 @@ import numpy as np
 
 import bench_inertial
 from bench_inertial import Setting
+from benching.inertial_trial import read
 from scripting import options_of
 
 WANTED = 0.95
@@ -42,7 +43,7 @@ def measured(folder: Path, values: list[float], setting: Setting, seed: int) -> 
     """The shares of all trials of a folder."""
     shares: dict[str, dict[float, float]] = {}
     for path in sorted(folder.glob("*.npz")):
-        trial = bench_inertial.read(path)
+        trial = read(path)
         shares[trial.name] = {}
         for value in values:
             params = {"gyroscope_scale": value, "accelerometer_scale": value}

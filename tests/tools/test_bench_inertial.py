@@ -8,14 +8,15 @@ from tests.datasets import dataset, needs_data
 
 import bench_inertial
 from bench_inertial import Setting
+from benching.inertial_trial import Trial, read
 
 REAL = dataset("imu-broad")
 needs_broad = needs_data("imu-broad")
 TRIALS = sorted(bench_inertial.BASELINE)
 
 
-def trial(number: str) -> bench_inertial.Trial:
-    return bench_inertial.read(next(REAL.glob(f"{number}_*.npz")))
+def trial(number: str) -> Trial:
+    return read(next(REAL.glob(f"{number}_*.npz")))
 
 
 @needs_broad
