@@ -1,4 +1,4 @@
-"""Stages that keep books: a line for every message before they hand it out, and when they are given it.
+"""Stages that keep journals: a line for every message before they hand it out, and when they are given it.
 
 Loaded with --plugin. A line is the id of the process, the stage that made the message, and the message's
 number, which no other message of that stage has. It is written with one call that appends, so that it is
@@ -32,7 +32,7 @@ class Keeper:
     context: fs.Context
 
     def setup(self) -> None:
-        self.books = os.environ["BOOKS"]
+        self.journals = os.environ["JOURNALS"]
         self.files: dict[str, int] = {}
 
     def write(self, what: str, note: Note) -> None:
@@ -40,7 +40,7 @@ class Keeper:
         if what not in self.files:
             name = f"{self.context.name.replace('/', '~')}.{what}"
             flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND
-            self.files[what] = os.open(os.path.join(self.books, name), flags, 0o600)  # noqa: PTH118
+            self.files[what] = os.open(os.path.join(self.journals, name), flags, 0o600)  # noqa: PTH118
         os.write(self.files[what], f"{os.getpid()} {note.by} {note.value}\n".encode())
 
     def got(self, note: Note, port: str = "note") -> None:
@@ -53,7 +53,7 @@ class Keeper:
 
     def asked(self, what: str) -> bool:
         """Whether a file asks this stage to misbehave."""
-        return os.path.exists(os.path.join(self.books, f"{what}.{self.context.name}"))  # noqa: PTH110, PTH118
+        return os.path.exists(os.path.join(self.journals, f"{what}.{self.context.name}"))  # noqa: PTH110, PTH118
 
     def linger(self) -> None:
         if self.asked("slow"):

@@ -12,7 +12,7 @@ from typing import Any, Self
 
 from tests.commands import Process, command
 from tests.integration.running import Finished, alive, finish, wait_until, workers
-from tests.promises.books import Books, books_of, disagreements
+from tests.promises.ledger_check import Journals, disagreements, journals_of
 
 STAGES = Path(__file__).parent / "journal.py"
 FOREVER = 60.0
@@ -31,7 +31,7 @@ class Journaled:
         self.folder = folder
         self.out = out
         self.workers = workers
-        self.books = Books(folder)
+        self.journals = Journals(folder)
         self.process: Process
         self.killed: set[int] = set()
 
@@ -54,7 +54,7 @@ class Journaled:
 
     def lines(self, stage: str) -> int:
         """How many messages a stage was given and made."""
-        return sum(len(path.read_bytes().splitlines()) for path in self.books.journals(stage))
+        return sum(len(path.read_bytes().splitlines()) for path in self.journals.files(stage))
 
     def goes_on(self, *stages: str, count: int = 10) -> None:
         """Wait until each of these stages, or one of each worker, has done so much more."""
@@ -110,12 +110,12 @@ class Journaled:
         code = 1 if with_dead and told and of_dead == told else 0
         assert finished.code == code, finished.errors + json.dumps(told)
         found = disagreements(
-            finished.summary["edges"], books_of(self.folder, finished.summary["warnings"], self.killed)
+            finished.summary["edges"], journals_of(self.folder, finished.summary["warnings"], self.killed)
         )
         assert not found, "\n".join(found)
 
     def signal(self, worker: str, number: signal.Signals) -> int:
-        pid = self.books.pid(self.workers[worker])
+        pid = self.journals.pid(self.workers[worker])
         if any(pid in workers(parent) for parent in self.parents()):  # else another fault had it
             os.kill(pid, number)
         return pid

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine
+from tests.promises.edge_messages import SMALL, Picture
 from tests.promises.edge_model import ABSENT, END, Spoken
-from tests.promises.edge_words import SMALL, Picture
 
 from followspot import Source, Stage
 from followspot.transport.dropping_writer import DroppingWriter

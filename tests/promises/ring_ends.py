@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 from hypothesis.stateful import RuleBasedStateMachine
+from tests.promises.edge_messages import Picture, word
 from tests.promises.edge_model import ABSENT, END, Advance, Owed, Port, Spoken
-from tests.promises.edge_words import Picture, word
 
 from followspot.messages import Array
 from followspot.transport.ring.decoder import LARGEST

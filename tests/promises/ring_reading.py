@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hypothesis import strategies as st
 from hypothesis.stateful import precondition, rule
-from tests.promises.edge_words import intact
+from tests.promises.edge_messages import intact
 from tests.promises.ring_ends import RingEnds
 
 READERS = st.integers(0, 2)

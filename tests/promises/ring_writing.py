@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from hypothesis import strategies as st
 from hypothesis.stateful import invariant, precondition, rule
+from tests.promises.edge_messages import SMALL, intact, picture
 from tests.promises.edge_model import ABSENT, END, Advance, Spoken
-from tests.promises.edge_words import SMALL, intact, picture
 from tests.promises.ring_reading import FEW, READERS, ReadingRing
 
 from followspot.transport.token import UNKNOWN, Watermark

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 from tests.integration.running import start, write_graph
-from tests.promises.books import impossible
 from tests.promises.journaled import STAGES, Journaled
+from tests.promises.ledger_check import impossible
 
 LIVE = """
 cam:   {uses: journal.camera}
@@ -44,13 +44,13 @@ class Run(Journaled):
     """A live run of five workers of this machine."""
 
     def __init__(self, folder: Path, edges: str, size: int = 0) -> None:
-        super().__init__(f"accounts-{uuid.uuid4().hex[:8]}", folder / "books", folder / "out", WORKERS)
+        super().__init__(f"accounts-{uuid.uuid4().hex[:8]}", folder / "journals", folder / "out", WORKERS)
         self.folder.mkdir()
         graph = write_graph(folder, LIVE, self.name)
         placement = folder / "placement.yaml"
         placement.write_text(PLACEMENT)
         words = ("--plugin", str(STAGES), "--placement", str(placement), "--edges", edges)
-        os.environ["BOOKS"] = str(self.folder)
+        os.environ["JOURNALS"] = str(self.folder)
         self.process = start(graph, self.out, *words, "--set", f"cam.size={size}")
 
 

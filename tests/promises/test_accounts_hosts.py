@@ -13,8 +13,8 @@ import pytest
 from tests.commands import launch
 from tests.integration.hosts import Agent, Hosts, free_port, namespaces_are_permitted, near_agent
 from tests.integration.running import Finished, alive, finish, start, wait_until, write_graph
-from tests.promises.books import books_of, impossible
 from tests.promises.journaled import FOREVER, STAGES, Journaled
+from tests.promises.ledger_check import impossible, journals_of
 
 LIVE = """
 cam:  {uses: journal.camera}
@@ -42,9 +42,9 @@ class TwoHosts(Journaled):
     agent: Agent
 
     def __init__(self, folder: Path) -> None:
-        super().__init__(f"accounts-{uuid.uuid4().hex[:8]}", folder / "books", folder / "out", WORKERS)
+        super().__init__(f"accounts-{uuid.uuid4().hex[:8]}", folder / "journals", folder / "out", WORKERS)
         self.folder.mkdir()
-        os.environ["BOOKS"] = str(self.folder)
+        os.environ["JOURNALS"] = str(self.folder)
         self.root = folder
         placement = folder / "placement.yaml"
         placement.write_text(PLACEMENT)
@@ -167,9 +167,9 @@ def test_a_host_that_never_comes_back_leaves_no_column_below_zero(tmp_path: Path
         edges = finished.summary["edges"]
         assert not list(impossible(edges))
         here = [edge for edge in edges if edge["from"] in ("near.out", "look.out", "both.out")]
-        books = books_of(run.folder, finished.summary["warnings"])
+        journals = journals_of(run.folder, finished.summary["warnings"])
         for edge in here:
-            assert edge["produced"] == len(books.of(edge["from"].partition(".")[0], "out.out")), edge
+            assert edge["produced"] == len(journals.of(edge["from"].partition(".")[0], "out.out")), edge
 
 
 class Detached(Near):

@@ -19,8 +19,8 @@ from typing import Any
 import pytest
 from tests.integration.hosts import near_agent
 from tests.integration.running import Finished, finish, start, write_graph
-from tests.promises.books import Books, books_of, impossible
 from tests.promises.journaled import STAGES, Journaled
+from tests.promises.ledger_check import Journals, impossible, journals_of
 
 from followspot.errors import FollowspotError
 from followspot.operator.connect import run_here
@@ -90,14 +90,14 @@ class Run(Journaled):
         count = chance.choice([2, 3, 4])
         groups = {f"w{n}": stages[n::count] for n in range(count)}
         firsts = {name: group[0] for name, group in groups.items()}
-        super().__init__(f"swaps-{uuid.uuid4().hex[:8]}", folder / "books", folder / "out", firsts)
+        super().__init__(f"swaps-{uuid.uuid4().hex[:8]}", folder / "journals", folder / "out", firsts)
         self.folder.mkdir()
         for name, text in FILES.items():
             (folder / f"{name}.yaml").write_text(text)
         source, endless = ("camera", 10**9) if live else ("film", COUNT)
         text = GRAPH.format(source=source, size=chance.choice([0, 6000]), count=endless)
         placement = folder / "placement.yaml"
-        os.environ["BOOKS"] = str(self.folder)
+        os.environ["JOURNALS"] = str(self.folder)
         hosts = ("pc-left", "pc-right") if edges == "hosts" else ()
         self.agents = [near_agent(host, folder, "--plugin", STAGES) for host in hosts]
         lines = (
@@ -173,7 +173,7 @@ def by_ends(edges: list[dict[str, Any]]) -> Mapping[tuple[str, str], Counter[str
     return found
 
 
-def differing(edges: list[dict[str, Any]], books: Books) -> Iterator[str]:
+def differing(edges: list[dict[str, Any]], journals: Journals) -> Iterator[str]:
     """What the ledger and the journals do not agree on."""
     yield from impossible(edges)
     sums = by_ends(edges)
@@ -181,29 +181,29 @@ def differing(edges: list[dict[str, Any]], books: Books) -> Iterator[str]:
         start, end = ends
         sender, _, out = start.rpartition(".")
         reader, _, into = end.rpartition(".")
-        made = books.of(sender, f"out.{out}")
-        got = [line for line in books.of(reader, f"in.{into}") if line.by == sender]
+        made = journals.of(sender, f"out.{out}")
+        got = [line for line in journals.of(reader, f"in.{into}") if line.by == sender]
         name = f"{start} -> {end}"
         if counts["in_flight"]:
             yield f"{name}: {counts['in_flight']} in flight"
-        if not 0 <= counts["delivered"] - len(got) <= books.in_hand(reader):
+        if not 0 <= counts["delivered"] - len(got) <= journals.in_hand(reader):
             yield f"{name}: {counts['delivered']} delivered, {reader} got {len(got)}"
         unsaid = len(made) - counts["produced"]
-        if unsaid < 0 or (ends in STAY and unsaid > books.in_hand(sender)):
+        if unsaid < 0 or (ends in STAY and unsaid > journals.in_hand(sender)):
             yield f"{name}: {counts['produced']} produced, {sender} made {len(made)}"
         if into != "known" and len({line.value for line in got}) < len(got):
             yield f"{name}: some came twice"
-    made = len(books.of("slow", "out.out"))
+    made = len(journals.of("slow", "out.out"))
     entered = sum(counts["produced"] for ends, counts in sums.items() if ends in ENTRIES)
-    if not 0 <= made - entered <= books.in_hand("slow"):
+    if not 0 <= made - entered <= journals.in_hand("slow"):
         yield f"slow made {made}, and {entered} went into a file"
 
 
 def judge(run: Run, finished: Finished) -> None:
     assert finished.code == 0, finished.errors
     edges = finished.summary["edges"]
-    books = books_of(run.folder, finished.summary["warnings"], run.killed)
-    assert not list(differing(edges, books))
+    journals = journals_of(run.folder, finished.summary["warnings"], run.killed)
+    assert not list(differing(edges, journals))
     assert all(text.startswith(("sick", "another")) for text in run.refused) or run.killed
     if run.live:
         return
@@ -211,10 +211,12 @@ def judge(run: Run, finished: Finished) -> None:
         ends: [c[k] for k in LOSSES] for ends, c in by_ends(edges).items() if not ends[1].endswith("known")
     }
     assert not {ends: counts for ends, counts in lost.items() if any(counts)}
-    film = [line.value for line in books.of("cam", "out.out")]
+    film = [line.value for line in journals.of("cam", "out.out")]
     assert len(film) >= COUNT
     for sink in ("save", "rest"):
-        assert [line.value for line in books.of(sink, "in.note")] == film, f"{sink} got each once, in order"
+        assert [line.value for line in journals.of(sink, "in.note")] == film, (
+            f"{sink} got each once, in order"
+        )
 
 
 MORE = [(live, edges, n) for live in (False, True) for edges in ("ring", "zenoh", "hosts") for n in range(4)]

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import initialize, invariant, precondition, rule
+from tests.promises.edge_messages import SMALL, Picture, header, intact, picture
 from tests.promises.edge_model import ABSENT, END, Spoken
-from tests.promises.edge_words import SMALL, Picture, header, intact, picture
 from tests.promises.port_ends import (
     AHEAD,
     ANY,

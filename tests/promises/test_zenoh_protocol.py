@@ -9,8 +9,8 @@ import pytest
 from hypothesis import HealthCheck, Phase, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import initialize, invariant, precondition, rule
+from tests.promises.edge_messages import SMALL, Picture, picture
 from tests.promises.edge_model import ABSENT, END, Advance, Owed, Spoken
-from tests.promises.edge_words import SMALL, Picture, picture
 from tests.promises.zenoh_ends import TIMEOUT, ZenohEnds, readable
 from tests.promises.zenoh_hosts import READERS
 

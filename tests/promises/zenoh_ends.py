@@ -9,8 +9,8 @@ from collections import deque
 from collections.abc import Callable, Iterable
 
 from hypothesis.stateful import RuleBasedStateMachine
+from tests.promises.edge_messages import word
 from tests.promises.edge_model import ABSENT, Advance, Missing, Owed, Spoken
-from tests.promises.edge_words import word
 from tests.promises.zenoh_hosts import READERS, Hosts
 
 from followspot.transport.token import Token, Watermark

@@ -36,12 +36,12 @@ from soaking.show import (
     FAULTS,
     SIDES,
     UNSEEN,
-    Books,
     Hosts,
+    Journals,
     Show,
-    books_of,
     descendants,
     disagreements,
+    journals_of,
     unused_memory,
 )
 
@@ -149,9 +149,9 @@ def summary_of(show: Show) -> dict[str, Any]:
     return found
 
 
-def compared(summary: dict[str, Any], books: Books) -> dict[str, Any]:
+def compared(summary: dict[str, Any], journals: Journals) -> dict[str, Any]:
     """The number of lines of all journals, and their differences from the ledger."""
-    return {"lines": books.lines(), "differences": disagreements(summary["edges"], books)}
+    return {"lines": journals.lines(), "differences": disagreements(summary["edges"], journals)}
 
 
 def report(seen: list[dict[str, Any]], within: float, notice: float) -> dict[str, Any]:
@@ -198,7 +198,7 @@ def played(args: argparse.Namespace) -> dict[str, Any]:
             seen = soak(show, args.faults, kinds, lambda line: print(line, file=sys.stderr, flush=True))
             summary = summary_of(show)
             said = show.watch.news.union(summary.get("warnings", ()))
-            journals = compared(summary, books_of(show.books, said, show.killed))
+            journals = compared(summary, journals_of(show.journals, said, show.killed))
             show.end()
             left = left_over(hosts, before)
         finally:

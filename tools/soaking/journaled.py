@@ -1,8 +1,8 @@
 """Stages for tools/soak.py: live cameras of the simulated room, the tracker, and the judge of its tracks.
 
-All of them keep journals in the folder BOOKS of the environment: a line for each message before it is handed
-out, and when it is given, with the id of the process, the message's source and its number. They are compared
-with the ledger (tests/promises/books.py), and nothing here looks at that.
+All of them keep journals in the folder JOURNALS of the environment: a line for each message before it is
+handed out, and when it is given, with the id of the process, the message's source and its number. They are
+compared with the ledger (tests/promises/ledger_check.py), and nothing here looks at that.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def note(stage: str, port: str, source: str, seq: int) -> None:
     name = f"{stage.replace('/', '~')}.{port}"
     if name not in _files:
         flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND
-        _files[name] = os.open(os.path.join(os.environ["BOOKS"], name), flags, 0o600)  # noqa: PTH118
+        _files[name] = os.open(os.path.join(os.environ["JOURNALS"], name), flags, 0o600)  # noqa: PTH118
     os.write(_files[name], f"{os.getpid()} {source} {seq}\n".encode())
 
 

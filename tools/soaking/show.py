@@ -18,7 +18,7 @@ sys.path.insert(0, str(ROOT))
 
 from tests.integration.hosts import Agent, Hosts  # noqa: E402
 from tests.integration.running import alive, descendants, unused_memory, workers  # noqa: E402
-from tests.promises.books import Books, books_of, disagreements  # noqa: E402
+from tests.promises.ledger_check import Journals, disagreements, journals_of  # noqa: E402
 
 from soaking.room import write_files  # noqa: E402
 from soaking.watch import Watch  # noqa: E402
@@ -27,12 +27,12 @@ __all__ = [
     "FAULTS",
     "SIDES",
     "UNSEEN",
-    "Books",
     "Hosts",
+    "Journals",
     "Show",
-    "books_of",
     "descendants",
     "disagreements",
+    "journals_of",
     "unused_memory",
 ]
 
@@ -59,9 +59,9 @@ class Show:
         self.folder = hosts.folder
         self.chance = chance
         self.clocks: dict[str, int] = {}
-        self.books = self.folder / "books"
-        self.books.mkdir()
-        os.environ["BOOKS"] = str(self.books)
+        self.journals = self.folder / "journals"
+        self.journals.mkdir()
+        os.environ["JOURNALS"] = str(self.journals)
         self.killed: set[int] = set()
         """Workers that were killed, or stopped until their host killed them."""
         self.out = self.folder / "out"

@@ -22,7 +22,7 @@ from followspot.worker.ledger import COUNTS, EdgeCount
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from tests.promises.books import impossible
+from tests.promises.ledger_check import impossible
 
 _PERIOD = 0.1
 """Seconds between two questions."""

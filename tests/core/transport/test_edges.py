@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.core.transport.far import KEY, frame, intact, receive, send_all
+from tests.core.transport.edge_end import KEY, frame, intact, receive, send_all
 from tests.integration.running import unused_memory
 
 from followspot.message_checks.sealing import seal
@@ -26,7 +26,7 @@ from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import END, Token, Watermark
 from followspot.transport.zenoh.edge import ZenohReader, ZenohWriter, locators, open_session
 
-FAR = Path(__file__).with_name("far.py")
+EDGE_END = Path(__file__).with_name("edge_end.py")
 DEPTH = 4
 VGA = (480, 640, 3)
 FULL_HD = (1080, 1920, 3)
@@ -52,7 +52,7 @@ class Edge:
             order["fd"] = far.fileno()
         else:
             order["connect"] = locators(self.session)
-        command = [sys.executable, str(FAR), json.dumps(order)]
+        command = [sys.executable, str(EDGE_END), json.dumps(order)]
         process = subprocess.Popen(
             command,
             stdin=subprocess.PIPE,

@@ -1,4 +1,6 @@
-"""`python crowd.py`: a ring and a control channel while too many descriptors of the user are on their way.
+"""A ring and a control channel while too many descriptors of the user are on their way.
+
+usage: python descriptor_flood.py
 
 Prints what has arrived once there is room again, and what was logged. It gives up the rights of root, for
 whom there is no limit.
@@ -25,7 +27,7 @@ LIMIT = 64
 """Descriptors that the process may have open, and more than which its user may not have on their way."""
 
 
-class Crowd:
+class Flood:
     """More descriptors on their way than are allowed."""
 
     def __init__(self) -> None:
@@ -38,7 +40,7 @@ class Crowd:
         except OSError:
             pass
 
-    def disperse(self) -> None:
+    def drain(self) -> None:
         for _ in range(self.count):
             for descriptor in socket.recv_fds(self.theirs, 1, 1)[1]:
                 os.close(descriptor)
@@ -46,12 +48,12 @@ class Crowd:
 
 def through_ring() -> list[int]:
     """Frames sent while there was no room for the memory of the ring, as they arrive."""
-    crowd = Crowd()
+    flood = Flood()
     with Ring() as ring:
         ring.writer.send(frame(0))
         ring.writer.send(frame(1))
         early = ring.readers[0].poll()
-        crowd.disperse()
+        flood.drain()
         assert ring.writer.flush()
         assert not ring.writer.lost
         return [m.header.seq for m in messages([*early, *ring.readers[0].poll()])]
@@ -62,8 +64,8 @@ def through_channel() -> list[int]:
     ours, theirs = socket.socketpair()
     sending = Channel(ours, {})
     receiving = Channel(theirs, by_verb([StopRun]))
-    crowd = Crowd()
-    Timer(0.2, crowd.disperse).start()
+    flood = Flood()
+    Timer(0.2, flood.drain).start()
     sending.send_if_open(StopRun(), (sys.stderr.fileno(),))
     sending.close()
     return [len(receiving.receive().descriptors)]

@@ -19,7 +19,7 @@ FEW = {
 }
 """Frames for a short look, and how much coarser the cameras are (an empty room with furniture takes seconds).
 
-In the first room a pixel of cam1 was another in company from frame 92 on.
+In the first room a pixel of cam1 was another together from frame 92 on.
 """
 
 
@@ -27,7 +27,7 @@ def compare(room: Path, frames: int, coarser: int = 1) -> dict[str, Any]:
     """Each source of a room alone and with the others, bit for bit, each in processes of their own."""
     program = [
         sys.executable,
-        str(Path(__file__).with_name("company.py")),
+        str(Path(__file__).with_name("sources_together.py")),
         str(room),
         str(frames),
         str(coarser),
@@ -40,7 +40,7 @@ def compare(room: Path, frames: int, coarser: int = 1) -> dict[str, Any]:
 @pytest.mark.parametrize(
     "name", ["simulated6", *(pytest.param(n, marks=pytest.mark.thorough) for n in FEW if n != "simulated6")]
 )
-def test_a_source_sends_the_same_bits_alone_and_in_company(name: str) -> None:
+def test_a_source_sends_the_same_bits_alone_and_together(name: str) -> None:
     found = compare(next(room for room in ROOMS if room.stem == name), *FEW[name])
     assert len(found["sources"]) > 1
     assert not found["differ"]
@@ -48,7 +48,7 @@ def test_a_source_sends_the_same_bits_alone_and_in_company(name: str) -> None:
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("room", ROOMS, ids=lambda room: room.stem)
-def test_a_source_of_any_room_sends_the_same_bits_alone_and_in_company(room: Path) -> None:
+def test_a_source_of_any_room_sends_the_same_bits_alone_and_together(room: Path) -> None:
     found = compare(room, 60 if "person" in room.stem or "panorama" in room.stem else 600)
     assert len(found["sources"]) > 1
     assert not found["differ"]

@@ -1,11 +1,11 @@
 """Play every source of a room in a process of its own, and all together in one; tell where they differ.
 
-usage: company.py ROOM.yaml FRAMES COARSER
+usage: sources_together.py ROOM.yaml FRAMES COARSER
 
 COARSER: how many times as wide and high pixels are as those of the room's cameras.
 
 Prints one line of JSON: {"sources": [...], "differ": {"SOURCE": FRAME}}, with the first frame whose message
-has other bytes in company than alone. Each process is a fork of this one before any source was built, so
+has other bytes together than alone. Each process is a fork of this one before any source was built, so
 nothing that a class or a module keeps can reach it from another source.
 """
 

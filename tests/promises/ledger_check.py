@@ -34,7 +34,7 @@ def read(journal: Path) -> list[Line]:
 
 
 @dataclass(frozen=True)
-class Books:
+class Journals:
     """The journals in a folder. killed: processes that had a SIGKILL, with one message in hand at most."""
 
     folder: Path
@@ -44,14 +44,14 @@ class Books:
         """A port's journal; what: in.PORT or out.PORT."""
         return read(self.folder / f"{stage.replace('/', '~')}.{what}")
 
-    def journals(self, stage: str) -> list[Path]:
+    def files(self, stage: str) -> list[Path]:
         """Those of all ports of a stage."""
         begin = stage.replace("/", "~")
         return [*self.folder.glob(f"{begin}.in.*"), *self.folder.glob(f"{begin}.out.*")]
 
     def pid(self, stage: str) -> int:
         """The process that wrote last for this stage."""
-        newest = max(self.journals(stage), key=lambda path: path.stat().st_mtime_ns)
+        newest = max(self.files(stage), key=lambda path: path.stat().st_mtime_ns)
         return read(newest)[-1].pid
 
     def lines(self) -> int:
@@ -71,15 +71,15 @@ class Books:
         return {stage: frozenset(pids) for stage, pids in found.items()}
 
 
-def books_of(folder: Path, news: Iterable[str], killed: Iterable[int] = ()) -> Books:
+def journals_of(folder: Path, news: Iterable[str], killed: Iterable[int] = ()) -> Journals:
     """The journals of a run. news: what it said, of workers that it saw die; killed: processes, by others."""
     said = {int(pid) for line in news for pid in _KILLED.findall(line)}
-    return Books(folder, frozenset(said | set(killed)))
+    return Journals(folder, frozenset(said | set(killed)))
 
 
-def disagreements(edges: Sequence[Mapping[str, Any]], books: Books) -> list[str]:
+def disagreements(edges: Sequence[Mapping[str, Any]], journals: Journals) -> list[str]:
     """Everything in which the ledger of a run that has ended differs from the journals."""
-    return [*impossible(edges), *_unended(edges), *_differing(edges, books)]
+    return [*impossible(edges), *_unended(edges), *_differing(edges, journals)]
 
 
 def impossible(edges: Iterable[Mapping[str, Any]]) -> Iterator[str]:
@@ -98,23 +98,23 @@ def _unended(edges: Iterable[Mapping[str, Any]]) -> Iterator[str]:
     return (f"{_name(edge)}: {edge['in_flight']} in flight" for edge in edges if edge["in_flight"])
 
 
-def _differing(edges: Sequence[Mapping[str, Any]], books: Books) -> Iterator[str]:
+def _differing(edges: Sequence[Mapping[str, Any]], journals: Journals) -> Iterator[str]:
     senders = Counter(edge["to"] for edge in edges)
     for edge in edges:
         start, _, port = edge["from"].rpartition(".")
         end, _, into = edge["to"].rpartition(".")
-        made = books.of(start, f"out.{port}")
-        got = books.of(end, f"in.{into}")
+        made = journals.of(start, f"out.{port}")
+        got = journals.of(end, f"in.{into}")
         if senders[edge["to"]] > 1:
             origins = {line.by for line in made}
             got = [line for line in got if line.by in origins]
         unsaid = len(made) - edge["produced"]
-        if not 0 <= unsaid <= books.in_hand(start):
-            in_hand = f"{books.in_hand(start)} in hand"
+        if not 0 <= unsaid <= journals.in_hand(start):
+            in_hand = f"{journals.in_hand(start)} in hand"
             yield f"{_name(edge)}: {start} made {len(made)}, {edge['produced']} produced, {in_hand}"
         ungot = edge["delivered"] - len(got)
-        if not 0 <= ungot <= books.in_hand(end):
-            in_hand = f"{books.in_hand(end)} in hand"
+        if not 0 <= ungot <= journals.in_hand(end):
+            in_hand = f"{journals.in_hand(end)} in hand"
             yield f"{_name(edge)}: {end} got {len(got)}, {edge['delivered']} delivered, {in_hand}"
         yield from _strange(_name(edge), made, got)
 

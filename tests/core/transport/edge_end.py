@@ -1,4 +1,4 @@
-"""The other end of an edge, in a process of its own: `python far.py '{"role": "reader", ...}'`."""
+"""The other end of an edge, in a process of its own: `python edge_end.py '{"role": "reader", ...}'`."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 def test_too_many_descriptors_on_their_way_delay_an_edge_and_are_told_once() -> None:
-    words = [sys.executable, "-m", "tests.core.transport.crowd"]
+    words = [sys.executable, "-m", "tests.core.transport.descriptor_flood"]
     done = subprocess.run(
         words, capture_output=True, text=True, timeout=60, check=False, cwd=Path(__file__).parents[3]
     )
