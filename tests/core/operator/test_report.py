@@ -11,7 +11,7 @@ from followspot.graph.plan import Plan
 from followspot.operator.reporting.report import merge
 from followspot.transport.token import Invalid
 from followspot.worker.inputs.input_queue import InputQueue
-from followspot.worker.ledger import AWAY, DELIVERED, INVALID, PRODUCED, Ledger
+from followspot.worker.ledger import AWAY, DELIVERED, INVALID, PRODUCED, UNMATCHED, Ledger
 from followspot.worker.reporting.report import missing
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
@@ -55,6 +55,21 @@ def test_live_runs_and_runs_with_restarts_only_count_unread_messages(tmp_path: P
 
 def test_the_error_of_a_worker_has_precedence(tmp_path: Path) -> None:
     assert errors(planned(tmp_path, "count"), 3, error="worker b died") == ("worker b died",)
+
+
+def test_what_a_failed_run_left_in_its_queues_is_not_laid_to_its_joins(tmp_path: Path) -> None:
+    ledger = Ledger(1)
+    for column, count in ((PRODUCED, 100), (DELIVERED, 40), (UNMATCHED, 60)):
+        ledger.words[column] = count
+    plan = planned(tmp_path, "count")
+
+    def warnings(error: str) -> tuple[str, ...]:
+        workers = [WorkerReport("a", 100), WorkerReport("b", 100, error=error)]
+        return merge(plan, ledger, workers, 1.0, stopped=False).warnings
+
+    assert warnings("messages were lost on their way") == ()
+    (line,) = warnings("")
+    assert "60 of 100 messages found no partner" in line
 
 
 def test_lost_and_damaged_messages_are_distinguished() -> None:

@@ -51,13 +51,14 @@ class RunReport:
     @property
     def warnings(self) -> tuple[str, ...]:
         """The news of the run, the warnings of all workers, sources that ended early, and what joins did not
-        use while their sources went on.
+        use while their sources went on. A run that failed left messages in its queues, of which the errors
+        say why, not the joins.
         """
         warnings = (text for worker in self.workers for text in worker.warnings)
         early = early_ends(self.plan, self.workers)
         without = {edge.to_stage for edge, _ in self.edges if edge.from_stage in early}
         joined = [(edge, count) for edge, count in self.edges if edge.to_stage not in without]
-        return (*self.news, *warnings, *early.values(), *unused(self.plan, joined))
+        return (*self.news, *warnings, *early.values(), *(() if self.errors else unused(self.plan, joined)))
 
     @cached_property
     def silences(self) -> tuple[Silence, ...]:
