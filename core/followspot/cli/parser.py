@@ -33,6 +33,15 @@ _ABOUT = """Compose tracking graphs from stage plugins and run them in one proce
   followspot plugins balls.mean_shift           what a stage does, its ports and parameters
 """
 
+_NEEDED = {
+    "DIR": "path",
+    "RUN|DIR": "path",
+    "ENDPOINT": "endpoint",
+    "NAME": "name",
+    "STAGE[.PORT],...": "list of ports",
+}
+"""What an argument needs, by its metavar. An empty word would mean the present folder, or the default."""
+
 
 def build_parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
     """The parser with all commands of the core and of plugins.
@@ -82,8 +91,8 @@ class _Parser(argparse.ArgumentParser):
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
-        self._given: dict[argparse.Action, tuple[Any, str]] = {}
-        """The options of the command line that is read: the value of each, and how it is written."""
+        self._given: dict[argparse.Action, tuple[Any, list[str]]] = {}
+        """The options of the command line that is read: the value of each, and its words."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Read a command line; see `argparse`."""
@@ -98,8 +107,7 @@ class _Parser(argparse.ArgumentParser):
         found = next((one for one in self._get_positional_actions() if one.nargs == "+"), None)
         if found is None or any(word.startswith("-") for word in words):
             return False
-        more = [self._get_value(found, word) for word in words]
-        setattr(args, found.dest, [*getattr(args, found.dest), *more])
+        setattr(args, found.dest, [*getattr(args, found.dest), *self._get_values(found, [*words])])
         return True
 
     def unknown(self, words: Sequence[str]) -> str:
@@ -110,16 +118,17 @@ class _Parser(argparse.ArgumentParser):
             remedy = f"; {did_you_mean(options[0], self._option_string_actions, 'options')}"
         return f"unrecognized arguments: {' '.join(words)}{remedy}"
 
-    def _get_value(self, action: argparse.Action, arg_string: str) -> Any:
-        """The value of one word. Raises ArgumentError for an empty path and a second value of an option."""
-        if not arg_string and arg_string is not action.default and _names_a_file(action):
-            raise argparse.ArgumentError(action, "the path is empty")
-        value = super()._get_value(action, arg_string)
-        if action.option_strings and action.nargs is None and isinstance(action, argparse._StoreAction):
-            before, written = self._given.setdefault(action, (value, arg_string))
-            if arg_string != written and before != value:
-                raise argparse.ArgumentError(action, f"given twice, as {written:.80} and as {arg_string:.80}")
-        return value
+    def _get_values(self, action: argparse.Action, arg_strings: list[str]) -> Any:
+        """The value of given words. Raises ArgumentError if one is empty, and for a second value."""
+        values = super()._get_values(action, arg_strings)
+        if "" in arg_strings and (kind := _needed(action)):
+            raise argparse.ArgumentError(action, f"the {kind} is empty")
+        if action.option_strings and isinstance(action, argparse._StoreAction):
+            before, written = self._given.setdefault(action, (values, arg_strings))
+            if arg_strings != written and before != values:
+                first, second = (f"{' '.join(words):.80}" for words in (written, arg_strings))
+                raise argparse.ArgumentError(action, f"given twice, as {first} and as {second}")
+        return values
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
@@ -127,9 +136,9 @@ class _Parser(argparse.ArgumentParser):
             raise argparse.ArgumentError(action, f'there is no "{value}"; {remedy}')
 
 
-def _names_a_file(action: argparse.Action) -> bool:
-    """Whether an argument names a file or folder that nothing else looks up."""
-    return action.type is Path or action.metavar in ("DIR", "RUN|DIR")
+def _needed(action: argparse.Action) -> str:
+    """What an argument needs if nothing else looks at an empty word, "" for other arguments."""
+    return "path" if action.type is Path else _NEEDED.get(str(action.metavar), "")
 
 
 class _Version(argparse.Action):

@@ -109,6 +109,10 @@ def test_a_run_in_the_place_of_something_else_is_told_the_option(
         (["run", "g.yaml", "--cameras", "a", "--cameras", "b"], "as a and as b"),
         (["sweep", "g.yaml", "-o", "a", "--out", "b"], "-o/--out: given twice, as a and as b"),
         (["demo", "--frames", "3", "--frames", "4"], "--frames: given twice, as 3 and as 4"),
+        (
+            ["score", "a.csv", "b.csv", "--between", "1", "2", "--between", "3", "4"],
+            "--between: given twice, as 1 2 and as 3 4",
+        ),
     ],
 )
 def test_two_values_of_an_option_that_takes_one_are_refused(
@@ -141,6 +145,31 @@ def test_an_empty_path_is_not_the_current_folder(
     assert refused.value.code == 2
     said = capsys.readouterr().err
     assert f"{named}: the path is empty" in said
+
+
+@pytest.mark.parametrize(
+    ("option", "needed"),
+    [
+        ("--router", "endpoint"),
+        ("--connect", "endpoint"),
+        ("--listen", "endpoint"),
+        ("--host", "name"),
+        ("--keep-ports", "list of ports"),
+        ("--record-ports", "list of ports"),
+    ],
+)
+def test_an_empty_value_is_not_the_default_of_an_option(
+    capsys: pytest.CaptureFixture[str], option: str, needed: str
+) -> None:
+    for words in ([option, ""], [f"{option}="]):
+        with pytest.raises(SystemExit) as refused:
+            command_line.main(["run", "g.yaml", *words])
+        assert refused.value.code == 2
+        assert f"{option}: the {needed} is empty" in capsys.readouterr().err
+
+
+def test_a_note_may_be_empty() -> None:
+    assert command_parser.build_parser().parse_args(["mark", "--note", ""]).note == ""
 
 
 def test_an_option_may_say_the_same_twice_and_be_another_in_the_next_command() -> None:
