@@ -48,8 +48,8 @@ class Certificates:
 def read_certificates(folder: Path, now: datetime | None = None) -> Certificates:
     """Check the folder of a host's certificates.
 
-    Raises FollowspotError if a file is missing, others can read the key, the key is not that of the
-    certificate, or the certificate has expired.
+    Raises FollowspotError if a file is missing, others can read the key, the files do not fit each other,
+    or the certificate is not valid now.
     """
     for name in _FILES:
         if not (folder / name).is_file():
@@ -71,22 +71,10 @@ def read_certificates(folder: Path, now: datetime | None = None) -> Certificates
             f"the certificate of {own} in {folder} expired on {found.expires:%Y-%m-%d}; "
             f"make a new one where the authority is: followspot certs host {own} --renew"
         )
-    _check_pair(folder, own)
+    from followspot.transport.own_certificate import check_own_certificate  # ssl, which few runs need
+
+    check_own_certificate(folder, own)
     return Certificates(folder, found, members)
-
-
-def _check_pair(folder: Path, own: str) -> None:
-    """Raises FollowspotError unless the key belongs to the certificate; Zenoh names no file then."""
-    import ssl
-
-    try:
-        context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
-        context.load_cert_chain(folder / "cert.pem", folder / "key.pem", password=str)  # else it would ask
-    except (OSError, ValueError) as error:
-        raise FollowspotError(
-            f"{folder / 'key.pem'} is not the key of {folder / 'cert.pem'}: {error.args[-1]}\n"
-            f"    copy the whole folder of {own} again from where the authority is"
-        ) from None
 
 
 def read_host_registry(path: Path) -> tuple[str, tuple[RegisteredHost, ...]]:
