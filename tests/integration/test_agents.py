@@ -9,7 +9,7 @@ from pathlib import Path
 from threading import Timer
 
 from tests.commands import command, launch
-from tests.integration.hosts import Agent, near_agent
+from tests.integration.hosts import Agent, free_port, near_agent
 from tests.integration.running import (
     finish,
     start,
@@ -121,3 +121,21 @@ def test_a_host_whose_code_of_a_plugin_file_is_another_is_named(tmp_path: Path) 
     finally:
         agent.process.kill()
         agent.process.communicate()
+
+
+def test_an_agent_says_that_it_waits_for_its_router_and_begins_when_that_is_there(tmp_path: Path) -> None:
+    at = f"tcp/127.0.0.1:{free_port()}"
+    with launch("agent", "--name", "pc-left", "--router", at, cwd=tmp_path) as agent:
+        assert f"no router answers at {at}: nothing listens there; waiting for it" in agent.stderr.readline()
+        with launch("router", "--listen", at, cwd=tmp_path) as router:
+            assert "agent pc-left listens on" in agent.stderr.readline()
+            for process in (agent, router):
+                process.send_signal(signal.SIGINT)
+                assert process.wait() == 0
+
+
+def test_ctrl_c_ends_an_agent_that_waits_for_its_router() -> None:
+    with launch("agent", "--name", "pc-left", "--router", f"tcp/127.0.0.1:{free_port()}") as agent:
+        assert "waiting for it" in agent.stderr.readline()
+        agent.send_signal(signal.SIGINT)
+        assert agent.wait() == 130

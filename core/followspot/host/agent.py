@@ -40,7 +40,7 @@ from followspot.operating_system.limits import limit_remedy
 from followspot.plugins.code_digest import other_code
 from followspot.plugins.registry import use_plugin_files
 from followspot.transport.wakeup_event import WakeupEvent
-from followspot.transport.zenoh.session import close_session, connected, locators
+from followspot.transport.zenoh.session import close_session, connected_in_the_end, locators
 from followspot.valid_values.names import HOST_NAME
 
 _POLL_MS = 100
@@ -70,7 +70,7 @@ class Agent:
         self._changes = AgentChanges(options, self.agent_runs, log_line)
         self._wakeup = WakeupEvent()
         self._stopping = False
-        self.session = connected(options.network)
+        self.session = connected_in_the_end(options.network, log_line)
         self.locators = locators(self.session)
 
     def stop(self) -> None:

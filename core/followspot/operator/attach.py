@@ -26,6 +26,7 @@ from followspot.operator.reporting.report import RunReport
 from followspot.operator.run_dispatcher import run_dispatcher
 from followspot.operator.run_handle import RunHandle
 from followspot.operator.run_requests import Surroundings
+from followspot.transport.unreached import unreached
 from followspot.transport.zenoh.network import AGENT, Network, secured
 from followspot.worker.wiring import RunOptions
 
@@ -87,7 +88,9 @@ def find_runs(client: RpcClient, network: Network, on_gap: Callable[[str], None]
     heard = sorted(agents(client.session))
     named = () if network.connect in (AGENT, secured(AGENT)) else network.connect  # many have no agent here
     if len(heard) < max(len(named), bool(network.router), network.discover):
-        on_gap(f"{f'only {len(heard)}' if heard else 'no'} agent is heard at {reached(network)}")
+        why = unreached(named, network.certificates)
+        heard_of = f"{f'only {len(heard)}' if heard else 'no'} agent is heard at {reached(network)}"
+        on_gap(heard_of + f" ({why})" * bool(why))
     for agent in heard:
         if client.has_twins(agent):
             on_gap(f'several agents are named "{agent}", of which one is asked')

@@ -17,6 +17,7 @@ from followspot.graph.plan import Plan
 from followspot.host.clocks.host import HostClock
 from followspot.host.local_host import LocalHost
 from followspot.operator.remote.remote_host import RemoteHost
+from followspot.transport.unreached import unreached
 from followspot.transport.zenoh.network import Network
 from followspot.transport.zenoh.session import close_session, connected, locators
 
@@ -99,7 +100,8 @@ def await_agents(session: zenoh.Session, names: Sequence[str], network: Network)
     deadline = time.monotonic() + _TIMEOUT
     while missing := sorted(set(names) - agents(session)):
         if time.monotonic() > deadline:
-            raise InputError([_missing(name, reached(network)) for name in missing])
+            why = unreached(network.connect, network.certificates)
+            raise InputError([_missing(name, reached(network), why) for name in missing])
         time.sleep(0.1)
 
 
@@ -109,10 +111,11 @@ def reached(network: Network) -> str:
     return network.router or ", ".join((*network.connect, *found)) or "any endpoint"
 
 
-def _missing(name: str, where: str) -> Mistake:
+def _missing(name: str, where: str, why: str) -> Mistake:
+    """why: what keeps this host from the endpoints, "" if nothing does."""
     return Mistake(
         None,
         f'there is no agent for host "{name}" at {where}',
-        f"start it there: followspot agent --name {name} --listen ENDPOINT, "
+        f"{why}\n    " * bool(why) + f"start it there: followspot agent --name {name} --listen ENDPOINT, "
         "and name that endpoint here with --connect",
     )

@@ -19,6 +19,7 @@ from followspot.transport.zenoh.session import log_rejections
 _STYLE = re.compile(rb"\x1b\[[0-9;]*m")
 _TLS = re.compile(rb"zenoh_link_tls\S*: (?P<why>.*?)(?: Hint: .*)?$")
 """Leaves out Zenoh's hint, which does not fit."""
+_ALERTED = "; it does not take the certificate of this host: are both of one authority, and all clocks right?"
 _UNLISTED = re.compile(rb"access_control: (?P<peer>[0-9a-f]+) did not match any configured ACL subject")
 _STDOUT = 1
 _MAX_LINE = 1 << 16
@@ -62,7 +63,8 @@ class RejectedPeers:
         """Count the line if it reports a rejection; return whether it does."""
         if found := _TLS.search(line):
             why = found["why"].decode(errors="replace")
-            self.rejections.add("certificate" if "certificate" in why else "tls", "a peer", why.rstrip("."))
+            reason = "certificate" if "certificate" in why else "tls"
+            self.rejections.add(reason, "a peer", why.rstrip(".") + _ALERTED * ("received fatal" in why))
         elif found := _UNLISTED.search(line):
             why = "it has a certificate, but is not on the list of hosts; whatever it sends is ignored"
             self.rejections.add("unlisted", f"peer {found['peer'].decode()}", why)

@@ -108,15 +108,20 @@ class WorkerMain:
         session = None
         network = order.network
         if plan.uses_zenoh(order.worker) or network.leads_somewhere:
-            from followspot.transport.zenoh.session import connected, locators, log_rejections
+            from followspot.transport.zenoh.session import connected_in_the_end, locators, log_rejections
 
             if network.certificates:  # the host counts the rejected peers that Zenoh logs
                 log_rejections()
-            session = connected(network)
+            session = connected_in_the_end(network, self._warn_now, lambda: not self._stopped_early())
             self.channel.send(Listening(locators=tuple(locators(session))))
         return WorkerEdgeFactory(
             plan, rings["sending"], rings["receiving"], session, order.run, order.incarnation
         )
+
+    def _warn_now(self, text: str) -> None:
+        """Warn while the worker is not built yet, and nothing else sends its log."""
+        self.warnings.add(f"worker {self.log.worker}", text)
+        self.reporter.send_log()
 
     def _build(self, order: BuildWorker, memory: int, edge_factory: WorkerEdgeFactory) -> BuiltWorker:
         """Build the stages. memory: file descriptor of the ledger's memory."""

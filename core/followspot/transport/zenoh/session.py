@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ import zenoh
 
 from followspot.errors import FollowspotError
 from followspot.transport.host_registry import read_certificates
+from followspot.transport.unreached import unreached
 from followspot.transport.zenoh.access import access_control
 from followspot.transport.zenoh.network import LOOPBACK, Network
 
@@ -21,13 +22,17 @@ _SETTINGS: dict[str, Any] = {
     "transport/shared_memory/enabled": False,  # the ring does better, and leaves nothing in /dev/shm
     "transport/link/tx/lease": 1500,  # ms until a silent peer counts as dead; a closed one is noticed at once
     "transport/unicast/open_timeout": 3000,  # ms for an attempt to connect, which a close has to wait for
-    "connect/exit_on_failure": False,  # peers may start in any order
-    "connect/timeout_ms": -1,  # for ever, in the background
+    "connect/exit_on_failure": {"peer": False, "router": False, "client": True},  # start in any order
+    "connect/timeout_ms": {"peer": -1, "router": -1, "client": 4000},  # -1: for ever, in the background
     "connect/retry": {"period_init_ms": 100, "period_max_ms": 1000},
     "adminspace/enabled": True,  # read-only; tells which port was free
 }
 _PLACE = re.compile(r" at /\S+\.rs:\d+\.?")
 """The place in Zenoh's own source that its error texts contain."""
+
+
+class NoRouter(FollowspotError):
+    """The router does not answer, with the reason."""
 
 
 def config_of(network: Network, *, routes: bool = False) -> zenoh.Config:
@@ -72,14 +77,37 @@ def config_of(network: Network, *, routes: bool = False) -> zenoh.Config:
 def connected(network: Network, *, routes: bool = False) -> zenoh.Session:
     """Open a session; close it in a `finally`, or the process never exits.
 
-    routes: whether it forwards what other peers send to each other. Raises FollowspotError if an endpoint
-    cannot be used.
+    routes: whether it forwards what other peers send to each other. Raises NoRouter if the router does not
+    answer within 4 s, FollowspotError if an endpoint cannot be used.
     """
+    config = config_of(network, routes=routes)
     try:
-        return zenoh.open(config_of(network, routes=routes))
+        return zenoh.open(config)
     except zenoh.ZError as error:
+        if network.router:
+            fault = unreached([network.router], network.certificates)
+            raise NoRouter(f"no router answers at {fault or network.router}") from None
         reason = _PLACE.sub("", str(error))
         raise FollowspotError(f"Zenoh cannot use {', '.join(network.endpoints)}: {reason}") from None
+
+
+def connected_in_the_end(
+    network: Network, log_line: Callable[[str], None], wanted: Callable[[], bool] = lambda: True
+) -> zenoh.Session:
+    """As `connected`, but wait for the router as long as this is `wanted`.
+
+    log_line: gets a line for each new reason to wait. Raises NoRouter, FollowspotError.
+    """
+    told = ""
+    while True:
+        try:
+            return connected(network)
+        except NoRouter as error:
+            if not wanted():
+                raise
+            if str(error) != told:
+                told = str(error)
+                log_line(f"{told}; waiting for it")
 
 
 def close_session(session: zenoh.Session) -> None:

@@ -43,6 +43,7 @@ def agents(network: Network) -> Iterator[Finding]:
     """A finding for each host that answers; a problem if none does."""
     from followspot.control.zenoh_rpc import RpcClient
     from followspot.control.zenoh_rpc import agents as in_reach
+    from followspot.transport.unreached import unreached
     from followspot.transport.zenoh.session import close_session, connected
 
     where = network.router or ", ".join(network.connect)
@@ -57,7 +58,8 @@ def agents(network: Network) -> Iterator[Finding]:
             time.sleep(0.1)
         if not names:
             remedy = "is it started there, with that --listen? a firewall, another certificate?"
-            yield wrong("agents", f"none answers at {where}", remedy)
+            why = unreached(network.connect, network.certificates)
+            yield wrong("agents", f"none answers at {where}", why or remedy)
         for name in sorted(names):
             yield _clock(RpcClient(session, network.own), name)
     finally:
