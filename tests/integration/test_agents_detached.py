@@ -195,6 +195,7 @@ def test_a_search_for_runs_tells_endpoints_without_an_agent(tmp_path: Path) -> N
     missed = command("attach", "--connect", unreached)
     listed = command("runs", "--connect", agent.endpoint, "--connect", unreached)
     assert agent.end() == 0
-    assert f"there is no run; runs in reach, though no agent is heard at {unreached}: none" in missed.stderr
-    assert f"warning: only 1 agent is heard at {agent.endpoint}, {unreached}: the list" in listed.stderr
+    why = f"{unreached} ({unreached}: nothing listens there)"
+    assert f"there is no run; runs in reach, though no agent is heard at {why}: none" in missed.stderr
+    assert f"warning: only 1 agent is heard at {agent.endpoint}, {why}: the list" in listed.stderr
     assert "warning" not in command("runs").stderr

@@ -18,6 +18,7 @@ from followspot.control.swap import ChangeStatus
 from followspot.control.worker_report import WorkerReport
 from followspot.errors import FollowspotError
 from followspot.log.run_log import RunLog
+from followspot.transport import wire
 from followspot.valid_values.numbers import Age, Count, Incarnation, Last, Nanoseconds
 
 WorkerPhase = Literal["starting", "ready", "running", "absent", "over"]
@@ -52,7 +53,10 @@ class RunOrder:
     """The run's reference host, which stays when hosts join or leave; "" if the run began without agents."""
     operator: ProcessIdentity = ProcessIdentity()
     code: dict[str, str] = field(default_factory=dict)
-    """Digests of the operator's packages and files with the stages of this host, by name."""
+    """Digests of the operator's packages and files with the stages of this host, and versions of libraries,
+    by name."""
+    wire_version: Count = wire.VERSION
+    """Of the messages that the operator's stages send."""
 
     def here(self, plan: dict[str, Any], out: str) -> RunOrder:
         """The order with the plan and the folder of this host."""

@@ -39,6 +39,7 @@ from followspot.log.file import LogFile
 from followspot.operating_system.limits import limit_remedy
 from followspot.plugins.code_digest import other_code
 from followspot.plugins.registry import use_plugin_files
+from followspot.transport import wire
 from followspot.transport.wakeup_event import WakeupEvent
 from followspot.transport.zenoh.session import close_session, connected_in_the_end, locators
 from followspot.valid_values.names import HOST_NAME
@@ -164,6 +165,9 @@ class Agent:
             raise FollowspotError(f"the agent {name} is ending")
         if not _RUN.fullmatch(order.run):
             raise FollowspotError(f"{order.run[:80]!r} cannot be the name of a run")
+        if order.wire_version != wire.VERSION:
+            formats = f"the run sends messages of format {order.wire_version}, this host reads {wire.VERSION}"
+            raise FollowspotError(f"{formats}: install the same version of followspot on both hosts")
         self.agent_runs.check_capacity(order.run)
         plan = self.options.unpacked(order.plan)
         planned = plan_from_data(plan)

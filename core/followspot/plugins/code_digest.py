@@ -7,6 +7,8 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
+import numpy as np
+
 from followspot.files import read_bytes
 from followspot.plugins.registry import OFFERED, load_stage
 from followspot.ports.signature import ports
@@ -24,12 +26,22 @@ def code_digests(stages: Iterable[str]) -> dict[str, str]:
     return dict(map(_digest, sorted({"followspot", *(name.partition(".")[0] for name in modules)})))
 
 
-def other_code(digests: Mapping[str, str], stages: Iterable[str]) -> list[str]:
-    """Names of the packages and files of these stages that are here, but not as the digests tell.
+def library_versions() -> dict[str, str]:
+    """Versions of what computes for every stage: the same code may give other numbers with another one."""
+    import cv2
 
-    Raises PluginError, SignatureError, OSError.
+    python = ".".join(map(str, sys.version_info[:2]))
+    return {"Python": python, "numpy": np.__version__, "OpenCV": cv2.__version__}
+
+
+def other_code(digests: Mapping[str, str], stages: Iterable[str]) -> list[str]:
+    """Names of libraries, and of the packages and files of these stages, that are not as the digests tell.
+
+    digests: those of the other host, with the versions of its libraries. Raises PluginError,
+    SignatureError, OSError.
     """
-    return [name for name, own in code_digests(stages).items() if digests.get(name, own) != own]
+    here = code_digests(stages) | library_versions()
+    return [name for name, own in here.items() if digests.get(name, own) != own]
 
 
 def _parts(stage: type[Stage]) -> Iterator[type]:

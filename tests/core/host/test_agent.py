@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from followspot.control.host import HostRefused
+from followspot.control.host import HostRefused, RunOrder
 from followspot.control.lifecycle import ListRuns, PrepareRun
 from followspot.control.plan_transfer import packed
 from followspot.control.zenoh_rpc import RpcClient
@@ -35,12 +35,29 @@ def agent(tmp_path: Path) -> Iterator[Agent]:
     serving.join()
 
 
-def test_a_run_that_cannot_be_prepared_does_not_end_the_agent(agent: Agent, tmp_path: Path) -> None:
+@pytest.fixture
+def order(tmp_path: Path) -> RunOrder:
+    """To run one stage on the host "left"."""
     (tmp_path / "g.yaml").write_text("graph: g\nstages:\n  a: {uses: ticks.count}\n")
     plan = compile_graph(tmp_path / "g.yaml", plugin_files=[TICKS])
     plan = replace(plan, workers=tuple(replace(worker, host="left") for worker in plan.workers))
     order = new_order(plan, RunOptions(tmp_path), restart=False)
-    order = replace(order, plan=packed(plan, "left", tmp_path), out=None)
+    return replace(order, plan=packed(plan, "left", tmp_path), out=None)
+
+
+def test_a_run_whose_messages_the_host_cannot_read_is_refused(agent: Agent, order: RunOrder) -> None:
+    """Every message would be refused, and a replay would wait for ever."""
+    with open_session(connect=agent.locators) as session:
+        client = RpcClient(session, UNPROVEN)
+        other = replace(order, wire_version=order.wire_version + 1)
+        with pytest.raises(HostRefused, match=r"messages of format 2, this host reads 1: install the same"):
+            client.ask("left", PrepareRun(order=other), 30.0)
+        assert client.ask("left", ListRuns(), 30.0) == []
+
+
+def test_a_run_that_cannot_be_prepared_does_not_end_the_agent(
+    agent: Agent, order: RunOrder, tmp_path: Path
+) -> None:
     blocked = tmp_path / "runs" / f"19700101-000000-{order.run}-left" / ".ledger"
     blocked.mkdir(parents=True)
     with open_session(connect=agent.locators) as session:

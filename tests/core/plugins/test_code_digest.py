@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from followspot.plugins.code_digest import code_digests, other_code
+from followspot.plugins.code_digest import code_digests, library_versions, other_code
 from followspot.plugins.registry import use_plugin_files
 
 STAGE = '''
@@ -38,6 +38,13 @@ def test_a_file_that_was_changed_is_other_code(tmp_path: Path) -> None:
     known = code_digests(["changed.same", "balls.kalman"])
     file.write_text(STAGE + "\n")
     assert other_code(known, ["changed.same", "balls.kalman"]) == ["changed.py"]
+
+
+@pytest.mark.parametrize("name", ["Python", "numpy", "OpenCV"])
+def test_another_version_of_a_library_is_other_code(name: str) -> None:
+    known = code_digests(["balls.kalman"]) | library_versions()
+    assert other_code(known, ["balls.kalman"]) == []
+    assert other_code(known | {name: "1.0"}, ["balls.kalman"]) == [name]
 
 
 BASE = """

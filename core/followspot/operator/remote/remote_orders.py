@@ -22,7 +22,7 @@ from followspot.control.zenoh_rpc import RpcClient
 from followspot.errors import FollowspotError
 from followspot.graph.change.stages import with_stages
 from followspot.graph.plan_data import plan_from_data, plan_to_data
-from followspot.plugins.code_digest import code_digests
+from followspot.plugins.code_digest import code_digests, library_versions
 
 TIMEOUT = 2.0
 """Seconds that an agent has to answer."""
@@ -73,7 +73,7 @@ class RemoteOrders:
     def prepare(self, order: RunOrder) -> None:
         """Send the plan to the agent. Raises FollowspotError if the agent refuses, HostLost."""
         plan = plan_from_data(order.plan)
-        code = code_digests(stage.uses for stage in plan.stages_on(self._host))
+        code = code_digests(stage.uses for stage in plan.stages_on(self._host)) | library_versions()
         self.order = replace(order, plan=packed(plan, self._host, self._media), out=None, code=code)
         self.ask(PrepareRun(order=self.order), _PREPARE_TIMEOUT)
 
