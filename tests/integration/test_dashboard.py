@@ -18,6 +18,7 @@ from urllib.parse import urlsplit
 from urllib.request import urlopen
 
 import pytest
+from mcap.reader import make_reader
 from tests.commands import Started, launch
 from tests.core.worker.solo import Solo
 from tests.integration.hosts import Agent, near_agent
@@ -28,6 +29,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from followspot.graph.compile import compile_graph
 from followspot.operator.reporting.report import RunReport
+from followspot.ports.firing import FIRINGS
 from followspot.room_file import load
 from followspot.worker.ledger import EdgeCount
 from followspot_dashboard.gate import SOCKET, make_gate
@@ -159,6 +161,21 @@ def test_unread_previews_change_neither_ledger_nor_tracks(
         assert Done.by(run.run(), tmp_path) == unwatched
 
 
+def written(file: Path) -> list[tuple[str, int]]:
+    """Topic and number of each message as it was sent, in the order of a recording."""
+    with file.open("rb") as opened:
+        found = make_reader(opened).iter_messages(log_time_order=False)
+        return [(c.topic, m.sequence) for _, c, m in found if c.topic.startswith("/followspot/")]
+
+
+def gaps(numbers: list[tuple[str, int]]) -> int:
+    """How many numbers are missing between the first and the last of each topic."""
+    by_topic: dict[str, list[int]] = {}
+    for topic, number in numbers:
+        by_topic.setdefault(topic, []).append(number)
+    return sum(found[-1] + 1 - found[0] - len(found) for found in by_topic.values())
+
+
 @pytest.mark.thorough
 def test_a_watched_run_on_two_hosts_is_the_same_and_the_page_ends_with_it(
     tmp_path: Path, room_for_sockets: Path, unwatched: Done, agent: Agent, monkeypatch: pytest.MonkeyPatch
@@ -193,7 +210,10 @@ def test_a_watched_run_on_two_hosts_is_the_same_and_the_page_ends_with_it(
     assert set(kept) == {"track.tracks", "camera/cam0.out", *(f"color/cam{i}.out" for i in (0, 2, 5))}
     assert all(count > 5 for count in kept.values()), kept  # color/cam0 and color/cam2 are on the other host
     assert sum(kept.values()) >= recorded["messages"]
-    assert recorded["lost"] == 0
+    numbers = written(Path(recorded["file"]))
+    messages = [place for place, (topic, _) in enumerate(numbers) if not topic.endswith(FIRINGS)]
+    then = numbers[: messages[recorded["messages"] - 1] + 1]
+    assert gaps(then) <= recorded["lost"] <= gaps(numbers)  # a busy machine drops at a tap, and tells it
     assert [edge["from"] for edge in status["edges"]] == [edge["from"] for edge in summary["edges"]]
     assert all(
         now["sent"] <= then["sent"] for now, then in zip(status["edges"], summary["edges"], strict=True)
