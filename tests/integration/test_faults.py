@@ -109,6 +109,19 @@ def test_a_stage_that_ends_its_process_with_code_0_fails_and_is_named(
     assert finished.values() == list(range(1, 6)), "what was computed before is written"
 
 
+@pytest.mark.parametrize("options", PLACEMENTS[:2], ids=["one", "stages"])
+@pytest.mark.parametrize("tidy", [False, True])
+def test_a_process_that_a_stage_forks_in_setup_is_no_second_worker(
+    tmp_path: Path, options: tuple[str, ...], tidy: bool
+) -> None:
+    stages = f"a: {{uses: ticks.fork, with: {{count: 100, tidy: {str(tidy).lower()}}}}}"
+    graph = write_graph(tmp_path, f"{stages}\nsave: {{uses: ticks.write, in: {{number: a}}}}")
+    finished = run(graph, *options)
+    assert (finished.code, finished.values()) == (0, list(range(100)))
+    told = 'stage "a": its setup forked and returned in both processes' in finished.errors
+    assert told != tidy
+
+
 def worker_of(launcher: int, stage: str) -> int:
     """The process that runs a stage: workers start in the order of the plan."""
     order = ["a", "b", "save"]

@@ -67,6 +67,19 @@ class Count(Stage):
             yield at(n * PERIOD + p.shift - back, tick(n, p.size), seq=n)
 
 
+class Fork(Count):
+    """Counts, and forks when it is set up: the new process returns, too, unless it is tidy."""
+
+    class Params(Count.Params):
+        tidy: bool = Field(False, description="whether the new process ends")
+
+    params: Params
+
+    def setup(self) -> None:
+        if not os.fork() and self.params.tidy:
+            os._exit(0)
+
+
 class Live(Stage):
     """Counts as fast as it can, like a device; stops when it is closed."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from typing import Any
 
@@ -10,6 +11,7 @@ from followspot.message_checks.outputs import WrongOutput, check_returned
 from followspot.messages import Header
 from followspot.ports.signature import ports
 from followspot.stage import Stage
+from followspot.worker.process_end import end_copy
 from followspot.worker.runners.error_policy import RAISED, StageError, recover, text_of
 from followspot.worker.runners.runner_count import RunnerCount
 
@@ -41,8 +43,11 @@ class StageLife:
     def setup(self) -> None:
         """Set the stage up. Raises StageError."""
         self.open = True
+        process = os.getpid()
         try:
             self.stage.setup()
+            if os.getpid() != process:
+                end_copy(self.name)
         except RAISED as error:
             raise StageError(self.name, None, error) from error
         self.ready = True
