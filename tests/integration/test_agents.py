@@ -72,6 +72,17 @@ def test_a_host_whose_disk_is_full_says_where_the_outputs_were_to_go(hosts: TwoA
     assert re.search(why, finished.errors), finished.errors
 
 
+def test_a_folder_that_takes_no_outputs_is_told_with_the_remedy(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    graph = write_graph(tmp_path, "a: {uses: ticks.count}\nsave: {uses: ticks.write, in: {number: a}}\n")
+    agent = near_agent("pc-left", tmp_path, "--runs", tmp_path / "file")
+    done = command(*words_of(graph, tmp_path / "out", "--host", "pc-left", "--connect", agent.endpoint))
+    assert agent.end() == 0
+    assert done.returncode == 1
+    why = rf"pc-left: the run cannot begin: Not a directory \(outputs go to {tmp_path}/file/\S+\)\n.* --runs"
+    assert re.search(why, done.stderr), done.stderr
+
+
 def test_an_agent_beyond_loopback_needs_consent_and_says_what_it_means(tmp_path: Path) -> None:
     refused = command("agent", "--name", "pc-left", "--listen", "tcp/0.0.0.0:0")
     assert refused.returncode == 1

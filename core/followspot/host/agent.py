@@ -186,9 +186,7 @@ class Agent:
             run.prepare(order.here(plan, str(out)), out / ".ledger")
         except OSError as error:  # a full disk, for example: the other runs here go on
             self.agent_runs.close(order.run)
-            text = f"the run cannot begin: {error.strerror} (outputs go to {out.absolute()})"
-            remedy = limit_remedy(error, "free space there, or start the agent with another --runs")
-            raise FollowspotError(f"{text}\n    {remedy}") from None
+            raise _cannot_begin(error, out) from None
         except BaseException:
             self.agent_runs.close(order.run)
             raise
@@ -200,11 +198,15 @@ class Agent:
         """The output folder of a run: the folder that an earlier agent made for it, or a new one.
 
         Its name ends with the agent's name, because agents may share `runs` but not the file of a ledger.
+        Raises FollowspotError if it cannot be made.
         """
         ending = f"-{run}-{self.options.name}"
         known = sorted(self.options.runs.glob(f"*{ending}")) if self.options.runs.is_dir() else []
         out = known[-1] if known else self.options.runs / f"{time.strftime('%Y%m%d-%H%M%S')}{ending}"
-        out.mkdir(parents=True, exist_ok=True)
+        try:
+            out.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise _cannot_begin(error, out) from None
         return out
 
     def start(self, run: str) -> None:
@@ -219,3 +221,10 @@ class Agent:
         run = self.agent_runs.agent_run(order.run).run
         order.check(run.plan, remote=True)
         run.ask(order)
+
+
+def _cannot_begin(error: OSError, out: Path) -> FollowspotError:
+    """Why no output can be written below a folder, with the remedy."""
+    text = f"the run cannot begin: {error.strerror} (outputs go to {out.absolute()})"
+    remedy = limit_remedy(error, "free space there, or start the agent with another --runs")
+    return FollowspotError(f"{text}\n    {remedy}")
