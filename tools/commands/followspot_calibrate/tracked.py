@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from followspot.cli.progress import ProgressBar
+from followspot.cli.standard_output import printed_to_stderr
 from followspot.csv_rows import read_rows
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.compile import compile_graph
@@ -101,8 +102,15 @@ def in_room(table: TrackTable, targets: tuple[str, ...]) -> TrackTable:
 
 
 def track_recording(graph: str, room: Path, frames: int | None) -> Tracked:
-    """Track the room's own recording, with progress on a terminal. Raises FollowspotError."""
-    with TemporaryDirectory(prefix="followspot-track-") as folder, closing(ProgressBar()) as bar:
+    """Track the room's own recording, with progress on a terminal; standard output is left to the result.
+
+    Raises FollowspotError.
+    """
+    with (
+        printed_to_stderr(True),
+        TemporaryDirectory(prefix="followspot-track-") as folder,
+        closing(ProgressBar()) as bar,
+    ):
         plan = tracking_plan(graph, room, (), (), Path(folder))
         require_end(plan, room, frames)
         return track(plan, Path(folder), frames, bar.show if bar.terminal else None)

@@ -14,6 +14,7 @@ import numpy as np
 
 from followspot import Room, room_file
 from followspot.cli.progress import ProgressBar
+from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import FollowspotError, InputError, did_you_mean, writing
 from followspot.graph.plan import Plan
 from followspot.messages import Array
@@ -43,7 +44,7 @@ def calibrate_clocks(args: argparse.Namespace) -> int:
         raise InputError.of(f"--limit {args.limit:g} is not positive", "give milliseconds, for example 2")
     room = room_file.load(args.room)
     reference = camera_number(room, args.reference)
-    with TemporaryDirectory(prefix="followspot-clocks-") as folder:
+    with printed_to_stderr(True), TemporaryDirectory(prefix="followspot-clocks-") as folder:
         plan = tracking_plan(args.graph, args.room, args.overrides, args.plugin_files, Path(folder))
         require_end(plan, args.room, args.frames)
         found = found_in_rounds(plan, Path(folder), args)
