@@ -19,7 +19,10 @@ from followspot.transport.zenoh.session import log_rejections
 _STYLE = re.compile(rb"\x1b\[[0-9;]*m")
 _TLS = re.compile(rb"zenoh_link_tls\S*: (?P<why>.*?)(?: Hint: .*)?$")
 """Leaves out Zenoh's hint, which does not fit."""
-_ALERTED = "; it does not take the certificate of this host: are both of one authority, and all clocks right?"
+_ALERTED = (
+    "; it does not take the certificate of this host: are both of one authority, the clocks right, and the "
+    "address one of the certificate?"
+)
 _UNLISTED = re.compile(rb"access_control: (?P<peer>[0-9a-f]+) did not match any configured ACL subject")
 _STDOUT = 1
 _MAX_LINE = 1 << 16
