@@ -12,10 +12,12 @@ from tests.integration.hosts import free_port
 
 from followspot.control.host import HostLost
 from followspot.control.zenoh_rpc import RpcClient
-from followspot.errors import FollowspotError
+from followspot.errors import FollowspotError, InputError
+from followspot.operator import discovery
+from followspot.security.authority import create_authority
 from followspot.security.request_guard import Asked, envelope
 from followspot.transport.keys import agent_key, port_key, request_key
-from followspot.transport.zenoh.network import Own
+from followspot.transport.zenoh.network import Network, Own
 
 
 def test_a_request_of_an_operator_is_answered(certs: Path, agent: Agent, endpoint: str) -> None:
@@ -147,6 +149,23 @@ def test_a_removed_host_connects_but_is_ignored(certs: Path, agent: Agent, endpo
             assert wait_for(lambda: bool(agent.heard))
     assert len(agent.heard) == 1
     assert agent.stopped == []
+
+
+def test_an_operator_without_an_agent_reads_what_keeps_them_apart(
+    certs: Path, agent: Agent, endpoint: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A removed host, and one with a certificate of another authority, would look for an agent in vain."""
+    monkeypatch.setattr(discovery, "_TIMEOUT", 0.5)
+
+    def said(folder: Path) -> str:
+        network = Network(connect=(endpoint,), certificates=str(folder))
+        with discovery.operator_session(network) as opened, pytest.raises(InputError) as caught:
+            discovery.await_agents(opened, ["pc-left"], network)
+        return str(caught.value)
+
+    assert "that answers: is gone in hosts.json there" in said(certs.parent / "gone")
+    foreign = create_authority(tmp_path / "other").add("desk", "operator")
+    assert f"{endpoint}: its certificate is not of the authority in {foreign}/ca.pem" in said(foreign)
 
 
 def test_a_router_passes_on_what_it_has_checked(certs: Path) -> None:

@@ -100,7 +100,7 @@ def await_agents(session: zenoh.Session, names: Sequence[str], network: Network)
     deadline = time.monotonic() + _TIMEOUT
     while missing := sorted(set(names) - agents(session)):
         if time.monotonic() > deadline:
-            why = unreached(network.connect, network.certificates)
+            why = unreached(network.connect, network.certificates) or _unheard(network)
             raise InputError([_missing(name, reached(network), why) for name in missing])
         time.sleep(0.1)
 
@@ -109,6 +109,13 @@ def reached(network: Network) -> str:
     """The places where a network looks for agents, as text."""
     found = ("any address of the local network",) * network.discover
     return network.router or ", ".join((*network.connect, *found)) or "any endpoint"
+
+
+def _unheard(network: Network) -> str:
+    """What to look for if endpoints take the certificate of this host, and no agent is heard all the same."""
+    if not (network.connect and network.certificates):
+        return ""
+    return f"that answers: is {network.own.name} in hosts.json there, and is this the name of its agent?"
 
 
 def _missing(name: str, where: str, why: str) -> Mistake:
