@@ -47,7 +47,6 @@ def add_network_options(
         )
         group.add_argument(
             "--router",
-            default="",
             metavar="ENDPOINT",
             help="endpoint of a router that passes on all messages, if hosts cannot reach each other",
         )
@@ -73,7 +72,7 @@ def network_of(
     listen = tuple(getattr(args, "listen", None) or (LOOPBACK if listen is None else listen))
     discover = getattr(args, "discover", False)
     connect = tuple(args.connect or (() if discover else AGENT if connect is None else connect))
-    router = getattr(args, "router", "")
+    router = getattr(args, "router", None) or ""
     if args.certificates:  # loopback uses TLS, too: certificates identify the peers
         listen, connect, (router,) = secured(listen), secured(connect), secured([router])
     network = Network(listen, connect, args.certificates or "", args.insecure, router, discover)

@@ -91,8 +91,8 @@ class _Parser(argparse.ArgumentParser):
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
-        self._given: dict[argparse.Action, tuple[Any, list[str]]] = {}
-        """The options of the command line that is read: the value of each, and its words."""
+        self._given: dict[argparse.Action, list[tuple[Any, str]]] = {}
+        """The options of the command line that is read: the values of each, and their words."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Read a command line; see `argparse`."""
@@ -107,7 +107,8 @@ class _Parser(argparse.ArgumentParser):
         found = next((one for one in self._get_positional_actions() if one.nargs == "+"), None)
         if found is None or any(word.startswith("-") for word in words):
             return False
-        setattr(args, found.dest, [*getattr(args, found.dest), *self._get_values(found, [*words])])
+        more = [self._get_value(found, word) for word in words]
+        setattr(args, found.dest, [*getattr(args, found.dest), *more])
         return True
 
     def unknown(self, words: Sequence[str]) -> str:
@@ -118,17 +119,31 @@ class _Parser(argparse.ArgumentParser):
             remedy = f"; {did_you_mean(options[0], self._option_string_actions, 'options')}"
         return f"unrecognized arguments: {' '.join(words)}{remedy}"
 
-    def _get_values(self, action: argparse.Action, arg_strings: list[str]) -> Any:
-        """The value of given words. Raises ArgumentError if one is empty, and for a second value."""
-        values = super()._get_values(action, arg_strings)
-        if "" in arg_strings and (kind := _needed(action)):
+    def _get_value(self, action: argparse.Action, arg_string: str) -> Any:
+        """The value of one word. Raises ArgumentError if it is empty, and for a second value of an option."""
+        if not arg_string and arg_string is not action.default and (kind := _needed(action)):
             raise argparse.ArgumentError(action, f"the {kind} is empty")
+        value = super()._get_value(action, arg_string)
         if action.option_strings and isinstance(action, argparse._StoreAction):
-            before, written = self._given.setdefault(action, (values, arg_strings))
-            if arg_strings != written and before != values:
-                first, second = (f"{' '.join(words):.80}" for words in (written, arg_strings))
-                raise argparse.ArgumentError(action, f"given twice, as {first} and as {second}")
-        return values
+            self._take(action, value, arg_string)
+        return value
+
+    def _take(self, action: argparse.Action, value: Any, word: str) -> None:
+        """Keep a word of an option with its value. Raises ArgumentError if it ends another value of it."""
+        size = 1 if action.nargs is None else action.nargs
+        if not isinstance(size, int):
+            return
+        given = self._given.setdefault(action, [])
+        given.append((value, word))
+        if len(given) < 2 * size:
+            return
+        (before, written), (after, again) = (
+            tuple(zip(*half, strict=True)) for half in (given[:size], given[size:])
+        )
+        if before != after and written != again:
+            first, second = (f"{' '.join(words):.80}" for words in (written, again))
+            raise argparse.ArgumentError(action, f"given twice, as {first} and as {second}")
+        del given[size:]
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
