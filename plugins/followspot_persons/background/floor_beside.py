@@ -17,7 +17,6 @@ from followspot_persons.background.body_axis import Axis, distance_on_floor
 from followspot_persons.background.floor_contact import (
     ASTRIDE,
     GAP,
-    LARGEST_CHANGE,
     SHARE,
     Contact,
     lowest,
@@ -27,8 +26,10 @@ from followspot_persons.background.goes_on import goes_on_below
 from followspot_persons.body.view import HEIGHT
 from followspot_persons.panorama import full_turn, short_way, turn_of
 
-FIRST, LAST = 1.3, 0.7
+FIRST, LAST = 1.5, 0.7
 """Distances at which feet are looked for, over that of the pose."""
+NEAREST, FARTHEST = 0.75, 1.45
+"""Distances at which they are found, over that of the pose: the box of a body may be too large by a third."""
 FLOOR = 0.9
 """The same from which on the floor tells its colours: a person may seem farther away than it stands."""
 BEFORE = 0.5
@@ -86,7 +87,7 @@ def contact_beside(camera: Camera, pixels: Array, pose: Array, others: Array) ->
     if floor is None:
         return None
     distance = floor - LAG
-    return Contact(distance) if abs(distance - by_size) <= LARGEST_CHANGE * by_size else None
+    return Contact(distance) if NEAREST * by_size <= distance <= FARTHEST * by_size else None
 
 
 def _with_floor(camera: Camera, pose: Array) -> Array:

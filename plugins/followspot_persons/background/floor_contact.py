@@ -75,14 +75,14 @@ class Contact:
             self.distance + gain * (other.distance - self.distance), self.sigma * (1 - gain) ** 0.5
         )
 
-    def with_size(self, size: Contact) -> Contact:
+    def with_size(self, size: Contact, proportion: float = PROPORTION_SIGMA) -> Contact:
         """The same after a picture in which the size of the body says that it stands there.
 
-        The error of its proportions is one in all pictures: sizes tell no distance better than to
-        `PROPORTION_SIGMA`, as in the filter of Schmidt (1966).
+        The error of its proportions is one in all pictures: sizes tell no distance better than to the
+        relative sigma `proportion`, as in the filter of Schmidt (1966).
         """
         both = self.combined(size)
-        surest = min(self.sigma, PROPORTION_SIGMA * both.distance)
+        surest = min(self.sigma, proportion * both.distance)
         return Contact(both.distance, max(both.sigma, surest))
 
     def agrees(self, other: Contact) -> bool:

@@ -52,6 +52,17 @@ def test_the_floor_about_the_feet_tells_the_distance_that_the_pose_misses(distan
     assert contact.distance == pytest.approx(distance, abs=0.15)
 
 
+@pytest.mark.parametrize("share", [0.72, 0.8])
+def test_feet_are_seen_of_a_body_that_a_box_took_for_a_third_nearer(share):
+    """The floor before the seeming feet is below the picture; a body twice as near is another's."""
+    true = standing(4.2)
+    camera, pixels = of_person(true)
+    assert contact_beside(camera, pixels, seeming(share, true), NOBODY).distance == pytest.approx(
+        4.2, abs=0.15
+    )
+    assert contact_beside(camera, pixels, seeming(0.6, true), NOBODY) is None
+
+
 def test_feet_are_seen_although_the_floor_before_the_seeming_ones_is_below_the_picture():
     """Feet at 3.0 m, and a pose of the size of 2.45 m: at 2.2 m the floor is below the picture."""
     camera, pixels = of_person(standing(3.0))
@@ -59,7 +70,7 @@ def test_feet_are_seen_although_the_floor_before_the_seeming_ones_is_below_the_p
     before = project(camera, np.array([[FLOOR * 2.45, 0.0, 0.0]]))[0, 1]
     assert before > camera.size[1] - 2
     assert contact_beside(camera, pixels, seeming_near, NOBODY).distance == pytest.approx(3.0, abs=0.15)
-    assert contact_beside(camera, pixels, standing(2.2), NOBODY) is None
+    assert contact_beside(camera, pixels, standing(2.0), NOBODY) is None
 
 
 def test_no_feet_are_told_where_the_picture_shows_none():

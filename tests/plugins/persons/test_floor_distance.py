@@ -9,7 +9,8 @@ import pytest
 
 from followspot.plain_values import from_plain, to_plain
 from followspot_persons.background.floor_contact import STRIDE_SIGMA, Contact
-from followspot_persons.slow_instance.floor_distance import MOST, FloorDistance
+from followspot_persons.body.stature import PROPORTION_SIGMA
+from followspot_persons.slow_instance.floor_distance import MOST, UNUSUAL, UNUSUAL_SIGMA, FloorDistance
 
 PERIOD = 0.2
 """Time from one picture to the next, s."""
@@ -58,6 +59,41 @@ def test_sizes_alone_tell_the_distance_if_they_contradict_the_only_feet():
     assert followed(sizes, (3.3, 3.0)).contact == feet(3.3)
     assert followed(sizes, (6.0, 3.0)).contact is None
     assert followed(sizes, (6.0, 3.0)).sized.distance == pytest.approx(3.0)
+
+
+def walks_away(unusual=True):
+    """Feet seen up to 3.0 m, then hidden for half a second, then seen again; boxes are a third too large."""
+    told, truth = FloorDistance.of(feet(2.7)), 2.7
+    for step in range(7):
+        truth += 0.1
+        told = followed(told, (None if step in (3, 4) else truth, 0.75 * truth))
+        if not unusual:
+            told = replace(told, hypotheses=tuple(replace(h, proportion=0.08) for h in told.hypotheses))
+    return told, truth
+
+
+def test_boxes_that_are_a_third_too_large_refuse_no_feet():
+    """Sizes that err by 8 % would refuse the feet that are seen again, and hold the person too near."""
+    told, truth = walks_away()
+    assert told.contact == feet(truth)
+    assert told.hypotheses[0].proportion == UNUSUAL_SIGMA
+    held, truth = walks_away(unusual=False)
+    assert held.contact.distance < truth - 0.8
+
+
+def test_sizes_are_usual_while_they_agree_with_feet():
+    told = followed(FloorDistance.of(feet(3.0)), *[(3.0, 3.1)] * 6)
+    usual, unusual = told.hypotheses[:2]
+    assert (usual.proportion, unusual.proportion) == (PROPORTION_SIGMA, UNUSUAL_SIGMA)
+    assert unusual.contact == usual.contact
+    assert unusual.weight(told.sized) < UNUSUAL * usual.weight(told.sized)
+
+
+def test_sizes_tell_no_distance_better_than_to_their_common_error():
+    told = followed(FloorDistance.of(feet(3.0)), *[(None, 3.0)] * 60)
+    usual, unusual = (h.contact for h in told.hypotheses[:2])
+    assert usual.sigma == pytest.approx(PROPORTION_SIGMA * 3.0, rel=0.15)
+    assert unusual.sigma == pytest.approx(UNUSUAL_SIGMA * 3.0, rel=0.15)
 
 
 def test_few_hypotheses_are_kept_and_one_says_that_no_feet_were_the_persons():
