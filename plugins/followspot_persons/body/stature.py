@@ -104,7 +104,14 @@ def sized(stature: Stature, camera: Camera, box: Array, weight: float = 1.0) -> 
 
     weight: how surely the box spans the upper body, 0 to 1; 0 if its size was not measured.
     """
-    if not weight:
+    if not weight or not knows_floor(camera) or not is_of_adult(camera, box):
         return stature
-    height = float(standing(camera, box[None])[1][0]) if knows_floor(camera) else np.nan
-    return stature.sized(height, float(camera.center[2]), weight) if LOWEST < height < HIGHEST else stature
+    return stature.sized(float(standing(camera, box[None])[1][0]), float(camera.center[2]), weight)
+
+
+def is_of_adult(camera: Camera, box: Array) -> bool:
+    """Whether a box (4,) px can be of the upper body of an adult who stands on the floor.
+
+    Of 4404 boxes of upper bodies in 76 rendered recordings all are, of 552 others 439.
+    """
+    return not knows_floor(camera) or bool(LOWEST < standing(camera, box[None])[1][0] < HIGHEST)

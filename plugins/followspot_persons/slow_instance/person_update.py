@@ -22,7 +22,7 @@ from followspot_persons.background.floor_beside import body_before
 from followspot_persons.background.floor_contact import Contact, presence
 from followspot_persons.background.scene import Scene
 from followspot_persons.body.shape import ShapeModel, with_girth
-from followspot_persons.body.stature import USUAL, sized
+from followspot_persons.body.stature import USUAL, is_of_adult, sized
 from followspot_persons.body.view import view
 from followspot_persons.color.model import ColorModel, learnt
 from followspot_persons.likelihood.fitness import Detection, Fitness, Picture, Weights, sampled
@@ -71,7 +71,7 @@ class PersonUpdate:
     def initiated(
         self, detection: Detection, score: float, others: Array, seen: Observation
     ) -> KnownPerson | None:
-        """A tentative person from one box; None if the box lies outside the limits of space, or is of a part.
+        """A tentative person from one box; None if it is of a part, of no adult, or where nobody can be.
 
         others: (K, 4) px, upper bodies of known people.
         """
@@ -79,8 +79,9 @@ class PersonUpdate:
         known = self._stood(seen, detection, particles.mean(axis=0), USUAL, others)
         if known.part:
             particles = spawned(self.camera, known.detection, self.params.particles, self.random())
-        outside = self.walkable is not None and self.walkable.excludes(particles[:, :2])
-        if outside or body_before(self.camera, seen.pixels, particles.mean(axis=0), others):
+        pose, outside = particles.mean(axis=0), self.walkable and self.walkable.excludes(particles[:, :2])
+        adult = is_of_adult(self.camera, known.detection.box)
+        if outside or not adult or body_before(self.camera, seen.pixels, pose, others):
             return None
         return KnownPerson.tentative(
             particles,

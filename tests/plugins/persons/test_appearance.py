@@ -208,6 +208,15 @@ def test_who_walks_gets_the_box_ahead_and_not_that_of_whom_it_has_passed():
     assert told.pose[numbers(told).index(walker.number), 1] == pytest.approx(there[1][1], abs=0.2)
 
 
+@pytest.mark.parametrize(("height", "people"), [(1.7, [1]), (1.4, [1]), (1.1, []), (2.35, [])])
+def test_boxes_that_are_of_no_adult_initiate_nobody(height, people):
+    """Hips and legs of somebody look like the upper body of a small child."""
+    show, body = SlowInstance(), standing(3.0)
+    for _ in range(6):
+        told = show.see(body, boxed=[standing(3.0, height=height)], score=4.0)
+    assert numbers(told) == people
+
+
 def test_a_second_box_on_a_body_initiates_nobody():
     show = SlowInstance()
     for _ in range(3):
