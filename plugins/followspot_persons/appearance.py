@@ -158,16 +158,17 @@ class Appearance(Stage):
     ) -> tuple[list[KnownPerson], list[KnownPerson]]:
         """The people without boxes that the foreground shows, and all of them that remain.
 
-        pairs: rows of people and boxes; boxed: the people that have them.
+        Foreground is the nearest person's. pairs: rows of people and boxes; boxed: the people that have them.
         """
         known = {person for person, _ in pairs}
         free_box = np.ones(len(seen.boxes.box), bool)
         free_box[[box for _, box in pairs]] = False
-        covered, shown, rest = self.bodies.boxes(boxed), list[KnownPerson](), list[KnownPerson]()
-        for i in sorted(set(range(len(present))) - known):
+        shown, rest = list[KnownPerson](), list[KnownPerson]()
+        unboxed = set(range(len(present))) - known
+        for i in sorted(unboxed, key=lambda i: self.bodies.distance(present[i])):
             after, left = None, False
             if seen.mask is not None:
-                free = without_others(seen.mask, covered, self.camera)
+                free = without_others(seen.mask, self.bodies.boxes([*boxed, *shown]), self.camera)
                 others = self.bodies.nearer(present, present[i])
                 after = self.update.after_foreground(present[i], free, shades.numbered, others, seen)
                 left = after is None and self.update.left(present[i], seen.mask, free, seen)

@@ -129,6 +129,20 @@ def test_boxes_on_furniture_are_nobodys_who_came_later():
     assert show.stage.people[0].track.pose[1] == pytest.approx(0.45, abs=0.15)
 
 
+def test_the_foreground_of_a_nearer_person_without_a_box_is_nobody_elses():
+    """The detector misses both, and the farther one is behind the nearer one."""
+    show, near = SlowInstance(foreground_boxes=False), standing(2.4)
+    for _ in range(FEWEST + 1):
+        show.see()
+    for _ in range(5):
+        show.see(near)
+    (person,) = show.stage.people
+    behind = Track.initiated(particles_about(standing(3.4, 0.2), 60, np.random.default_rng(1)))
+    show.stage.people = [replace(person, number=2, track=behind, distance=FloorDistance()), person]
+    show.see(near, boxed=[])
+    assert {p.number: p.seen > person.seen for p in show.stage.people} == {1: True, 2: False}
+
+
 def test_shares_are_of_the_torso_in_each_box():
     here, there = body(standing(3.0, 0.4)), body(standing(3.0, -0.4))
     told = shares(CAMERA, mask_of(here), np.array([here, there]))
