@@ -21,6 +21,8 @@ SHRUNK = 0.8
 """Width of a body over that of the box about it: what is behind the edge of the box is seen."""
 NEARER = 0.2
 """Difference of depth from which a body hides another, m."""
+CONTRADICTED = -3.0
+"""Sum of the misses of other cameras from which the detection of one alone shows no body."""
 LEAST_VISIBLE = 0.1
 """Share of a body that is visible although nearer ones seem to hide it: boxes are wider than bodies."""
 _ACROSS, _DOWN = np.meshgrid([0.25, 0.5, 0.75], (np.arange(7) + 0.5) / 7)
@@ -43,6 +45,12 @@ class ExistenceEvidence:
     gain: Array
     loss: Array
     views: Array
+
+    @property
+    def missed(self) -> Array:
+        """Whether no camera detected a body, or one alone and others that see it did not, (M,)."""
+        contradicted = (self.views == 1) & (self.loss < CONTRADICTED)
+        return np.asarray((self.views == 0) | contradicted)
 
     def change(self, independent: float = 1.0) -> Array:
         """Change of the log-odds, (M,). One camera alone is no evidence: any false detection has a body that

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from tests.plugins.persons.crowded import corner_room
+from tests.plugins.persons.false_boxes import person, sent
 
-from followspot import Array, Context, FollowspotError
-from followspot.geometry import project
-from followspot.messages import Header, stamped
+from followspot import Context, FollowspotError
+from followspot.messages import stamped
 from followspot.people import Boxes
 from followspot_persons.associate.colors.torso_colors import BINS
 from followspot_persons.associate.detections import Detections
@@ -22,32 +21,6 @@ ROOM = corner_room()
 PERIOD = 0.25
 SECOND = 10**9
 SIZE = np.array([1280, 960])
-
-
-def clutter(count: int, rng: np.random.Generator) -> Array:
-    """Boxes (N, 4) px anywhere in a picture."""
-    middle, half = rng.uniform([0, 0], SIZE, (count, 2)), rng.uniform([15, 25], [100, 180], (count, 2))
-    return np.hstack([middle - half, middle + half]).clip(0, np.tile(SIZE - 1, 2))
-
-
-def person(xy: Sequence[float]) -> Array:
-    """Points (P, 3) m on a person who stands at xy."""
-    up, angle = (part.ravel() for part in np.meshgrid(np.linspace(0.05, 1.7, 12), np.linspace(0, 6, 8)))
-    return np.column_stack([xy[0] + 0.22 * np.cos(angle), xy[1] + 0.2 * np.sin(angle), up])
-
-
-def sent(people: Sequence[Array], false: int, time: float, rng: np.random.Generator) -> tuple[Boxes, ...]:
-    """Boxes about people's points, and false ones, of each camera."""
-    messages = []
-    for camera in ROOM.cameras.values():
-        pixels = [project(camera, one) for one in people]
-        own = np.array([[*one.min(axis=0), *one.max(axis=0)] for one in pixels]).reshape(-1, 4)
-        own += rng.normal(0, 4.0, own.shape)
-        box = np.vstack([own, clutter(false, rng)])
-        none, score = np.zeros((len(box), 0)), np.append(np.ones(len(own)), np.full(false, 0.5))
-        header = Header("boxes", 0, round(time * SECOND))
-        messages.append(stamped(Boxes(camera.name, box, score, none, none), header))
-    return tuple(messages)
 
 
 def started() -> Associate:

@@ -20,6 +20,8 @@ MIDDLE = 0.12
 """Sigma of the middle of a box, and of its ends, on a body, m."""
 WIDE = np.array([0.5, 0.5, 0.5, 1.0, 1.0, 0.5])
 """Sigmas of place, m, and velocity, m/s, of a new body."""
+INITIAL_GAIN = 2.6
+"""What each detection of a new body adds to its log-odds: three report a person at once."""
 ROUNDS = 2
 """How often the boxes of a new body count: the second time near the result of the first."""
 
@@ -34,7 +36,7 @@ class BoxModel:
 
     def initial_gain(self, body: ShapeMixture, views: Views, camera: Array, measured: Array) -> float:
         """What each detection of a new body adds to its log-odds."""
-        return self.odds_limits.detection
+        return INITIAL_GAIN
 
     def none(self) -> ShapeMixture:
         """No bodies."""

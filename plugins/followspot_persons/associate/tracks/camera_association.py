@@ -19,6 +19,9 @@ from followspot_persons.associate.tracks.tracks import Tracks
 Choice = Callable[[Array], tuple[Array, Array]]
 """Rows and columns, (K,) each, of the pairs that belong together, by their log-likelihood ratios, (M, N)."""
 
+EXPLAINED = 4.0
+"""Log-likelihood ratio from which a detection is a second one of a person with a number."""
+
 
 @dataclass(frozen=True, eq=False)
 class Association:
@@ -26,7 +29,7 @@ class Association:
 
     found: (M,) bool, tracks with a detection; ratio: (M,) log-likelihood ratios of these; probability: (M,)
     that they are the tracks', 0 without one; used: (N,) bool, detections of tracks; explained: (N,) bool,
-    detections that fit a person with a number; visible: (M,) share of each body that the camera sees.
+    detections that fit a person with a number well; visible: (M,) share of each body that the camera sees.
     """
 
     detections: Detections
@@ -45,7 +48,7 @@ class Association:
 
     @property
     def unassigned(self) -> Detections:
-        """The detections that belong to no track and fit no person with a number."""
+        """The detections that belong to no track and fit no person with a number well."""
         one, free = self.detections, ~(self.used | self.explained)
         return replace(one, measured=one.measured[free], colors=one.colors[free])
 
@@ -110,7 +113,7 @@ def associated(
     found[rows], used[columns] = True, True
     ratios, probabilities = before.ratio.copy(), before.probability.copy()
     ratios[rows], probabilities[rows] = ratio[rows, columns], probability
-    explained = np.asarray((ratio[life.number > 0] > 0).any(axis=0))
+    explained = np.asarray((ratio[life.number > 0] > EXPLAINED).any(axis=0))
     seen = life.seen.copy()
     seen[rows] = one.time
     colors = updated_colors(life.colors, rows, one.camera, one.colors[columns], visible[rows])

@@ -17,9 +17,9 @@ def confirmed(
 ) -> Tracks[S]:
     """The tracks, of which those that are confirmed now have numbers: of lost people, or new ones from 1.
 
-    missed: (M,) bool, tracks that no camera of the set detected; if a confirmed one is near, the new track is
-    the same person's, and replaces it. minimum_odds: log-odds that confirm a track; recalled: time for which
-    a number is remembered, ns; 0 gives new people new numbers always.
+    missed: (M,) bool, of `ExistenceEvidence`; if a confirmed one of these is near, the new track is the same
+    person's, and replaces it. minimum_odds: log-odds that confirm a track; recalled: time for which a number
+    is remembered, ns; 0 gives new people new numbers always.
     """
     number = tracks.life.number.copy()
     new = np.flatnonzero((number == 0) & (tracks.life.odds >= minimum_odds))

@@ -61,7 +61,7 @@ def updated(
     odds = np.clip(tracks.life.odds + evidence.change(weight), MINIMUM_ODDS, MAXIMUM_ODDS)
     tracks = replace(tracks, life=replace(tracks.life, odds=odds), unassigned=_counted(tracks, cameras))
     tracks = with_initiated(tracks, model, views, [one.unassigned for one in cameras], rules.detection)
-    missed = np.pad(evidence.views == 0, (0, len(tracks.bodies) - len(odds)))
+    missed = np.pad(evidence.missed, (0, len(tracks.bodies) - len(odds)))
     tracks = confirmed(tracks, model, missed, rules.confirmation, rules.recalled)
     return _without_deleted(tracks, model, rules)
 

@@ -17,8 +17,12 @@ from followspot_persons.associate.existence import missed_detection, visible_sha
 from followspot_persons.associate.multi_view.views import Views
 from followspot_persons.associate.tracks.tracks import LifeCycles, Tracks
 
-SAME_BODY = 0.3
-"""Distance within which a new body is one that is tracked already, m."""
+SAME_PLACE, SAME_LEVEL = 0.3, 1.0
+"""Distances across and in height within which a new body is one that is tracked already, m: the middle of a
+part of a body lies above or below that of the whole."""
+FEW, FALSE_WEIGHT = 2, 0.5
+"""Number of detections of a picture that agree with none, up to which those of a new body count fully, and
+what of the logarithm of more is taken from the log-odds of each: the more, the more agree by chance."""
 
 
 def with_initiated(
@@ -40,18 +44,26 @@ def with_initiated(
     measured = np.concatenate([one.measured for one in parts])
     colors = np.concatenate([one.colors for one in parts])
     color_ratios = log_ratios(colors[:, None], colors[None])
-    for rows in clusters(model.pair_ratios(views, camera, measured) + color_ratios):
+    found = clusters(model.pair_ratios(views, camera, measured) + color_ratios)
+    chance = _chance(found, camera, len(views.each))
+    for rows in found:
         body, rows = _body_of_cluster(model, views, camera, measured, rows)
         if body is None or _is_tracked(tracks, model, body):
             continue
         others = {one.camera for one in unassigned} - set(camera[rows].tolist())
         gain = model.initial_gain(body, views, camera[rows], measured[rows])
-        odds = model.odds_limits.initial + len(rows) * gain
+        odds = model.odds_limits.initial + float((gain - chance[camera[rows]]).sum())
         odds += _missed(tracks, model, views, body, sorted(others), detection)
         initial = initial_colors(len(views.each), camera[rows], colors[rows])
         life = LifeCycles(np.zeros(1, int), np.array([odds]), np.array([tracks.time]), initial)
         tracks = replace(tracks, bodies=tracks.bodies.joined(body), life=tracks.life.joined(life))
     return tracks
+
+
+def _chance(found: Sequence[Array], camera: Array, cameras: int) -> Array:
+    """What is taken from the log-odds of each camera's detections, (C,), for those that are in no cluster."""
+    alone = np.delete(camera, np.concatenate(found)) if found else camera
+    return FALSE_WEIGHT * np.log(np.maximum(np.bincount(alone, minlength=cameras) / FEW, 1))
 
 
 def _body_of_cluster(
@@ -75,8 +87,8 @@ def _is_tracked(tracks: Tracks[S], model: BodyModel[S], body: S) -> bool:
     """Whether a body is at the place of one that is tracked."""
     if not len(tracks.bodies):
         return False
-    distance = np.linalg.norm(model.middle(tracks.bodies) - model.middle(body)[0], axis=1)
-    return bool(distance.min() < SAME_BODY)
+    across, along, up = (model.middle(tracks.bodies) - model.middle(body)[0]).T
+    return bool(((np.hypot(across, along) < SAME_PLACE) & (np.abs(up) < SAME_LEVEL)).any())
 
 
 def _missed(
