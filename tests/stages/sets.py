@@ -48,7 +48,7 @@ class Count(Stage):
 
 
 class Device(Stage):
-    """A live source of four notes; the later ones wait for a file `go` in the output folder."""
+    """A live source of four notes; a later one waits for a file in the output folder, `go` and its number."""
 
     class Params(StageParams):
         first: int = 1
@@ -65,7 +65,7 @@ class Device(Stage):
 
     def process(self) -> Source[Note]:
         for number in range(4):
-            while number >= self.params.first and not (self.context.out / "go").exists():
+            while number >= self.params.first and not (self.context.out / f"go{number}").exists():
                 if self.over.wait(0.01):
                     return
             yield at(number * PERIOD, Note(number, 1))

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-import threading
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
 
 import followspot as fs
+from followspot.worker.change import hot_swap
+from followspot.worker.rest import Rest
+from followspot.worker.runners.stage_runner import StageRunner
+from followspot.worker.sources import Sources
 
 SETS = Path(__file__).parents[2] / "stages" / "sets.py"
 WHOLE = """
@@ -75,23 +79,47 @@ stages:
 """
 
 
-def test_a_live_set_that_is_being_taken_stays_whole(tmp_path: Path) -> None:
+def test_a_live_set_that_is_being_taken_stays_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """One device has given its note of the second set, the other gives it while the swap waits for it."""
-    patient = f"{JOINED}, deadline: 60"
+    out = tmp_path / "out"
+    reached = Rest.reached
+
+    def looked(rest: Rest, sources: Sources, runners: Iterable[StageRunner]) -> bool:
+        """Whether the worker rests; the missing note comes once it has been found not to."""
+        found = reached(rest, sources, runners)
+        (out / "go1").touch()
+        return found
+
+    monkeypatch.setattr(Rest, "reached", looked)
+    monkeypatch.setattr(hot_swap, "_LIVE_REST_TIMEOUT", 600.0)
+    patient = f"{JOINED}, deadline: 600"
     write(tmp_path, "pair", ("pair", "pair", patient))
     other = write(tmp_path, "other", ("other", "pair", patient))
     graph = tmp_path / "devices.yaml"
     graph.write_text(DEVICES)
-    with fs.run(graph, plugin_files=[SETS], ports=["last"], out=tmp_path / "out") as run:
+    with fs.run(graph, plugin_files=[SETS], ports=["a", "last"], out=out) as run:
+        early = [next(run["a"]).number for _ in range(2)]
         seen = [next(run["last"])]
-        later = threading.Timer(1.0, (run.out / "go").touch)
-        later.start()
         run.swap("hall", str(other))
-        later.join()
+        for number in (1, 2, 3):
+            (out / f"go{number}").touch()
         seen += run["last"]
+        assert [*early, *(note.number for note in run["a"])] == [0, 1, 2, 3]
     assert [(note.number, note.members) for note in seen] == [(0, 2), (1, 2), (2, 2), (3, 2)]
     assert not run.report.warnings
-    assert {row["delivered"] for row in run.report.ledger} == {0, 4}, "to the stage that came, and the rest"
+    delivered = {(row["from"], row["to"]): row["delivered"] for row in run.report.ledger}
+    changed = {
+        edge: count
+        for edge, count in delivered.items()
+        if not {"hall/pair", "hall/other"}.isdisjoint(map(stage_of, edge))
+    }
+    assert set(changed.values()) == {2}, "to the stage that went, and to the one that came"
+    assert {count for edge, count in delivered.items() if edge not in changed} == {4}
+
+
+def stage_of(port: str) -> str:
+    """The stage of STAGE.PORT."""
+    return port.rpartition(".")[0]
 
 
 FEEDBACK = """

@@ -13,6 +13,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 import pytest
+from tests.tools.page.bundled import bundle
 from tests.tools.page.page_socket import UPGRADE, things
 from tests.tools.page.served import Shown, served
 from websockets.exceptions import ConnectionClosedError
@@ -28,6 +29,7 @@ TEXT, CONTINUED, BINARY, CLOSE, PING = 1, 0, 2, 8, 9
 @pytest.fixture(scope="module")
 def crowded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Shown, Path]]:
     """A page, and the file into which its process complains."""
+    bundle()
     folder = tmp_path_factory.mktemp("crowd")
     complaints = folder / "complaints"
     with complaints.open("wb") as file, ExitStack() as stack:

@@ -170,6 +170,7 @@ def test_what_is_no_preview_is_passed_over(page: Shown, junk: bytes) -> None:
 
 
 def test_a_browser_that_says_too_much_is_let_go(page: Shown) -> None:
+    bundle()
     with page.look() as browser:
         browser.send("x" * 5000)
         with pytest.raises(ConnectionClosed):
