@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from followspot import Room
+from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import InputError, writing
 from followspot.room_file import load, update
 from followspot_calibrate.board.page import page_of
@@ -40,7 +41,8 @@ def calibrate_board(args: argparse.Namespace) -> int:
         raise InputError.of(f"--pictures {args.pictures} is less than 1", "give 50 to 1000")
     cameras = [camera for name, camera in room.cameras.items() if name in paths]
     moments = _moments(args, [camera.name for camera in cameras])
-    views = find_views(cameras, paths, board, moments, args.pictures)
+    with printed_to_stderr(True):
+        views = find_views(cameras, paths, board, moments, args.pictures)
     found = solve(cameras, views, board, args.floor, show_progress)
     clear_progress()
     still = [name for name in room.cameras if name not in paths]

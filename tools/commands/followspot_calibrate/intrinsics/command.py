@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from followspot import Camera, Room
+from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import FollowspotError, InputError, writing
 from followspot.room_file import load, save, update
 from followspot_calibrate.boards.board import Board, parse_board
@@ -33,7 +34,8 @@ def calibrate_intrinsics(args: argparse.Namespace) -> int:
         raise InputError.of(text, "use a ChArUco board or a chessboard")
     room = load(args.room) if args.room.exists() else Room(args.room.stem)
     live = live_cameras(args, room.cameras)
-    done, failed = _calibrated(args, live, board)
+    with printed_to_stderr(True):
+        done, failed = _calibrated(args, live, board)
     report = args.report or args.room.with_suffix(".intrinsics.html")
     notes = write(args.room, room, live, done, report) if done else {}
     print(as_json(done, notes) if args.json else summary(done))

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from followspot import Room, Target
+from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import FollowspotError, writing
 from followspot.room_file import load, update
 from followspot_calibrate.clips import folders_of
@@ -33,7 +34,9 @@ def calibrate_targets(args: argparse.Namespace, usual: float) -> int:
     refuse_radius(args.radius)
     room_file, radius = args.room, args.radius
     room = load(room_file)
-    report = {folder.name: learn_with_progress(folder, room) for folder in folders_of(args.clips, "target")}
+    folders = folders_of(args.clips, "target")
+    with printed_to_stderr(True):
+        report = {folder.name: learn_with_progress(folder, room) for folder in folders}
     failed = [name for name, found in report.items() if all(one.problem for one in found)]
     learnt = {
         name: with_templates(room.targets.get(name, Target(name, usual)), radius, found)
@@ -41,7 +44,8 @@ def calibrate_targets(args: argparse.Namespace, usual: float) -> int:
         if name not in failed
     }
     targets = {**room.targets, **learnt}
-    held = Agreement() if args.keep_cameras else agreement(room, args.clips, show_progress)
+    with printed_to_stderr(True):
+        held = Agreement() if args.keep_cameras else agreement(room, args.clips, show_progress)
     clear_progress()
     result = TargetsResult(report, separability_of(room, targets, report), held)
     page = args.report or room_file.with_suffix(".targets.html")

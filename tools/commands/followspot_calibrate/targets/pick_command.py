@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 
 from followspot import Camera, Context, Room, Target
+from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import InputError, did_you_mean, writing
 from followspot.messages import Array
 from followspot.plugins.registry import load_stage
@@ -46,7 +47,8 @@ def pick_targets(args: argparse.Namespace, usual: float) -> int:
         if not pick.box:
             print(_to_look_at(args.room, camera, pick))
             return 0
-    found = {pick.name: template_of(picture_of(camera, pick.frame), pick) for pick in picks}
+    with printed_to_stderr(True):
+        found = {pick.name: template_of(picture_of(camera, pick.frame), pick) for pick in picks}
     targets = dict(room.targets)
     for name, template in found.items():
         target = targets.get(name, Target(name, args.radius or usual))
@@ -120,7 +122,8 @@ def _camera(room: Room, name: str | None) -> Camera:
 
 def _to_look_at(room_file: Path, camera: Camera, pick: Pick) -> str:
     """Write a picture with coordinates, and say what to do with it."""
-    picture = picture_of(camera, pick.frame)
+    with printed_to_stderr(True):
+        picture = picture_of(camera, pick.frame)
     path = room_file.with_suffix(f".{camera.name}.png")
     with writing(path):
         path.write_bytes(cv2.imencode(".png", with_grid(picture))[1].tobytes())
