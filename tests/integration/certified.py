@@ -32,7 +32,8 @@ def session(
         opened.close()  # type: ignore[no-untyped-call]
 
 
-def wait_for(condition: Callable[[], bool], seconds: float = 15.0) -> bool:
+def wait_for(condition: Callable[[], bool], seconds: float = 60.0) -> bool:
+    """Whether the condition comes to hold; the seconds only bound a failure."""
     end = time.monotonic() + seconds
     while not condition() and time.monotonic() < end:
         time.sleep(0.02)
@@ -65,9 +66,9 @@ class Agent:
 
     def hear(self, by: zenoh.Session, key: str, payload: bytes) -> list[dict[str, object]]:
         """The answers to these bytes as a request under this key."""
-        handler = by.get(key, payload=payload, timeout=2.0)
+        handler = by.get(key, payload=payload, timeout=60.0)
         replies: list[dict[str, object]] = []
-        for _ in range(100):
+        while True:
             self.answers.answer()
             try:
                 while (reply := handler.try_recv()) is not None:

@@ -6,8 +6,9 @@ import re
 import resource
 import signal
 from pathlib import Path
-from threading import Timer
 
+import pytest
+import zenoh
 from tests.commands import command, launch
 from tests.integration.hosts import Agent, free_port, near_agent
 from tests.integration.running import (
@@ -19,6 +20,7 @@ from tests.integration.running import (
 from tests.integration.two_agents import TwoAgents
 
 from followspot.control.zenoh_rpc import agents
+from followspot.operator import discovery
 from followspot.operator.discovery import await_named, operator_session
 from followspot.transport.zenoh.network import Network
 
@@ -39,18 +41,29 @@ def test_a_run_refuses_agents_of_one_name_that_do_not_know_each_other(tmp_path: 
     assert 'several agents are named "twin", of which one is asked' in listed.stderr
 
 
-def test_an_operator_waits_for_an_agent_that_is_slow_to_connect(tmp_path: Path) -> None:
+def test_an_operator_waits_for_an_agent_that_is_slow_to_connect(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     agent = near_agent("pc-left", tmp_path)
+    looks: list[set[str]] = []
+
+    def look(session: zenoh.Session) -> set[str]:
+        """The agents; this one goes on once it was not among them."""
+        looks.append(agents(session))
+        agent.signal(signal.SIGCONT)
+        return looks[-1]
+
+    monkeypatch.setattr(discovery, "agents", look)
+    monkeypatch.setattr(discovery, "_DISCOVERY", 60.0)
     agent.signal(signal.SIGSTOP)
-    busy = Timer(1.0, agent.signal, [signal.SIGCONT])
-    busy.start()
     network = Network(connect=(agent.endpoint,))
     try:
         with operator_session(network) as session:
             await_named(session, network)
             assert agents(session) == {"pc-left"}
+        assert looks[0] == set()
     finally:
-        busy.join()
+        agent.signal(signal.SIGCONT)
         assert agent.end() == 0
 
 

@@ -34,7 +34,7 @@ def test_a_replayed_request_is_refused_and_counted(certs: Path, agent: Agent, en
         assert agent.ask(desk, key)
         once = envelope(Asked.of(key), {"run": "again"})
         for _ in range(2):
-            handler = desk.get(key, payload=once, timeout=2.0)
+            handler = desk.get(key, payload=once, timeout=60.0)
             assert wait_for(lambda: bool(agent.answers._waiting))
             agent.answers.answer()
             list(handler)

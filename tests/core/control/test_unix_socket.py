@@ -85,9 +85,9 @@ def test_pending_requests_are_answered_at_the_end_and_later_ones_are_not() -> No
         with serve_requests(RUN, "graph", Dispatcher("operator", {Wait: slow})):
             (run,) = [run for run in runs_here() if run.run == RUN]
             silent.connect(f"\0{socket_name()}")
-            asking = threading.Thread(target=lambda: answers.append(run.ask(Wait(), 20.0)))
+            asking = threading.Thread(target=lambda: answers.append(run.ask(Wait(), 60.0)))
             asking.start()
-            assert asked.wait(10.0)
+            assert asked.wait(60.0)
         assert returned.is_set()
         assert "refused" in json.loads(silent.makefile().readline())
     asking.join()

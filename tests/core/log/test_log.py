@@ -119,7 +119,7 @@ def test_what_another_thread_has_taken_is_told_before_the_last_word() -> None:
     main.log.say("error", "fuse", "broken")
     telling = threading.Thread(target=main.reporter.send_log)
     telling.start()
-    assert taken.wait(20)
+    assert taken.wait(60)
     main.reporter.send_log()
     told.append("done")
     ended.set()

@@ -30,7 +30,7 @@ EDGE_END = Path(__file__).with_name("edge_end.py")
 DEPTH = 4
 VGA = (480, 640, 3)
 FULL_HD = (1080, 1920, 3)
-TIMEOUT = 30.0
+TIMEOUT = 60.0
 """Seconds after which a test gives up; none waits that long when it passes."""
 
 

@@ -52,7 +52,7 @@ class Pair:
 
 
 def until(condition: Callable[[], bool]) -> None:
-    limit = time.monotonic() + 30.0
+    limit = time.monotonic() + 60.0
     while not condition():
         assert time.monotonic() < limit, "it never happened"
         time.sleep(0.005)

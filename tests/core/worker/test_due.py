@@ -14,7 +14,7 @@ from tests.integration.running import wait_until
 from followspot.graph.compile import compile_graph
 
 PACED = Path(__file__).parents[2] / "stages" / "paced.py"
-PATIENCE = 20.0
+PATIENCE = 60.0
 GRAPH = """graph: paced
 stages:
   free: {uses: paced.pace, with: {count: 9, interval: 0}}

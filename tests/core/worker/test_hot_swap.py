@@ -62,7 +62,7 @@ def changed_at_the_gate(
     problems: list[BaseException] = []
 
     def meddle_at_the_gate() -> None:
-        assert module.Gate.reached.wait(20)
+        assert module.Gate.reached.wait(60)
         try:
             meddle(run)
         except BaseException as error:

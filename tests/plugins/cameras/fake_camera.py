@@ -49,7 +49,7 @@ def relay(address: str, everybody: str) -> None:
     here, there = (socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2))
     here.bind((everybody, PORT))
     there.bind((address, 0))
-    there.settimeout(1.0)
+    there.settimeout(60)
     while True:
         packet, sender = here.recvfrom(2048)
         there.sendto(packet, (address, PORT))

@@ -19,7 +19,7 @@ from followspot.message_checks.sealing import seal
 from followspot.testing import tiny_room
 from followspot_imu.network.sensor import NetworkSensor
 
-PATIENCE = 20.0
+PATIENCE = 60.0
 """Longest wait for what must come, s."""
 
 

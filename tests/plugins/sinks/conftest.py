@@ -13,5 +13,5 @@ def receiver() -> Iterator[socket.socket]:
     """A socket on this machine, to which sinks send."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as own:
         own.bind(("127.0.0.1", 0))
-        own.settimeout(5)
+        own.settimeout(60)
         yield own

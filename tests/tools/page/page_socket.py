@@ -22,6 +22,6 @@ Sec-WebSocket-Version: 13
 def things(browser: ClientConnection, kind: str) -> Iterator[dict[str, Any]]:
     """What a browser is sent of a type, as long as it asks."""
     while True:
-        said = browser.recv(timeout=20)
+        said = browser.recv(timeout=60)
         if isinstance(said, str) and (thing := json.loads(said))["type"] == kind:
             yield thing

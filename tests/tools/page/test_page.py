@@ -50,7 +50,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:
 
 def next_picture(browser: ClientConnection) -> bytes:
     while True:
-        said = browser.recv(timeout=20)
+        said = browser.recv(timeout=60)
         if isinstance(said, bytes):
             return said
 

@@ -58,7 +58,7 @@ def test_runs_in_reach_are_listed_until_they_end(tmp_path: Path) -> None:
 def test_the_page_of_a_run_is_announced_as_long_as_it_is_served(tmp_path: Path) -> None:
     with served(tmp_path) as page:
         assert page.url in pages().values()
-        with urllib.request.urlopen(page.url, timeout=20) as home:
+        with urllib.request.urlopen(page.url, timeout=60) as home:
             assert home.status == 200
         (own,) = (run for run in listed(page).values() if run["shown"])
         assert answer_to(page, json.dumps({"open": own["run"]}))["text"] == page.url, "it has one"
