@@ -17,6 +17,7 @@ from followspot.points import Points2D
 from followspot.room import Member
 from followspot_persons.associate.boxes.ellipsoid import boxes_of
 from followspot_persons.associate.boxes.model import BoxModel
+from followspot_persons.associate.boxes.standing import standing_ratios
 from followspot_persons.associate.colors.torso_colors import BINS
 from followspot_persons.associate.colors.track_colors import unknown_colors
 from followspot_persons.associate.detections import Detections
@@ -144,3 +145,18 @@ def test_one_camera_alone_shows_nobody_whom_two_others_should_see(
 ) -> None:
     evidence = ExistenceEvidence(np.zeros(1), np.array([loss]), np.array([views]))
     assert evidence.missed.tolist() == [missed]
+
+
+def test_boxes_whose_ends_meet_at_head_and_feet_are_sooner_one_person() -> None:
+    """Of somebody in the air neither end is where a standing person's is; a hidden end tells nothing."""
+    floor, both = np.array([0.0, 0.0, 1.0, 0.0]), np.arange(2)
+    first, second = np.array([0]), np.array([1])
+
+    def ratio(low: float, high: float) -> float:
+        xyz = np.array([[0.1, 0.2, high], [0.1, 0.2, low]])
+        ends = np.array([images(view.projection, xyz)[0] for view in VIEWS.each[:2]])
+        return float(standing_ratios(VIEWS, both, ends, floor, first, second)[0])
+
+    assert ratio(0.0, 1.72) > 6 > ratio(0.0, 1.0) > 0 > ratio(0.9, 2.6)
+    ends = np.full((2, 2, 2), np.nan)
+    assert standing_ratios(VIEWS, both, ends, floor, first, second)[0] == 0

@@ -30,7 +30,7 @@ def pair_ratios(views: Views, camera: Array, xy: Array, noise: Noise) -> Array:
         return ratio
     F = views.fundamental[camera[a], camera[b]][:, None]
     distance = epipolar_distance(F, xy[a], xy[b])
-    xyz = _between(views, camera, xy, a, b)
+    xyz = points_between(views, camera, xy, a, b)
     sigma = np.hypot(point_sigmas(views, camera[a], xyz, noise), point_sigmas(views, camera[b], xyz, noise))
     density = np.exp(-0.5 * (distance / sigma) ** 2) / (np.sqrt(2 * np.pi) * sigma)
     each = np.log((1 - WRONG) * ANYWHERE * density + WRONG)
@@ -43,13 +43,13 @@ def pair_ratios(views: Views, camera: Array, xy: Array, noise: Noise) -> Array:
     return ratio
 
 
-def _between(views: Views, camera: Array, xy: Array, a: Array, b: Array) -> Array:
+def points_between(views: Views, camera: Array, xy: Array, a: Array, b: Array) -> Array:
     """Points between the rays of the pairs, (P, J, 3) m; NaN if they do not meet."""
     direction = rays(views.back[camera][:, None], xy)
     center = np.broadcast_to(views.center[camera][:, None], direction.shape)
     centers = np.stack([center[a], center[b]], axis=2).reshape(-1, 2, 3)
     directions = np.stack([direction[a], direction[b]], axis=2).reshape(-1, 2, 3)
-    return triangulate_pairs(centers, directions).reshape(len(a), -1, 3)
+    return triangulate_pairs(centers, directions).reshape(len(a), xy.shape[1], 3)
 
 
 def _is_body(xyz: Array) -> Array:

@@ -12,6 +12,7 @@ from followspot_persons.associate.boxes import shape_mixture
 from followspot_persons.associate.boxes import tracks as box_tracks
 from followspot_persons.associate.boxes.ellipsoid import PLACE, SPEED, boxes_of
 from followspot_persons.associate.boxes.shape_mixture import ShapeMixture
+from followspot_persons.associate.boxes.standing import standing_ratios
 from followspot_persons.associate.existence import OddsLimits
 from followspot_persons.associate.multi_view.triangulation import triangulated
 from followspot_persons.associate.multi_view.views import Noise, View, Views
@@ -58,7 +59,12 @@ class BoxModel:
 
     def pair_ratios(self, views: Views, camera: Array, measured: Array) -> Array:
         """(N, N) of two boxes of different cameras being one body."""
-        return pair_ratios(views, camera, _points(measured), Noise(1.0, MIDDLE, self.delay))
+        points = _points(measured)
+        ratio = pair_ratios(views, camera, points, Noise(1.0, MIDDLE, self.delay))
+        a, b = np.nonzero(np.triu(np.isfinite(ratio), 1))
+        ratio[a, b] += standing_ratios(views, camera, points[:, 1:], self.floor, a, b)
+        ratio[b, a] = ratio[a, b]
+        return ratio
 
     def initiated(self, views: Views, camera: Array, measured: Array) -> ShapeMixture | None:
         """The body of boxes (V, 4) px of different cameras; None if they determine none."""
