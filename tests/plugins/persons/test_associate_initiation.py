@@ -155,7 +155,9 @@ def test_boxes_whose_ends_meet_at_head_and_feet_are_sooner_one_person() -> None:
     def ratio(low: float, high: float) -> float:
         xyz = np.array([[0.1, 0.2, high], [0.1, 0.2, low]])
         ends = np.array([images(view.projection, xyz)[0] for view in VIEWS.each[:2]])
-        return float(standing_ratios(VIEWS, both, ends, floor, first, second)[0])
+        up, down = (standing_ratios(VIEWS, both, ends, side, first, second)[0] for side in (floor, -floor))
+        assert up == down
+        return float(up)
 
     assert ratio(0.0, 1.72) > 6 > ratio(0.0, 1.0) > 0 > ratio(0.9, 2.6)
     ends = np.full((2, 2, 2), np.nan)

@@ -9,7 +9,7 @@ from followspot_persons.associate.assignment.affinity import points_between
 from followspot_persons.associate.multi_view.views import Views
 
 HEIGHTS, SIGMA = np.array([1.72, 0.0]), 0.15
-"""Heights of the upper and the lower end of a person above the floor, and their sigma, m."""
+"""Heights of the upper and the lower end of a person above the floor, along z, and their sigma, m."""
 STANDING = 0.7
 """Share of ends that are there: some people lie, jump or sit, and some ends are hidden."""
 ANYWHERE = 15.0
@@ -23,7 +23,7 @@ def standing_ratios(views: Views, camera: Array, ends: Array, floor: Array, a: A
     its plane; a, b: (P,) boxes of each pair.
     """
     xyz = points_between(views, camera, ends, a, b)
-    level = (xyz @ floor[:3] + floor[3]) / np.linalg.norm(floor[:3])
+    level = (xyz @ floor[:3] + floor[3]) / floor[2]
     density = np.exp(-0.5 * ((level - HEIGHTS) / SIGMA) ** 2) / (np.sqrt(2 * np.pi) * SIGMA)
     ratio = np.log(STANDING * ANYWHERE * density + 1 - STANDING)
     return np.asarray(np.where(np.isfinite(ratio), ratio, 0.0).sum(axis=1))
