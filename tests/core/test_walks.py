@@ -54,6 +54,18 @@ def documented(title: str) -> list[str]:
 
 
 @contextmanager
+def profiled(profile: Callable[[FrameType, str, Any], None]) -> Iterator[None]:
+    """Call a profile function for this thread, and for those that start now."""
+    threading.setprofile(profile)
+    sys.setprofile(profile)
+    try:
+        yield
+    finally:
+        threading.setprofile(None)
+        sys.setprofile(None)
+
+
+@contextmanager
 def traced(carries: Callable[[Any], bool]) -> Iterator[list[str]]:
     """Files of the core in the order in which they get what is followed; in all threads that start now."""
     files: list[str] = []
@@ -74,13 +86,8 @@ def traced(carries: Callable[[Any], bool]) -> Iterator[list[str]]:
                 note(frame.f_back.f_code.co_filename)
             note(code.co_filename)
 
-    threading.setprofile(profile)
-    sys.setprofile(profile)
-    try:
+    with profiled(profile):
         yield files
-    finally:
-        threading.setprofile(None)
-        sys.setprofile(None)
 
 
 def is_the_change(value: Any) -> bool:
@@ -130,13 +137,8 @@ def start_traced() -> Iterator[list[str]]:
             seen.add(code)
             files.extend(file for file in on_the_stack(frame) if file not in files)
 
-    threading.setprofile(profile)
-    sys.setprofile(profile)
-    try:
+    with profiled(profile):
         yield files
-    finally:
-        threading.setprofile(None)
-        sys.setprofile(None)
 
 
 def test_the_walk_from_the_command_to_a_stage_is_the_documented_one(tmp_path: Path) -> None:

@@ -6,13 +6,14 @@ import numpy as np
 
 from followspot import Array
 from followspot_persons.associate.assignment.affinity import points_between
+from followspot_persons.associate.boxes.shape_mixture import UPRIGHT
 from followspot_persons.associate.multi_view.views import Views
 
-HEIGHTS, SIGMA = np.array([1.72, 0.0]), 0.15
+HEIGHTS, SIGMA = np.array([2 * np.exp(UPRIGHT.mean[1]), 0.0]), 0.15
 """Heights of the upper and the lower end of a person above the floor, along z, and their sigma, m."""
-STANDING = 0.7
+SHARE = 0.7
 """Share of ends that are there: some people lie, jump or sit, and some ends are hidden."""
-ANYWHERE = 15.0
+RANGE = 15.0
 """Range of heights at which ends of different people meet, m."""
 
 
@@ -25,5 +26,5 @@ def standing_ratios(views: Views, camera: Array, ends: Array, floor: Array, a: A
     xyz = points_between(views, camera, ends, a, b)
     level = (xyz @ floor[:3] + floor[3]) / floor[2]
     density = np.exp(-0.5 * ((level - HEIGHTS) / SIGMA) ** 2) / (np.sqrt(2 * np.pi) * SIGMA)
-    ratio = np.log(STANDING * ANYWHERE * density + 1 - STANDING)
+    ratio = np.log(SHARE * RANGE * density + 1 - SHARE)
     return np.asarray(np.where(np.isfinite(ratio), ratio, 0.0).sum(axis=1))

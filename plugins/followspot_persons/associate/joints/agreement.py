@@ -24,5 +24,4 @@ def agreement(views: Views, camera: Array, xy: Array, xyz: Array, noise: Noise) 
     found = np.isfinite(squared)
     freedom = 2 * found.sum(axis=0) - 3
     agrees = np.where(found, squared, 0.0).sum(axis=0) <= LARGEST * freedom
-    several = freedom > 0
-    return int((agrees & several).sum() - (~agrees & several).sum())
+    return int(np.where(agrees, 1, -1)[freedom > 0].sum())  # one camera alone says nothing

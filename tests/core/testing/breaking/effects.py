@@ -23,7 +23,7 @@ class Clocked(Stage):
 
 
 class Lingering(Stage):
-    """Waits for somebody who does not come."""
+    """Takes longer than a second to close."""
 
     def process(self, blobs: Blobs) -> None:
         self.busy = True
