@@ -21,7 +21,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from bench_persons import after, made, shots, used
+from bench.persons.speed import after, made, shots, used
 from followspot import Array, Room
 from followspot.frame_times import NANOSECOND
 from followspot.people import Poses

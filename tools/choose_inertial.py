@@ -15,8 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-import bench_inertial
-from bench_inertial import Setting
+from bench.balls import inertial
+from bench.balls.inertial import Setting
 from benching.inertial_trial import read
 from scripting import options_of
 
@@ -47,8 +47,8 @@ def measured(folder: Path, values: list[float], setting: Setting, seed: int) -> 
         shares[trial.name] = {}
         for value in values:
             params = {"gyroscope_scale": value, "accelerometer_scale": value}
-            runs = [bench_inertial.run(trial, setting, seed, **params)]
-            found = bench_inertial.figures(runs, setting.rate)["inside_percent"][0]
+            runs = [inertial.run(trial, setting, seed, **params)]
+            found = inertial.figures(runs, setting.rate)["inside_percent"][0]
             shares[trial.name][value] = found / 100
     return shares
 

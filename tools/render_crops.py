@@ -20,7 +20,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from bench_persons import made
+from bench.persons.speed import made
 from followspot import Array, Camera, Room
 from followspot.geometry import project, wrap
 from followspot.people import PoseTruth

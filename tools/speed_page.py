@@ -1,7 +1,7 @@
 """Rewrites the tables of docs/speed.md: each that stands right below a command is what that command prints.
 
     python tools/speed_page.py --rooms FOLDER                # all of them, on a machine that rests
-    python tools/speed_page.py --only bench_edges bench_live
+    python tools/speed_page.py --only bench/runtime/edges bench/runtime/live_latency
     python tools/speed_page.py --list
     python tools/speed_page.py --aims
 
@@ -34,7 +34,8 @@ ROOM = re.compile(r"dev\d\.yaml")
 """A room of the folder that --rooms names."""
 AIMS = "python tools/speed_page.py --aims"
 _BLOCK = re.compile(
-    r"^```sh\n(?P<command>python tools/(?P<tool>\w+)\.py[^\n]*)\n```\n\n(?P<tables>(?:\|[^\n]*\n|\n(?=\|))+)",
+    r"^```sh\n(?P<command>python tools/(?P<tool>[\w/]+)\.py[^\n]*)\n```\n\n"
+    r"(?P<tables>(?:\|[^\n]*\n|\n(?=\|))+)",
     re.MULTILINE,
 )
 
@@ -76,7 +77,9 @@ def parser() -> argparse.ArgumentParser:
     """The command line."""
     options = options_of(__doc__)
     options.add_argument("--rooms", type=Path, metavar="FOLDER", help="has dev1.yaml to dev6.yaml")
-    options.add_argument("--only", nargs="+", metavar="TOOL", help="commands of these, bench_edges for one")
+    options.add_argument(
+        "--only", nargs="+", metavar="TOOL", help="commands of these, as bench/runtime/edges"
+    )
     options.add_argument("--list", action="store_true", help="name the commands, run none")
     options.add_argument("--machine", action="store_true", help="print the table of this machine")
     options.add_argument("--aims", action="store_true", help="print the aims beside the figures of the page")

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import followspot as fs
-from bench_mixes import Mix, first_positions, part
+from bench.balls.camera_mixes import Mix, first_positions, part
 from followspot import room_file
 
 GRAPHS = Path(__file__).parents[2] / "graphs"

@@ -13,16 +13,17 @@ import speed_page
 
 PAGE = speed_page.PAGE.read_text()
 BLOCKS = list(speed_page.blocks(PAGE))
+RUNTIME = ("busy_machine", "edges", "forecast_delay", "hop_code", "live_latency", "peers", "scaling", "start")
 TOOLS = {
-    *("bench_tracker", "bench_edges", "bench_hop_code", "bench_live", "bench_peers", "bench_delay"),
-    *("bench_beside", "bench_cost", "bench_start", "bench_tracker_calls", "speed_page"),
+    *("bench_tracker", "bench/runtime/tracker_calls", "speed_page"),
+    *(f"bench/runtime/{name}" for name in RUNTIME),
 }
 
 
 @pytest.mark.parametrize("block", BLOCKS, ids=[block.command for block in BLOCKS])
 def test_the_command_of_each_table_takes_its_options(block: speed_page.Block) -> None:
     assert (speed_page.ROOT / f"tools/{block.tool}.py").is_file()
-    importlib.import_module(block.tool).parser().parse_args([*block.options, "--markdown"])
+    importlib.import_module(block.tool.replace("/", ".")).parser().parse_args([*block.options, "--markdown"])
 
 
 def test_all_tools_of_the_page_print_tables_there() -> None:
@@ -44,7 +45,7 @@ def test_commands_with_a_room_of_the_reader_wait_for_one() -> None:
     parse = speed_page.parser().parse_args
     assert not speed_page.wanted(block, parse([]))
     assert speed_page.wanted(block, parse(["--rooms", "mine"]))
-    assert not speed_page.wanted(block, parse(["--rooms", "mine", "--only", "bench_edges"]))
+    assert not speed_page.wanted(block, parse(["--rooms", "mine", "--only", "bench/runtime/edges"]))
 
 
 def test_rooms_of_the_page_are_those_of_the_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -70,7 +71,7 @@ def test_an_aim_is_held_or_missed_by_its_figure() -> None:
     faster = PAGE.replace(f"| tracked |{rate}|", "| tracked | 801 |")
     assert "| frame sets/s tracked | at least 800 | 801 | yes |" in speed_page.aims(faster)
     assert "| frame sets/s tracked | at least 800 | 801 | yes |" not in speed_page.aims(PAGE)
-    with pytest.raises(LookupError, match="bench_start printed no a worker more of forked"):
+    with pytest.raises(LookupError, match="bench/runtime/start printed no a worker more of forked"):
         speed_page.aims(PAGE.replace("| forked |", "| spooned |"))
 
 

@@ -1,7 +1,7 @@
 """The least that two processes need to pass arrays in Python: shared slots, and datagrams on a socket pair.
 
-The yardstick of bench_edges. It knows one shape, checks nothing, survives no death, has one reader, which may
-keep no message, and knows neither types nor watermarks.
+`bench/runtime/edges.py` compares with it. It knows one shape, checks nothing, survives no death, has one
+reader, which may keep no message, and knows neither types nor watermarks.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The writing process of a case of bench_edges: paced messages, then as many without a pause."""
+"""The writing process of a case of `bench/runtime/edges.py`: paced messages, then as many without a pause."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stages for tools/bench_hosts.py: a camera and readers of its pictures. Loaded with --plugin."""
+"""Stages for tools/bench/runtime/hosts.py: a camera and readers of its pictures. Loaded with --plugin."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Cases of tools/bench_hosts.py: graphs, placements and link speeds; runs one of them."""
+"""Cases of tools/bench/runtime/hosts.py: graphs, placements and link speeds; runs one of them."""
 
 from __future__ import annotations
 

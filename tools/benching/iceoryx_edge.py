@@ -1,7 +1,7 @@
-"""The same arrays over iceoryx2, for bench_edges: slices in its shared memory, and its events as wake-ups.
+"""The same arrays over iceoryx2: slices in its shared memory, and its events as wake-ups.
 
-As the bare ring it knows one shape and no types. A listener of the Python package has no file descriptor, so
-a reader waits for it alone.
+`bench/runtime/edges.py` compares with it. As the bare ring it knows one shape and no types. A listener of
+the Python package has no file descriptor, so a reader waits for it alone.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
-"""A plugin file for bench_live: cameras that play videos at a pace, in workers that note what they do when.
+"""A plugin file: cameras that play videos at a pace, in workers that note what they do when.
 
-In a worker that loads it, it wraps what makes frames, takes messages and fires stages. Runs without this file
-pay nothing. At its end a worker writes what it noted into the folder that an environment variable names.
+`bench/runtime/live_latency.py` loads it. In a worker it wraps what makes frames, takes messages and fires
+stages. Runs without this file pay nothing. At its end a worker writes what it noted into the folder that an
+environment variable names.
 """
 
 from __future__ import annotations

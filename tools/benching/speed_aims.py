@@ -8,6 +8,13 @@ from operator import ge, le
 
 HEAD = ("aim", "limit", "measured", "held", "by")
 OWN = "followspot, a process for each camera"
+EDGES = "bench/runtime/edges"
+BESIDE_PEERS = "bench/runtime/peers"
+FORECAST_DELAY = "bench/runtime/forecast_delay"
+LIVE_LATENCY = "bench/runtime/live_latency"
+START = "bench/runtime/start"
+BUSY_MACHINE = "bench/runtime/busy_machine"
+SCALING = "bench/runtime/scaling"
 PEERS = ("multiprocessing", "ezmsg", "dora")
 
 
@@ -71,25 +78,25 @@ def _is(limit: float) -> Callable[[Page], float]:
 
 
 def _hop(text: str, column: str, row: str, limit: float) -> Aim:
-    return Aim(text, "bench_edges", _at("bench_edges", column, row), _is(limit))
+    return Aim(text, EDGES, _at(EDGES, column, row), _is(limit))
 
 
 def _beside_peers(column: str, best: Callable[[Iterator[float]], float]) -> Callable[[Page], float]:
     def ratio(page: Page) -> float:
-        others = (page.cell("bench_peers", column, peer) for peer in PEERS)
-        return page.cell("bench_peers", column, OWN) / best(others)
+        others = (page.cell(BESIDE_PEERS, column, peer) for peer in PEERS)
+        return page.cell(BESIDE_PEERS, column, OWN) / best(others)
 
     return ratio
 
 
 def _scaling(side: str) -> Aim:
     text = f"two processes with `delay: 2`, {side}, times one process"
-    return Aim(text, "bench_delay", _at("bench_delay", "x one", side, "2", "auto"), _is(1.7), ge)
+    return Aim(text, FORECAST_DELAY, _at(FORECAST_DELAY, "x one", side, "2", "auto"), _is(1.7), ge)
 
 
 def _live(row: str) -> Aim:
     text = f"capture to track, {row}: the stages' own time and 0.5 ms a hop, p50, ms"
-    return Aim(text, "bench_live", _at("bench_live", "p50", row), _at("bench_live", "aim", row))
+    return Aim(text, LIVE_LATENCY, _at(LIVE_LATENCY, "p50", row), _at(LIVE_LATENCY, "aim", row))
 
 
 def _tracker(text: str, column: str, side: str, limit: float) -> Aim:
@@ -98,7 +105,7 @@ def _tracker(text: str, column: str, side: str, limit: float) -> Aim:
 
 def _seven(page: Page) -> float:
     """CPU time of seven workers, s: of a run with them less that of one process."""
-    return page.cell("bench_start", "all", "forked") - page.cell("bench_start", "all", "one process")
+    return page.cell(START, "all", "forked") - page.cell(START, "all", "one process")
 
 
 AIMS = (
@@ -107,21 +114,21 @@ AIMS = (
     _hop("processor time of a picture's hop, both ends, us", "CPU us", "640x480 ring in place", 350),
     _hop("a hop of 1 kB, times the bare ring", "x p50", "1 kB ring in place", 2.0),
     _hop("a hop of a picture, times the bare ring", "x p50", "640x480 ring in place", 1.3),
-    Aim("frame sets/s, times the best peer", "bench_peers", _beside_peers("sets/s", max), _is(1), ge),
-    Aim("latency p50, times the best peer", "bench_peers", _beside_peers("p50 ms", min), _is(1)),
-    Aim("latency p99, times the best peer", "bench_peers", _beside_peers("p99 ms", min), _is(1)),
-    Aim("processor time, times the best peer", "bench_peers", _beside_peers("CPU ms", min), _is(1)),
-    Aim("memory, times the best peer", "bench_peers", _beside_peers("MB", min), _is(1)),
-    Aim("lines of a user, times the best peer", "bench_peers", _beside_peers("lines", min), _is(1)),
+    Aim("frame sets/s, times the best peer", BESIDE_PEERS, _beside_peers("sets/s", max), _is(1), ge),
+    Aim("latency p50, times the best peer", BESIDE_PEERS, _beside_peers("p50 ms", min), _is(1)),
+    Aim("latency p99, times the best peer", BESIDE_PEERS, _beside_peers("p99 ms", min), _is(1)),
+    Aim("processor time, times the best peer", BESIDE_PEERS, _beside_peers("CPU ms", min), _is(1)),
+    Aim("memory, times the best peer", BESIDE_PEERS, _beside_peers("MB", min), _is(1)),
+    Aim("lines of a user, times the best peer", BESIDE_PEERS, _beside_peers("lines", min), _is(1)),
     *(_scaling(side) for side in ("tracked", "searching")),
     Aim(
         "ball path beside two programs that never rest, with `realtime`, p99, ms (limit: alone)",
-        "bench_beside",
-        _at("bench_beside", "p99", "beside two others, realtime: 10"),
-        _at("bench_beside", "p99", "alone"),
+        BUSY_MACHINE,
+        _at(BUSY_MACHINE, "p99", "beside two others, realtime: 10"),
+        _at(BUSY_MACHINE, "p99", "alone"),
     ),
-    Aim("start of a worker, CPU s", "bench_start", _at("bench_start", "a worker more", "forked"), _is(0.3)),
-    Aim("start of seven workers, CPU s", "bench_start", _seven, _is(2)),
+    Aim("start of a worker, CPU s", START, _at(START, "a worker more", "forked"), _is(0.3)),
+    Aim("start of seven workers, CPU s", START, _seven, _is(2)),
     *(_live(f"{name}, {rate}/s") for name in ("one worker", "two workers", "camera") for rate in (30, 60)),
     _tracker("tracked, times the plain script", "ratio", "tracked", 3),
     _tracker("searching, times the plain script", "ratio", "searching", 3),
@@ -129,8 +136,8 @@ AIMS = (
     _tracker("frame sets/s searching", "graph", "searching", 300),
     Aim(
         "six cameras of 1080p at 60/s: processor time of a searching frame set on two cores, ms",
-        "bench_cost",
-        _at("bench_cost", "searching, ms", "6", "6", "1920x1080"),
+        SCALING,
+        _at(SCALING, "searching, ms", "6", "6", "1920x1080"),
         _is(2e3 / 60),
     ),
 )

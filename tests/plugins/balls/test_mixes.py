@@ -10,7 +10,7 @@ import pytest
 from tests.plugins.balls.scene import blobs_of, forecast_at, make_room, positions_at
 
 import followspot as fs
-from bench_mixes import Mix, first_positions, part
+from bench.balls.camera_mixes import Mix, first_positions, part
 from followspot import room_file
 from followspot.context import Context
 from followspot.errors import InputError

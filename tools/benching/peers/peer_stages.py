@@ -1,4 +1,4 @@
-"""Stages for tools/bench_peers.py: a camera that plays pictures, and a sink that notes tracks."""
+"""Stages for tools/bench/runtime/peers.py: a camera that plays pictures, and a sink that notes tracks."""
 
 from __future__ import annotations
 
