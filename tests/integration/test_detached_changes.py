@@ -43,7 +43,7 @@ stages:
 """Other files in the place of `hall`."""
 DYING = """
 import os, signal, sys
-from followspot.operator.attach import attached, handle_of
+from followspot.operator.attach import attached_run, handle_of
 from followspot.operator.change_under_way import ChangeUnderWay
 from followspot.plugins.registry import use_plugin_files
 from followspot.transport.zenoh.network import Network
@@ -55,7 +55,7 @@ class DiesAt(ChangeUnderWay):
 
 use_plugin_files([sys.argv[3]])
 network = Network(connect=tuple(sys.argv[5:]))
-with attached(network, sys.argv[4]) as attachment:
+with attached_run(network, sys.argv[4]) as attachment:
     attachment.coordinator.change = DiesAt()
     run = handle_of(attachment, network)
     run.move(["b"], "pc-right") if sys.argv[2] == "move" else run.change(sys.argv[2].split())

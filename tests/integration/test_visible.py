@@ -21,7 +21,7 @@ from tests.integration.hosts import Agent, near_agent
 from tests.integration.running import STAGES, Finished, finished, start, wait_until, workers, write_graph
 from tests.tools.page.bundled import bundle
 
-from followspot.operator.attach import Attachment, attached
+from followspot.operator.attach import Attachment, attached_run
 from followspot.operator.remote import remote_host
 from followspot.transport.zenoh.network import Network
 
@@ -125,7 +125,7 @@ def test_an_observer_restarts_nothing_after_the_end_of_a_run(
     monkeypatch.setattr(remote_host, "_RESUME_TIMEOUT", 1.0)
     with watched(tmp_path, HERE, "--host", "pc-left", "--connect", agent.endpoint) as run:
         run.until(lambda told: told["fired"] > 20)
-        with attached(Network(connect=(agent.endpoint,)), "graph") as looking:
+        with attached_run(Network(connect=(agent.endpoint,)), "graph") as looking:
             assert run.ended().code == 0
             assert wait_until(lambda: all_over(looking), PATIENCE)
             assert workers(agent.process.pid) == []

@@ -30,11 +30,11 @@ def _run(args: argparse.Namespace) -> int:
     Ctrl-C leaves the run to its agents again.
     """
     from followspot.cli.progress import ProgressBar
-    from followspot.library.attach import attached, interruptible
+    from followspot.library.attach import attached_run, interruptible
     from followspot.library.report import Report
 
     network = network_of(args)
-    with attached(network, args.run) as attachment:
+    with attached_run(network, args.run) as attachment:
         run = attachment.found
         print(f"run {run.run[:8]} of {run.graph} on {', '.join(run.hosts)}", file=sys.stderr, flush=True)
         if change := attachment.coordinator.status().unfinished_change:

@@ -12,7 +12,7 @@ from followspot.errors import FollowspotError
 from followspot.plugins.loaded_hooks import load_plan_options
 
 if TYPE_CHECKING:
-    from followspot.graph.check import Checked
+    from followspot.graph.check import CheckedGraph
     from followspot.graph.plan import Plan
 
 
@@ -103,7 +103,7 @@ def plan_of(args: argparse.Namespace, *, strict: bool = False) -> Plan:
     return plan
 
 
-def checked_of(args: argparse.Namespace) -> Checked:
+def checked_of(args: argparse.Namespace) -> CheckedGraph:
     """The checked graph that the options describe, with places in its files; see `plan_of`."""
     from followspot.graph.compile import checked_graph
 

@@ -84,10 +84,10 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
     """Run a plan with the given options and print the summary. Returns the exit code."""
     from followspot.cli.progress import ProgressBar
     from followspot.cli.run_log import ShownLog
-    from followspot.library.execute import RunOptions, replaced, run_plan, unused_agents
+    from followspot.library.execute import RunOptions, replaced_outputs, run_plan, unused_agents
     from followspot.library.report import Report
 
-    plan = placed(plan, args.host)
+    plan = with_default_host(plan, args.host)
     if not args.quiet:
         for note in (*plan.notes, *unused_agents(plan, args.connect or ())):
             print(f"note: {note}", file=sys.stderr)
@@ -97,7 +97,7 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
     if args.detach:
         return _detach(plan, args, network)
     out = output_folder(args.out, plan.graph)
-    if old := replaced(plan, out):
+    if old := replaced_outputs(plan, out):
         print(
             f"warning: an earlier run left {', '.join(old)} in {out}; this one replaces it", file=sys.stderr
         )
@@ -160,7 +160,7 @@ def _detach(plan: Plan, args: argparse.Namespace, network: Network) -> int:
     return 0
 
 
-def placed(plan: Plan, host: str | None) -> Plan:
+def with_default_host(plan: Plan, host: str | None) -> Plan:
     """The plan, with `host` for workers that have no host; None changes nothing."""
     if host is None:
         return plan

@@ -35,7 +35,7 @@ def add_trial_options(parser: argparse.ArgumentParser, out: str) -> None:
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
 
 
-def planned(
+def trial_plan(
     graph: str,
     room: str | None,
     overrides: Sequence[str],

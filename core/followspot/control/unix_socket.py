@@ -57,7 +57,7 @@ def serve_requests(run: str, graph: str, dispatcher: Dispatcher) -> Iterator[Non
 
 
 @dataclass(frozen=True)
-class Served:
+class ServedRun:
     """A run whose process serves requests, here. graph: "" if it does not answer; ask: sends it requests."""
 
     run: str
@@ -66,7 +66,7 @@ class Served:
     ask: Ask
 
 
-def served_here(wanted: str | None = None) -> list[Served]:
+def served_here(wanted: str | None = None) -> list[ServedRun]:
     """The user's runs on this machine, sorted by name.
 
     wanted: a process id or the beginning of a run's name; if there is such a run, only it is asked.
@@ -84,15 +84,15 @@ def served_here(wanted: str | None = None) -> list[Served]:
     return found
 
 
-def _described(name: str) -> Served:
+def _described(name: str) -> ServedRun:
     """The run behind the socket of this name."""
     pid, _, run = name.removeprefix(_prefix()).partition("-")
     try:
         about = _exchange(name, _DESCRIBE, _TIMEOUT)
     except TimeoutError:
-        return Served(run, "", int(pid), socket_of(name, run, int(pid)))
+        return ServedRun(run, "", int(pid), socket_of(name, run, int(pid)))
     run = str(about["run"])
-    return Served(run, str(about["graph"]), int(pid), socket_of(name, run, int(pid)))
+    return ServedRun(run, str(about["graph"]), int(pid), socket_of(name, run, int(pid)))
 
 
 def socket_of(name: str, run: str, pid: int) -> Ask:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Literal
 
-from followspot.graph.check import Checked
+from followspot.graph.check import CheckedGraph
 from followspot.graph.checks.rates import nominal_rate
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.cycles import cyclic, successors, topological
 from followspot.graph.depths import INPUT_DEPTHS, live_depth
 from followspot.graph.instances import CheckedStage
-from followspot.graph.parameter_origin import kept, origins
-from followspot.graph.placement import Placed
+from followspot.graph.parameter_origin import kept_parameters, origins
+from followspot.graph.placement import Placement
 from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedStage, nearest_kind
 from followspot.graph.seen_cameras import seen_cameras
 from followspot.room import Room
@@ -22,8 +22,8 @@ _NEAREST_FIRST: tuple[EdgeKind, ...] = ("reference", "ring", "zenoh")
 
 
 def plan(
-    checked: Checked,
-    placed: Placed,
+    checked: CheckedGraph,
+    placed: Placement,
     edges: EdgeChoice = "auto",
     *,
     seed: int | None = None,
@@ -64,7 +64,7 @@ def on_host(plan: Plan, host: str) -> Plan:
     return replace(moved, edges=tuple(edges))
 
 
-def _order(checked: Checked) -> list[str]:
+def _order(checked: CheckedGraph) -> list[str]:
     """Topological, edges that lead back in a cycle aside; else as in the file and the room."""
     names = [stage.instance.name for stage in checked.stages]
     ends = [(edge.wire.source.name, edge.wire.target.name) for edge in checked.edges]
@@ -76,7 +76,7 @@ def _order(checked: Checked) -> list[str]:
     return topological(successors(names, forward))
 
 
-def planned_stage(checked: CheckedStage, placed: Placed, room: Room) -> PlannedStage:
+def planned_stage(checked: CheckedStage, placed: Placement, room: Room) -> PlannedStage:
     """The instance in its worker."""
     instance = checked.instance
     declared = instance.declared
@@ -93,12 +93,12 @@ def planned_stage(checked: CheckedStage, placed: Placed, room: Room) -> PlannedS
         deadline=declared.deadline,
         depth=declared.depth or live_depth(nominal_rate(checked, room) if checked.stage.live else None),
         concurrency=declared.concurrency,
-        kept=kept(instance),
+        kept=kept_parameters(instance),
         sees=seen_cameras(checked, room),
     )
 
 
-def planned_edge(edge: CheckedEdge, placed: Placed, choice: EdgeChoice = "auto") -> PlannedEdge:
+def planned_edge(edge: CheckedEdge, placed: Placement, choice: EdgeChoice = "auto") -> PlannedEdge:
     """The edge between two workers, or within one."""
     wire = edge.wire
     kind = _kind(wire.source.name, wire.target.name, placed, choice)
@@ -122,7 +122,7 @@ def _depth(edge: CheckedEdge) -> int:
     return written if "depth" in edge.wire.feed.places else INPUT_DEPTHS.get(edge.kind, written)
 
 
-def _kind(source: str, target: str, placed: Placed, choice: EdgeChoice) -> EdgeKind:
+def _kind(source: str, target: str, placed: Placement, choice: EdgeChoice) -> EdgeKind:
     """The requested kind of edge if it is possible, else the nearest."""
     workers = {worker.name: worker for worker in placed.workers}
     nearest = nearest_kind(workers[placed.worker_of[source]], workers[placed.worker_of[target]])

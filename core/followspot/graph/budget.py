@@ -91,13 +91,13 @@ def _path(
         sources = [name for name in stages if name not in fed]
         wrong(f'a budget begins at a source, and "{origin}" is none', f"sources: {', '.join(sources)}")
         return None
-    if end not in reached(origin, wires) - {origin}:
+    if end not in reachable(origin, wires) - {origin}:
         wrong(f"no path leads from {origin} to {end}", "name a stage that its messages come to")
         return None
     return origin, end
 
 
-def reached(origin: str, pairs: Iterable[tuple[str, str]]) -> set[str]:
+def reachable(origin: str, pairs: Iterable[tuple[str, str]]) -> set[str]:
     """The origin and all that follows it. pairs: from and to."""
     pairs = list(pairs)
     following = successors(dict.fromkeys(name for pair in pairs for name in pair), pairs)

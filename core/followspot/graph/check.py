@@ -18,7 +18,7 @@ from followspot.graph.checks.reproducibility import risks
 from followspot.graph.checks.warnings import warnings
 from followspot.graph.connections import CheckedEdge, check_cycles, check_lagged_cycles, check_types, connect
 from followspot.graph.distinct_mistakes import distinct_mistakes
-from followspot.graph.expand import Expanded
+from followspot.graph.expand import ExpandedGraph
 from followspot.graph.instances import CheckedStage, Instance
 from followspot.graph.parameters import validated
 from followspot.graph.sampling import sampled_cycles
@@ -33,7 +33,7 @@ from followspot.yaml.node import Node, child
 
 
 @dataclass(frozen=True)
-class Checked:
+class CheckedGraph:
     """A graph without mistakes; nothing is placed yet."""
 
     name: str
@@ -53,7 +53,7 @@ class Checked:
     subgraphs: tuple[SubgraphUse, ...] = ()
 
 
-def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
+def check(expanded: ExpandedGraph, mistakes: list[Mistake]) -> CheckedGraph:
     """Note every mistake; the result is complete only if none was noted."""
     classes = _classes(expanded, mistakes)
     fitting = {}
@@ -74,7 +74,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
     flow = Flow({checked.instance.name: checked for checked in stages}, edges)
     if not mistakes:
         mistakes += distinct_mistakes(joins_in_fast_loops(flow, expanded.room))
-    return Checked(
+    return CheckedGraph(
         name=expanded.name,
         room=room,
         seed=expanded.seed,
@@ -90,7 +90,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
 
 
 def _check_sampled_cycles(
-    expanded: Expanded,
+    expanded: ExpandedGraph,
     classes: Mapping[str, type[Stage]],
     edges: Sequence[CheckedEdge],
     mistakes: list[Mistake],
@@ -104,7 +104,9 @@ def _check_sampled_cycles(
     return []
 
 
-def _check_unserved(expanded: Expanded, classes: Mapping[str, type[Stage]], mistakes: list[Mistake]) -> None:
+def _check_unserved(
+    expanded: ExpandedGraph, classes: Mapping[str, type[Stage]], mistakes: list[Mistake]
+) -> None:
     """Note mistakes of stages that are left out, which do not depend on the room."""
     absent: dict[str, type[Stage]] = {}
     for instance in expanded.unserved:
@@ -116,7 +118,7 @@ def _check_unserved(expanded: Expanded, classes: Mapping[str, type[Stage]], mist
     check_types(unserved_wires(expanded), {**classes, **absent}, mistakes)
 
 
-def _classes(expanded: Expanded, mistakes: list[Mistake]) -> dict[str, type[Stage]]:
+def _classes(expanded: ExpandedGraph, mistakes: list[Mistake]) -> dict[str, type[Stage]]:
     """The class of each instance whose plugin is well."""
     found = {}
     for instance in expanded.instances.values():
@@ -127,7 +129,7 @@ def _classes(expanded: Expanded, mistakes: list[Mistake]) -> dict[str, type[Stag
 
 
 def _stages(
-    expanded: Expanded, classes: Mapping[str, type[Stage]], mistakes: list[Mistake]
+    expanded: ExpandedGraph, classes: Mapping[str, type[Stage]], mistakes: list[Mistake]
 ) -> list[CheckedStage]:
     """The instances whose parameters are valid."""
     found = []
@@ -152,7 +154,7 @@ def _params(instance: Instance, stage: type[Stage], mistakes: list[Mistake]) -> 
     return validated(stage, noun, instance.params, instance.uses_place, mistakes)
 
 
-def _checked_room(expanded: Expanded, mistakes: list[Mistake]) -> Room:
+def _checked_room(expanded: ExpandedGraph, mistakes: list[Mistake]) -> Room:
     """The room, whose truth has validated parameters with absolute paths."""
     truth = expanded.room.truth
     node = child(expanded.room_node, "truth")

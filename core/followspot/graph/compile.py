@@ -8,15 +8,15 @@ from pathlib import Path
 
 from followspot.errors import FollowspotError, Guess, InputError, Mistake, Place
 from followspot.graph.arrange import EdgeChoice, plan
-from followspot.graph.check import Checked, check
+from followspot.graph.check import CheckedGraph, check
 from followspot.graph.checks.interfaces import check_interface
 from followspot.graph.distinct_mistakes import distinct_mistakes
 from followspot.graph.expand import expand
-from followspot.graph.load import Loaded, load
-from followspot.graph.placement import Placed, place
+from followspot.graph.load import LoadedGraph, load
+from followspot.graph.placement import Placement, place
 from followspot.graph.plan import Plan
-from followspot.graph.provenance import Written
-from followspot.graph.tune import tuned
+from followspot.graph.provenance import SourceFiles
+from followspot.graph.tune import tuned_graph
 from followspot.plugins.registry import use_plugin_files
 
 
@@ -30,7 +30,7 @@ def compile_graph(
     plugin_files: Sequence[str | Path] = (),
     edges: EdgeChoice = "auto",
     seed: int | None = None,
-    change: Callable[[Loaded], Loaded] | None = None,
+    change: Callable[[LoadedGraph], LoadedGraph] | None = None,
     strict: bool = False,
     subscribed: Sequence[str] = (),
 ) -> Plan:
@@ -58,7 +58,7 @@ def compile_graph(
     if change is not None:
         return found
     named = "" if room is None else str(Path(room).absolute())
-    return replace(found, written=Written(str(Path(path).absolute()), named, tuple(cameras)))
+    return replace(found, source_files=SourceFiles(str(Path(path).absolute()), named, tuple(cameras)))
 
 
 def checked_graph(
@@ -69,10 +69,10 @@ def checked_graph(
     placement: str | Path | None = None,
     overrides: Sequence[str] = (),
     plugin_files: Sequence[str] = (),
-    change: Callable[[Loaded], Loaded] | None = None,
+    change: Callable[[LoadedGraph], LoadedGraph] | None = None,
     strict: bool = False,
     subscribed: Sequence[str] = (),
-) -> tuple[Checked, Placed]:
+) -> tuple[CheckedGraph, Placement]:
     """The graph before it is planned, with the places of all that is written; see `compile_graph`."""
     refused = _refused(plugin_files)
     mistakes = list(refused)
@@ -82,7 +82,7 @@ def checked_graph(
     except InputError as error:
         raise InputError(_ordered(error.mistakes)) from None
     expanded = expand(loaded if change is None else change(loaded), mistakes)
-    expanded = tuned(expanded, mistakes)
+    expanded = tuned_graph(expanded, mistakes)
     checked = check(replace(expanded, offered=expanded.offered | _stages(subscribed)), mistakes)
     check_interface(loaded.interface_targets, expanded, mistakes)
     mistakes += checked.risks if strict else ()

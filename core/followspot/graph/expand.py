@@ -10,7 +10,7 @@ from followspot.graph.camera_kind import source_for
 from followspot.graph.declaration import ROOM_SOURCE, StageDeclaration
 from followspot.graph.instances import ANY, Groups, Instance, Wire
 from followspot.graph.left_out import lacking, stages_left_out
-from followspot.graph.load import Loaded
+from followspot.graph.load import LoadedGraph
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.graph.wiring import InstanceWiring
 from followspot.room import Member, Room
@@ -21,7 +21,7 @@ MAX_EDGES = 50_000
 
 
 @dataclass(frozen=True)
-class Expanded:
+class ExpandedGraph:
     """Every instance, in the order of the file and the room, and the wires between them.
 
     complete: whether the room and all its members are known; else some names of instances are unknown.
@@ -48,7 +48,7 @@ class Expanded:
     subgraphs: tuple[SubgraphUse, ...] = ()
 
 
-def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
+def expand(loaded: LoadedGraph, mistakes: list[Mistake]) -> ExpandedGraph:
     """Fan out the stages over members of the room; note unknown stages and missing members."""
     members = {name: _members(stage, loaded, mistakes) for name, stage in loaded.stages.items()}
     left_out = stages_left_out(loaded, members)
@@ -75,7 +75,7 @@ def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
             text = f"the graph has more than {MAX_EDGES} edges"
             return _nothing(loaded, text, "feed fewer inputs", mistakes)
     mistakes += wiring.unserved()
-    return Expanded(
+    return ExpandedGraph(
         name=loaded.name,
         room=room,
         room_node=loaded.room_node,
@@ -93,17 +93,17 @@ def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
     )
 
 
-def _unserved(loaded: Loaded, left_out: Collection[str]) -> Iterator[Instance]:
+def _unserved(loaded: LoadedGraph, left_out: Collection[str]) -> Iterator[Instance]:
     """An instance, for an unknown member, of each stage that is left out."""
     for stage in (*(loaded.stages[name] for name in left_out if name in loaded.stages), *loaded.apart):
         yield _instance(stage, ANY, loaded, [])
 
 
-def _nothing(loaded: Loaded, text: str, remedy: str, mistakes: list[Mistake]) -> Expanded:
+def _nothing(loaded: LoadedGraph, text: str, remedy: str, mistakes: list[Mistake]) -> ExpandedGraph:
     """A graph without instances, because of a mistake that concerns the whole graph, which is noted."""
     first = next(iter(loaded.stages.values())).place
     mistakes.append(Mistake(first, text, remedy))
-    return Expanded(
+    return ExpandedGraph(
         name=loaded.name,
         room=Room(),
         room_node=None,
@@ -115,7 +115,9 @@ def _nothing(loaded: Loaded, text: str, remedy: str, mistakes: list[Mistake]) ->
     )
 
 
-def _members(stage: StageDeclaration, loaded: Loaded, mistakes: list[Mistake]) -> Sequence[Member | None]:
+def _members(
+    stage: StageDeclaration, loaded: LoadedGraph, mistakes: list[Mistake]
+) -> Sequence[Member | None]:
     """The members that a stage fans out over; a single None if it does not fan out."""
     if loaded.room is not None:
         empty = (served for served in (*stage.serves, *stage.sees) if not served.select(loaded.room))
@@ -147,7 +149,7 @@ def _by_name(groups: Groups, mistakes: list[Mistake]) -> dict[str, Instance]:
 
 
 def _instance(
-    stage: StageDeclaration, member: Member | None, loaded: Loaded, mistakes: list[Mistake]
+    stage: StageDeclaration, member: Member | None, loaded: LoadedGraph, mistakes: list[Mistake]
 ) -> Instance:
     """The instance of a stage for a member; its plugin stage is "" if a mistake leaves it unknown."""
     name = stage.name if member is None else f"{stage.name}/{member.name}"
@@ -169,7 +171,7 @@ def _instance(
 
 
 def _declared_source(
-    member: Member, stage: StageDeclaration, loaded: Loaded, mistakes: list[Mistake]
+    member: Member, stage: StageDeclaration, loaded: LoadedGraph, mistakes: list[Mistake]
 ) -> tuple[Node, Mapping[str, Node]] | None:
     """The source of a camera or sensor in the room: the name of the stage and the parameters."""
     entry = child(child(loaded.room_node, member.set), member.name)

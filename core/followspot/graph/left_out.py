@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 
 from followspot.errors import Mistake
 from followspot.graph.declaration import StageDeclaration
-from followspot.graph.load import Loaded
+from followspot.graph.load import LoadedGraph
 from followspot.graph.names import enclosing
 from followspot.graph.selector import Selector, tag_named
 from followspot.room import SETS, Member, Room, Target
 
 
-def lacking(stage: StageDeclaration, selector: Selector, loaded: Loaded, room: Room) -> Mistake:
+def lacking(stage: StageDeclaration, selector: Selector, loaded: LoadedGraph, room: Room) -> Mistake:
     """The mistake that a selector, of a stage or of its sub-graph, matches nothing in the room."""
     wanted = selector.set
     if loaded.room_node is None:
@@ -32,7 +32,9 @@ def lacking(stage: StageDeclaration, selector: Selector, loaded: Loaded, room: R
     return Mistake(selector.place, text, remedy)
 
 
-def stages_left_out(loaded: Loaded, members: Mapping[str, Sequence[Member | None]]) -> dict[str, Mistake]:
+def stages_left_out(
+    loaded: LoadedGraph, members: Mapping[str, Sequence[Member | None]]
+) -> dict[str, Mistake]:
     """The stages and sub-graphs that are left out, each with the reason.
 
     They are the optional ones for which the room has no member, the optional ones that only such stages feed,

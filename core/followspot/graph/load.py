@@ -8,7 +8,7 @@ from itertools import islice
 from pathlib import Path
 
 from followspot.errors import InputError, Mistake, Place
-from followspot.graph.compose.compose import Composed, compose
+from followspot.graph.compose.compose import ComposedGraph, compose
 from followspot.graph.compose.interface_targets import StageTarget
 from followspot.graph.compose.optional_use import OptionalUse
 from followspot.graph.declaration import StageDeclaration, read_stage
@@ -25,7 +25,7 @@ MAX_STAGES = 1000
 
 
 @dataclass(frozen=True)
-class Loaded:
+class LoadedGraph:
     """The user's declarations with their places; no name has been looked up.
 
     room: empty if none is named, None if it has mistakes; room_node: its document, if there is one.
@@ -60,7 +60,7 @@ def load(
     room: str | None = None,
     cameras: Sequence[str] = (),
     overrides: Sequence[str] = (),
-) -> Loaded:
+) -> LoadedGraph:
     """Read a graph file; mistakes are noted.
 
     cameras: of the room, those that take part; all if there are none.
@@ -77,7 +77,7 @@ def load(
         problem = problem if nodes else _empty(composed)
         mistakes.append(Mistake(composed.place, problem, "stages: {NAME: {uses: ...}, ...}"))
     stages = {name: read_stage(name, node, mistakes) for name, node in islice(nodes.items(), MAX_STAGES)}
-    return Loaded(
+    return LoadedGraph(
         name=composed.name,
         room=found,
         room_node=document,
@@ -94,7 +94,7 @@ def load(
     )
 
 
-def _empty(composed: Composed) -> str:
+def _empty(composed: ComposedGraph) -> str:
     """Why a graph has no stages."""
     reasons = "; ".join([reason.text for reason in composed.left_out.values()][:6])
     return f"nothing is left of the graph: {reasons}" if reasons else "the graph has no stages"
@@ -102,7 +102,7 @@ def _empty(composed: Composed) -> str:
 
 def composed_graph(
     path: str | Path, *, room: str | None = None, cameras: Sequence[str] = (), overrides: Sequence[str] = ()
-) -> Composed:
+) -> ComposedGraph:
     """The stages of a graph file and of all that it uses; see `load`. Raises InputError."""
     mistakes: list[Mistake] = []
     composed, _, _ = _composed(path, overrides, room, cameras, mistakes)
@@ -117,7 +117,7 @@ def _composed(
     room: str | None,
     cameras: Sequence[str],
     mistakes: list[Mistake],
-) -> tuple[Composed, Room | None, Node | None]:
+) -> tuple[ComposedGraph, Room | None, Node | None]:
     """The composed graph; the room and its document: see `Loaded.room`, `Loaded.room_node`."""
     changes = read_overrides(overrides, mistakes)
     found: tuple[Room | None, Node | None] = None, None

@@ -7,7 +7,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 
 from followspot.errors import shown
-from followspot.graph.check import Checked
+from followspot.graph.check import CheckedGraph
 from followspot.graph.instances import CheckedStage, Instance
 from followspot.graph.override import WHILE_IT_RAN, is_set, options
 from followspot.graph.parameters import plain_default
@@ -18,7 +18,7 @@ _Row = tuple[str, str, str]
 """A parameter, its value, and the origin of the value."""
 
 
-def given_text(checked: Checked) -> str:
+def given_text(checked: CheckedGraph) -> str:
     """A line for each parameter that differs from its default, instances that agree together."""
     groups: dict[str, list[CheckedStage]] = defaultdict(list)
     for stage in checked.stages:
@@ -40,7 +40,7 @@ def _rows(group: str, stages: list[CheckedStage]) -> Iterator[_Row]:
             yield f"{name}.{parameter}", value, origin
 
 
-def origins(checked: Checked) -> dict[str, dict[str, ParameterOrigin]]:
+def origins(checked: CheckedGraph) -> dict[str, dict[str, ParameterOrigin]]:
     """The origin of each parameter that is written anywhere, by instance and parameter."""
     return {
         stage.instance.name: {
@@ -51,7 +51,7 @@ def origins(checked: Checked) -> dict[str, dict[str, ParameterOrigin]]:
     }
 
 
-def kept(instance: Instance) -> tuple[str, ...]:
+def kept_parameters(instance: Instance) -> tuple[str, ...]:
     """The parameters that `--set` gives an instance by the name of its stage, not by that of a sub-graph, and
     those that a change gave.
     """

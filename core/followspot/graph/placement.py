@@ -11,7 +11,7 @@ from types import MappingProxyType
 from followspot.errors import InputError, Mistake, Place, did_you_mean
 from followspot.graph.auto_placement.costs import MEASURE, read_costs
 from followspot.graph.auto_placement.measured import (
-    Measured,
+    MeasuredGraph,
     auto,
     check_measured,
     cores_here,
@@ -19,7 +19,7 @@ from followspot.graph.auto_placement.measured import (
 )
 from followspot.graph.auto_placement.search import AIMS
 from followspot.graph.budget import Budget, read_budgets
-from followspot.graph.expand import Expanded
+from followspot.graph.expand import ExpandedGraph
 from followspot.graph.names import enclosing
 from followspot.graph.plan import PlannedWorker
 from followspot.graph.scheduling import KEYS, Scheduling, read_scheduling
@@ -36,7 +36,7 @@ _AUTO = re.compile(r"auto(-(?P<aim>throughput|latency))?(:(?P<report>.+))?")
 
 
 @dataclass(frozen=True)
-class Placed:
+class Placement:
     """A placement: the worker of each instance, and all workers that run something."""
 
     worker_of: Mapping[str, str]
@@ -46,7 +46,7 @@ class Placed:
     warnings: tuple[Mistake, ...] = ()
 
 
-def place(expanded: Expanded, placement: str | None, mistakes: list[Mistake]) -> Placed:
+def place(expanded: ExpandedGraph, placement: str | None, mistakes: list[Mistake]) -> Placement:
     """Place a graph: in one worker, by "camera", by "stage", by "auto:REPORT.json", or as a placement file
     says; notes mistakes.
     """
@@ -63,7 +63,7 @@ def place(expanded: Expanded, placement: str | None, mistakes: list[Mistake]) ->
     return _as_written(root, placement, expanded, mistakes)
 
 
-def _as_written(root: Node, file: str, expanded: Expanded, mistakes: list[Mistake]) -> Placed:
+def _as_written(root: Node, file: str, expanded: ExpandedGraph, mistakes: list[Mistake]) -> Placement:
     """Place a graph as the document of a placement file says; notes mistakes."""
     form = Form(root, "a placement", ("placement", "by", "workers", "budget", "costs", "aim"), mistakes)
     form.title("placement")
@@ -92,21 +92,21 @@ def _as_written(root: Node, file: str, expanded: Expanded, mistakes: list[Mistak
     return replace(placed, budgets=budgets, warnings=warnings)
 
 
-def _auto(measured: Measured, aim: str | None) -> Placed:
+def _auto(measured: MeasuredGraph, aim: str | None) -> Placement:
     worker_of, hosts, notes = auto(measured, "latency" if aim == "latency" else "throughput")
     return _placed(worker_of, hosts, notes)
 
 
 def _measured(
-    expanded: Expanded, report: str | None, where: Place, mistakes: list[Mistake]
-) -> Measured | None:
+    expanded: ExpandedGraph, report: str | None, where: Place, mistakes: list[Mistake]
+) -> MeasuredGraph | None:
     """The graph with its measured work; notes mistakes. where: the place that asks for it."""
     if report is None:
         text = "auto needs the measured work of the stages"
         mistakes.append(Mistake(where, text, f"{MEASURE}, then --placement auto:report.json"))
         return None
     try:
-        measured = Measured(expanded, read_costs(Path(report)), cores_here(), where)
+        measured = MeasuredGraph(expanded, read_costs(Path(report)), cores_here(), where)
     except InputError as error:
         mistakes += [replace(mistake, place=where) for mistake in error.mistakes]
         return None
@@ -115,7 +115,7 @@ def _measured(
     return None if found or not expanded.complete else measured
 
 
-def _budgets(form: Form, expanded: Expanded, mistakes: list[Mistake]) -> tuple[Budget, ...]:
+def _budgets(form: Form, expanded: ExpandedGraph, mistakes: list[Mistake]) -> tuple[Budget, ...]:
     stages = dict.fromkeys(instance.declared.name for instance in expanded.instances.values())
     forward = (wire for wire in expanded.wires if not wire.feed.delay)
     wires = {(wire.source.declared.name, wire.target.declared.name) for wire in forward}
@@ -134,13 +134,13 @@ def _option(placement: str) -> Place:
     return Place("--placement", 1, 1, max(1, len(placement)), placement or " ")
 
 
-def _together(expanded: Expanded) -> Placed:
+def _together(expanded: ExpandedGraph) -> Placement:
     apart = [carrier.name for carrier in expanded.room.carriers if carrier.host]
     note = f"everything runs on this host, though the room has devices on others: {', '.join(apart)}"
     return _placed(dict.fromkeys(expanded.instances, MAIN), {}, (note,) if apart else ())
 
 
-def _by(by: str, expanded: Expanded) -> Placed:
+def _by(by: str, expanded: ExpandedGraph) -> Placement:
     """One worker for each camera and sensor, on its host, or for each stage of the file."""
     if by == "stage":
         names = {name: i.declared.name.replace("/", "-") for name, i in expanded.instances.items()}
@@ -154,7 +154,7 @@ def _carrier(member: Member | None) -> str:
     return member.name if member is not None and member.set in ("cameras", "sensors") else ""
 
 
-def _listed(workers: Mapping[str, Node], expanded: Expanded, mistakes: list[Mistake]) -> Placed:
+def _listed(workers: Mapping[str, Node], expanded: ExpandedGraph, mistakes: list[Mistake]) -> Placement:
     """Place each instance in the worker that lists it.
 
     The instance's own name counts first, then its stage, its sub-graphs from the innermost on, and its camera
@@ -228,10 +228,10 @@ def _placed(
     hosts: Mapping[str, str],
     notes: tuple[str, ...] = (),
     scheduled: Mapping[str, Scheduling] = MappingProxyType({}),
-) -> Placed:
+) -> Placement:
     """The workers in the order of their first instance."""
     workers = tuple(
         PlannedWorker(name, hosts.get(name, ""), scheduled.get(name, Scheduling()))
         for name in dict.fromkeys(worker_of.values())
     )
-    return Placed(worker_of, workers, notes)
+    return Placement(worker_of, workers, notes)

@@ -13,7 +13,7 @@ from pydantic import Field
 from followspot.errors import Mistake
 from followspot.graph.budget import Budget
 from followspot.graph.depths import LIVE_DEPTH, MAX_DEPTH, MAX_IN_TRANSIT
-from followspot.graph.provenance import ParameterOrigin, Written
+from followspot.graph.provenance import ParameterOrigin, SourceFiles
 from followspot.graph.scheduling import Scheduling
 from followspot.graph.subgraph_use import SubgraphUse
 from followspot.room import Member, Room
@@ -156,7 +156,7 @@ class Plan:
     """The document of the room file; only the operator has it."""
     origins: Mapping[str, Mapping[str, ParameterOrigin]] = field(default_factory=dict, compare=False)
     """The origin of each parameter that is not a default, by stage and parameter; for the operator."""
-    written: Written | None = field(default=None, compare=False)
+    source_files: SourceFiles | None = field(default=None, compare=False)
     """The files that the plan was made of; None without files, or if it was changed; for the operator."""
     numbers: tuple[int, ...] = ()
     """Number of each edge, which it keeps while the run goes on; empty as long as they are 0, 1, 2, ..."""

@@ -14,9 +14,10 @@ class ParameterOrigin:
 
 
 @dataclass(frozen=True)
-class Written:
-    """The files that a plan was made of, absolute paths. room: "" for the graph's own; cameras: the part of
-    the room that takes part, all if there are none.
+class SourceFiles:
+    """The files from which a plan was compiled, as absolute paths.
+
+    room: "" for the graph's own; cameras: the part of the room that takes part, all if there are none.
     """
 
     graph: str

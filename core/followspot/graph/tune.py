@@ -12,7 +12,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from followspot.errors import Mistake, Place, did_you_mean
-from followspot.graph.expand import Expanded
+from followspot.graph.expand import ExpandedGraph
 from followspot.graph.instances import Instance
 from followspot.graph.names import enclosing
 from followspot.graph.override import below_set
@@ -43,7 +43,7 @@ class _Match:
     rank: int
 
 
-def tuned(expanded: Expanded, mistakes: list[Mistake]) -> Expanded:
+def tuned_graph(expanded: ExpandedGraph, mistakes: list[Mistake]) -> ExpandedGraph:
     """The graph with the tunes of its room, and with a note for each tune that matches nothing."""
     tunes = _read(expanded.room_node)
     if not tunes:
@@ -160,7 +160,7 @@ def _unknown(instance: Instance, tune: _Tune) -> Mistake | None:
     return Mistake(place, text, did_you_mean(tune.parameter, fields, "parameters"))
 
 
-def _unmatched(tune: _Tune, expanded: Expanded) -> str:
+def _unmatched(tune: _Tune, expanded: ExpandedGraph) -> str:
     """The note for a tune that matches no instance."""
     known: set[str] = set()
     for found in expanded.instances.values():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from followspot.operator.attach import FoundRun, attached, detach, runs_under
+from followspot.operator.attach import FoundRun, attached_run, detach, runs_under
 from followspot.operator.launch import interruptible
 
-__all__ = ["FoundRun", "attached", "detach", "interruptible", "runs_under"]
+__all__ = ["FoundRun", "attached_run", "detach", "interruptible", "runs_under"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from followspot.control.progress import OnProgress, Progress
 from followspot.operator.launch import run_plan, unused_agents
-from followspot.operator.output_folder import replaced
+from followspot.operator.output_folder import replaced_outputs
 from followspot.operator.reporting.report import RunReport
 from followspot.operator.reporting.scored import scored_file
 from followspot.operator.reporting.truth import (
@@ -18,7 +18,7 @@ __all__ = [
     "Progress",
     "RunOptions",
     "RunReport",
-    "replaced",
+    "replaced_outputs",
     "room_truth",
     "run_plan",
     "run_scores",

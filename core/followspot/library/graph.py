@@ -132,7 +132,7 @@ class Graph:
                 found = compile_graph(path, **options)
             except InputError as error:
                 raise InputError(_placed(error.mistakes, path, name, text)) from None
-        return replace(found, written=None, warnings=_placed(found.warnings, path, name, text))
+        return replace(found, source_files=None, warnings=_placed(found.warnings, path, name, text))
 
     def _repr_svg_(self) -> str | None:
         try:

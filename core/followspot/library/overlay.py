@@ -15,7 +15,7 @@ from typing import Any
 from followspot.errors import FollowspotError, require_unused, writing
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedStage
-from followspot.graph.provenance import Written
+from followspot.graph.provenance import SourceFiles
 from followspot.operator.run_handle import RunHandle
 from followspot.valid_values.names import is_name
 
@@ -31,40 +31,40 @@ def save_overlay(run: RunHandle, path: str | Path) -> tuple[str, ...]:
     The file extends the run's, of which nothing is copied or changed; it is written only if what it says
     gives the stages and parameters of the run. Raises FollowspotError if it cannot.
     """
-    present, written, target = run.plan(), run.surroundings().written, Path(path).absolute()
-    if written is None:
+    present, source_files, target = run.plan(), run.metadata().source_files, Path(path).absolute()
+    if source_files is None:
         raise FollowspotError("this run was not made from a graph file on this host: nothing to extend")
     if target.suffix != ".yaml" or not is_name(target.stem):
         raise FollowspotError(f"{target.name} is no name of a graph file; write NAME.yaml")
     require_unused(target)
-    base = _compiled(Path(written.graph), written, present)
+    base = _compiled(Path(source_files.graph), source_files, present)
     entries: dict[str, dict[str, Any]] = {group: {"uses": uses} for group, uses in _swapped(base, present)}
     lines = [f"seed: {present.seed}"] if present.seed != base.seed else []
-    start = _tried(_text(target, present, written, entries), target.parent, written, present)
+    start = _tried(_text(target, present, source_files, entries), target.parent, source_files, present)
     for group, params in _changed(start, present):
         entries[group] = {**entries.get(group, {}), "with": params}
-    _check_edges(start, present, written)
+    _check_edges(start, present, source_files)
     if not entries and not lines:
         raise FollowspotError("nothing differs from the graph file")
-    text = _text(target, present, written, entries, lines)
-    _check(_tried(text, target.parent, written, present), present)
+    text = _text(target, present, source_files, entries, lines)
+    _check(_tried(text, target.parent, source_files, present), present)
     with writing(target), target.open("x", encoding="utf-8") as file:
         file.write(text)
     return (*(["seed"] if lines else []), *entries)
 
 
-def _tried(text: str, folder: Path, written: Written, present: Plan) -> Plan:
+def _tried(text: str, folder: Path, source_files: SourceFiles, present: Plan) -> Plan:
     """The plan of a graph file with this text in a folder. Raises FollowspotError."""
     with writing(folder), NamedTemporaryFile("w", dir=folder, suffix=".yaml", encoding="utf-8") as file:
         file.write(text)
         file.flush()
-        return _compiled(Path(file.name), written, present)
+        return _compiled(Path(file.name), source_files, present)
 
 
-def _compiled(path: Path, written: Written, present: Plan) -> Plan:
+def _compiled(path: Path, source_files: SourceFiles, present: Plan) -> Plan:
     """The plan of a file, in the room of the run. Raises InputError."""
-    room = written.room or None
-    return compile_graph(path, room=room, cameras=written.cameras, plugin_files=present.plugin_files)
+    room = source_files.room or None
+    return compile_graph(path, room=room, cameras=source_files.cameras, plugin_files=present.plugin_files)
 
 
 def _swapped(base: Plan, present: Plan) -> Iterator[tuple[str, str]]:
@@ -119,14 +119,16 @@ def _one(group: str, what: str, values: set[str]) -> str:
     return next(iter(values))
 
 
-def _text(target: Path, present: Plan, written: Written, entries: Entries, more: Sequence[str] = ()) -> str:
+def _text(
+    target: Path, present: Plan, source_files: SourceFiles, entries: Entries, more: Sequence[str] = ()
+) -> str:
     """The file. more: lines beside the stages."""
     folder = target.parent
     lines = [
         f"# Saved from a run of {present.graph}, {time.strftime('%Y-%m-%d %H:%M:%S')}.",
         f"graph: {target.stem}",
-        f"extends: {_quoted(os.path.relpath(written.graph, folder))}",
-        *([f"room: {_quoted(os.path.relpath(written.room, folder))}"] if written.room else []),
+        f"extends: {_quoted(os.path.relpath(source_files.graph, folder))}",
+        *([f"room: {_quoted(os.path.relpath(source_files.room, folder))}"] if source_files.room else []),
         *more,
         *(["stages:"] if entries else []),
         *(f"  {group}: {_quoted(entry)}" for group, entry in entries.items()),
@@ -140,7 +142,7 @@ def _quoted(value: Any) -> str:
     return re.sub(r"[^\x00-\x7e]", lambda one: f"\\U{ord(one[0]):08x}", text)
 
 
-def _check_edges(saved: Plan, present: Plan, written: Written) -> None:
+def _check_edges(saved: Plan, present: Plan, source_files: SourceFiles) -> None:
     """Raises FollowspotError if edges between stages that both have differ; an overlay cannot say so."""
     both = {stage.name for stage in saved.stages} & {stage.name for stage in present.stages}
     found, wanted = (
@@ -152,7 +154,7 @@ def _check_edges(saved: Plan, present: Plan, written: Written) -> None:
         for plan in (saved, present)
     )
     if other := sorted(name for name in found | wanted if found.get(name) != wanted.get(name)):
-        text = f"{', '.join(other[:3])}: not in {Path(written.graph).name} as in this run"
+        text = f"{', '.join(other[:3])}: not in {Path(source_files.graph).name} as in this run"
         raise FollowspotError(f"{text}; was a file changed since the run began?")
 
 

@@ -24,7 +24,7 @@ from followspot.operator.coordinator import Coordinator
 from followspot.operator.reporting.report import RunReport
 from followspot.operator.reporting.truth import run_scores
 from followspot.operator.run_dispatcher import run_dispatcher
-from followspot.operator.run_requests import Surroundings
+from followspot.operator.run_requests import RunMetadata
 from followspot.plugins.registry import offer_stage
 from followspot.scoring import Score
 from followspot.stage import Stage
@@ -37,7 +37,7 @@ _BEGIN = 120.0
 _RECORDER_POLL_INTERVAL = 0.05
 """Seconds between two checks whether the flight recorder is ready."""
 
-PreparedRun = tuple[Coordinator, Surroundings]
+PreparedRun = tuple[Coordinator, RunMetadata]
 
 
 class RunFailed(FollowspotError):
@@ -151,9 +151,9 @@ class OwnRun(ScriptHandle):
     def _run(self, prepared: AbstractContextManager[PreparedRun], recorder: StartRecorder) -> None:
         """Prepare and execute the run, in a thread; then wake all that wait for its end."""
         try:
-            with errors_in_python(), prepared as (coordinator, surroundings):
+            with errors_in_python(), prepared as (coordinator, metadata):
                 self.run = coordinator.name
-                self._dispatcher = run_dispatcher(coordinator, surroundings)
+                self._dispatcher = run_dispatcher(coordinator, metadata)
                 if self._abandoned:
                     coordinator.stop()
                 with (

@@ -18,8 +18,8 @@ from followspot.library.keywords import errors_in_python, in_python
 from followspot.library.own_run import OwnRun
 from followspot.library.plan_settings import PATH, PlanSettings, as_tuple, check_type, plan_of, whole_number
 from followspot.library.subscription_sinks import SubscriptionSinks
-from followspot.operator.launch import prepared, unused_agents
-from followspot.operator.output_folder import made
+from followspot.operator.launch import prepared_run, unused_agents
+from followspot.operator.output_folder import existing_folder
 from followspot.transport.zenoh.network import Network
 from followspot.worker.wiring import RunOptions
 
@@ -92,7 +92,7 @@ def run(
     sinks = SubscriptionSinks(plan, ports)
     recorder = recorder_of(sinks.plan, keep)
     folder = _output_folder(out, plan)
-    run = prepared(
+    run = prepared_run(
         sinks.plan,
         RunOptions(folder, frames),
         network=network,
@@ -114,4 +114,4 @@ def _warn(plan: Plan, network: Network) -> None:
 def _output_folder(out: str | Path | None, plan: Plan) -> Path:
     """The folder for outputs, which exists now. Raises FollowspotError."""
     with errors_in_python():
-        return made(Path(out or Path("runs") / f"{plan.graph}-{time.strftime('%Y%m%d-%H%M%S')}"))
+        return existing_folder(Path(out or Path("runs") / f"{plan.graph}-{time.strftime('%Y%m%d-%H%M%S')}"))

@@ -27,7 +27,7 @@ class RunTaps:
         """Raises FollowspotError if a port cannot be reached from here."""
         self._run = run
         self._ports, self._uses, self._params, self._consume = ports, uses, params, consume
-        self._around = run.surroundings()
+        self._metadata = run.metadata()
         self._homes: dict[str, str] = {}
         self._taps: list[Tapping] = []
         self._folder = TemporaryDirectory(prefix="followspot-tap-")
@@ -54,7 +54,7 @@ class RunTaps:
         present = {stage.name for stage in plan.stages}
         stages = {name: name.rpartition(".")[0] for name in self._ports}
         homes = {name: plan.host_of_stage(stage) for name, stage in stages.items() if stage in present}
-        if (near := [name for name, host in homes.items() if not host]) and self._around.out is None:
+        if (near := [name for name, host in homes.items() if not host]) and self._metadata.out is None:
             raise FollowspotError(f"{', '.join(near)}: on the operator's host; subscribe there")
         moved = {name: host for name, host in homes.items() if self._homes.get(name) != host}
         if moved:
@@ -84,7 +84,7 @@ class RunTaps:
     def _receive(self, homes: dict[str, str]) -> None:
         """Subscribe to taps on other hosts, before they are placed."""
         keys = {name: tap_key(self._run.run, host, name, self._uses) for name, host in homes.items()}
-        network = self._around.network
+        network = self._metadata.network
         with self._lock:
             if keys and network is not None and not self._closed:
                 self._remote.append(RemoteReceiver(network, keys, self._consume))

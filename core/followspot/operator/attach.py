@@ -17,15 +17,21 @@ from followspot.errors import FollowspotError, InputError
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_from_data
 from followspot.operator.coordinator import Coordinator
-from followspot.operator.discovery import Agents, await_named, discovered_hosts, operator_session, reached
-from followspot.operator.host_plans import conflict, joined
-from followspot.operator.named_run import Listed, chosen, names
+from followspot.operator.discovery import (
+    Agents,
+    await_named,
+    discovered_hosts,
+    operator_session,
+    searched_places,
+)
+from followspot.operator.host_plans import merged_plan, plan_conflict
+from followspot.operator.named_run import NamedRun, chosen_run, is_named
 from followspot.operator.new_order import new_order
 from followspot.operator.remote.remote_host import RemoteHost
 from followspot.operator.reporting.report import RunReport
 from followspot.operator.run_dispatcher import run_dispatcher
 from followspot.operator.run_handle import RunHandle
-from followspot.operator.run_requests import Surroundings
+from followspot.operator.run_requests import RunMetadata
 from followspot.transport.unreached import unreached
 from followspot.transport.zenoh.network import AGENT, Network, secured
 from followspot.worker.wiring import RunOptions
@@ -89,7 +95,7 @@ def find_runs(client: RpcClient, network: Network, on_gap: Callable[[str], None]
     named = () if network.connect in (AGENT, secured(AGENT)) else network.connect  # many have no agent here
     if len(heard) < max(len(named), bool(network.router), network.discover):
         why = unreached(named, network.certificates)
-        heard_of = f"{f'only {len(heard)}' if heard else 'no'} agent is heard at {reached(network)}"
+        heard_of = f"{f'only {len(heard)}' if heard else 'no'} agent is heard at {searched_places(network)}"
         on_gap(heard_of + f" ({why})" * bool(why))
     for agent in heard:
         if client.has_twins(agent):
@@ -148,7 +154,7 @@ class Attachment:
 
 
 @contextmanager
-def attached(network: Network, wanted: str | None, here: Sequence[Listed] = ()) -> Iterator[Attachment]:
+def attached_run(network: Network, wanted: str | None, here: Sequence[NamedRun] = ()) -> Iterator[Attachment]:
     """Watch a run under agents; it goes on after the block.
 
     wanted: see `connected_run`; here: runs of this machine that have other names. Raises FollowspotError if
@@ -160,19 +166,19 @@ def attached(network: Network, wanted: str | None, here: Sequence[Listed] = ()) 
         gaps: list[str] = []
         runs = find_runs(client, network, gaps.append)
         where = "in reach" + "".join(f", though {gap}" for gap in gaps)
-        run = chosen(_listing(here, runs, wanted), wanted, where)
+        run = chosen_run(_listing(here, runs, wanted), wanted, where)
         assert isinstance(run, FoundRun)  # no run of this machine has the name
         orders = {name: _order(client, name, run.run) for name in run.hosts}
         # without restart, because an observer must not resume the run
         watched = {name: replace(order, restart=False) for name, order in orders.items()}
         plans = {name: plan_from_data(order.plan) for name, order in orders.items()}
-        plan, order = joined(plans), orders[run.hosts[0]]
+        plan, order = merged_plan(plans), orders[run.hosts[0]]
         unlisted = {worker.host for worker in plan.workers} - {"", *watched}
         watched |= dict.fromkeys(sorted(unlisted), watched[run.hosts[0]])
         hosts = [RemoteHost(client, name, order=order) for name, order in watched.items()]
         others = Agents(client)
         coordinator = Coordinator(plan, hosts, order, others=others, begun=True, age_s=run.age_s)
-        coordinator.plan_conflict = conflict(plans, plan)
+        coordinator.plan_conflict = plan_conflict(plans, plan)
         try:
             for host in hosts:
                 host.watch(silent=host.name in unlisted)
@@ -184,11 +190,11 @@ def attached(network: Network, wanted: str | None, here: Sequence[Listed] = ()) 
             _stop_polling(coordinator)
 
 
-def _listing(here: Sequence[Listed], runs: Sequence[FoundRun], wanted: str | None) -> Sequence[Listed]:
+def _listing(here: Sequence[NamedRun], runs: Sequence[FoundRun], wanted: str | None) -> Sequence[NamedRun]:
     """All runs, each once; ended runs only if `wanted` names no run that goes on."""
     going = [run for run in runs if not run.over]
     known = {run.run for run in here}
-    present = going if any(names(run, wanted) for run in going) else runs
+    present = going if any(is_named(run, wanted) for run in going) else runs
     return [*here, *(run for run in present if run.run not in known)]
 
 
@@ -200,7 +206,7 @@ def handle_of(attachment: Attachment, network: Network) -> RunHandle:
         for host in coordinator.hosts:  # no thread here watches the run, so `run.stop` would have no effect
             host.ask(StopRun())
 
-    dispatcher = run_dispatcher(coordinator, Surroundings(network=network), stop)
+    dispatcher = run_dispatcher(coordinator, RunMetadata(network=network), stop)
 
     def ask(request: Request, timeout: float) -> Any:
         try:

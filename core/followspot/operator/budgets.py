@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from followspot.control.host import WorkerStatus
 from followspot.control.stage_status import PathStatus, StageStatus
-from followspot.graph.budget import Budget, reached
+from followspot.graph.budget import Budget, reachable
 from followspot.graph.plan import Plan, PlannedEdge
 
 
@@ -19,7 +19,7 @@ class Part:
     text: str
 
 
-def missed(plan: Plan, workers: Iterable[WorkerStatus]) -> Iterator[str]:
+def missed_budgets(plan: Plan, workers: Iterable[WorkerStatus]) -> Iterator[str]:
     """A line for each path that misses its budget now: more than 5 % of its newest messages are late."""
     workers = tuple(workers)
     stages = {stage.stage: stage for worker in workers for stage in worker.stages}
@@ -82,8 +82,8 @@ def _edges_between(plan: Plan, origin: str, end: str) -> Mapping[str, list[Plann
     """The edges on the ways from a stage of the graph file to an instance, by the stage they lead to."""
     forward = [(edge.from_stage, edge.to_stage) for edge in plan.edges if not edge.delay]
     sources = [stage.name for stage in plan.stages if stage.group == origin]
-    after = set[str]().union(*(reached(name, forward) for name in sources))
-    before = reached(end, ((b, a) for a, b in forward))
+    after = set[str]().union(*(reachable(name, forward) for name in sources))
+    before = reachable(end, ((b, a) for a, b in forward))
     into: dict[str, list[PlannedEdge]] = {}
     for edge in plan.edges:
         if not edge.delay and edge.from_stage in after & before and edge.to_stage in before:

@@ -86,7 +86,7 @@ class MoveOutcome:
         return MoveOutcome(run, old.graph, names, worker, new.host_of(worker), again)
 
 
-def changed(run: str, plan: Plan, change: Change) -> ChangeOutcome:
+def outcome_of_change(run: str, plan: Plan, change: Change) -> ChangeOutcome:
     """The outcome of a change to a plan."""
     old = {stage.name: stage for stage in plan.stages}
     new = change.applied(plan)
@@ -113,7 +113,7 @@ def changed(run: str, plan: Plan, change: Change) -> ChangeOutcome:
 
 def with_change(plan: Plan, change: Change) -> Plan:
     """The plan after a change, with the change in its notes."""
-    notes = [f"while it ran: {stage.text}" for stage in changed("", plan, change).stages]
+    notes = [f"while it ran: {stage.text}" for stage in outcome_of_change("", plan, change).stages]
     return replace(change.applied(plan), notes=(*plan.notes, *notes)[-_MAX_NOTES:])
 
 

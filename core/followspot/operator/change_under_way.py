@@ -19,7 +19,7 @@ def no_notice(_: str) -> None:
     """The `OnWait` of a caller that does not show what the change waits for."""
 
 
-def named(hosts: Iterable[str]) -> str:
+def host_names(hosts: Iterable[str]) -> str:
     """Hosts in a sentence; "" is the operator's own."""
     return " and ".join(f"host {name}" if name else "this host" for name in hosts)
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from followspot.control.unix_socket import served_here
-from followspot.operator.named_run import chosen, names
+from followspot.operator.named_run import chosen_run, is_named
 from followspot.operator.run_handle import RunHandle
 from followspot.transport.zenoh.network import Network
 
@@ -20,12 +20,12 @@ def connected_run(wanted: str | None = None, network: Network | None = None) -> 
     Raises FollowspotError if there is no such run, or several.
     """
     here = runs_here(wanted)
-    if network is None or any(names(run, wanted) for run in here):
-        yield _answering(chosen(here, wanted, "on this machine"))
+    if network is None or any(is_named(run, wanted) for run in here):
+        yield _answering(chosen_run(here, wanted, "on this machine"))
         return
-    from followspot.operator.attach import attached, handle_of  # brings Zenoh
+    from followspot.operator.attach import attached_run, handle_of  # brings Zenoh
 
-    with attached(network, wanted, here) as attachment:
+    with attached_run(network, wanted, here) as attachment:
         yield handle_of(attachment, network)
 
 
@@ -34,7 +34,7 @@ def run_here(wanted: str | None = None) -> RunHandle:
 
     Raises FollowspotError if there is no such run, or several.
     """
-    return _answering(chosen(runs_here(wanted), wanted, "on this machine"))
+    return _answering(chosen_run(runs_here(wanted), wanted, "on this machine"))
 
 
 def runs_here(wanted: str | None = None) -> list[RunHandle]:

@@ -101,11 +101,11 @@ def await_agents(session: zenoh.Session, names: Sequence[str], network: Network)
     while missing := sorted(set(names) - agents(session)):
         if time.monotonic() > deadline:
             why = unreached(network.connect, network.certificates) or _unheard(network)
-            raise InputError([_missing(name, reached(network), why) for name in missing])
+            raise InputError([_missing(name, searched_places(network), why) for name in missing])
         time.sleep(0.1)
 
 
-def reached(network: Network) -> str:
+def searched_places(network: Network) -> str:
     """The places where a network looks for agents, as text."""
     found = ("any address of the local network",) * network.discover
     return network.router or ", ".join((*network.connect, *found)) or "any endpoint"

@@ -29,10 +29,10 @@ class PlanConflict:
         return differing_workers(_outline(self.other), _outline(plan))
 
 
-def joined(plans: Mapping[str, Plan]) -> Plan:
+def merged_plan(plans: Mapping[str, Plan]) -> Plan:
     """The plan of a run; each stage is as its own host knows it, because other hosts lack its parameters.
 
-    plans: by host. If they differ, that which the hosts can be brought to; see `conflict`.
+    plans: by host. If they differ, that which the hosts can be brought to; see `plan_conflict`.
     """
     own = _own(plans)
     plan = max(plans.values(), key=lambda plan: (_is_complete(plan, own), plan.rows))
@@ -40,7 +40,7 @@ def joined(plans: Mapping[str, Plan]) -> Plan:
     return replace(plan, stages=tuple(stages))
 
 
-def conflict(plans: Mapping[str, Plan], plan: Plan) -> PlanConflict | None:
+def plan_conflict(plans: Mapping[str, Plan], plan: Plan) -> PlanConflict | None:
     """The conflict between the plans of the hosts and the plan of the run; None if they agree."""
     outline = _outline(plan)
     others = {name: other for name, other in plans.items() if differing_workers(_outline(other), outline)}

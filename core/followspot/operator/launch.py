@@ -17,10 +17,10 @@ from followspot.host.local_host import LocalHost
 from followspot.log.run_log import OnLog
 from followspot.operator.coordinator import Coordinator
 from followspot.operator.new_order import new_order
-from followspot.operator.output_folder import reserved
+from followspot.operator.output_folder import reserved_folder
 from followspot.operator.reporting.report import RunReport
 from followspot.operator.run_dispatcher import run_dispatcher
-from followspot.operator.run_requests import Surroundings
+from followspot.operator.run_requests import RunMetadata
 from followspot.transport.zenoh.network import Network
 from followspot.worker.wiring import RunOptions
 
@@ -53,13 +53,13 @@ def run_plan(
     agents have below their own --media folder; restart: whether workers that die are restarted in a replay
     too, as they are in live runs; on_log: gets each log record. Raises InputError if an agent is missing.
     """
-    ready = prepared(plan, options, network=network, media=media, restart=restart, on_log=on_log)
-    with ready as (run, around):
-        return _run_served(run, on_progress, around)
+    ready = prepared_run(plan, options, network=network, media=media, restart=restart, on_log=on_log)
+    with ready as (run, metadata):
+        return _run_served(run, on_progress, metadata)
 
 
 @contextmanager
-def prepared(
+def prepared_run(
     plan: Plan,
     options: RunOptions,
     *,
@@ -68,25 +68,25 @@ def prepared(
     restart: bool = False,
     on_log: OnLog | None = None,
     in_process: Collection[str] = (),
-) -> Iterator[tuple[Coordinator, Surroundings]]:
-    """A run that has not begun, and its surroundings; see `run_plan` and `Surroundings`.
+) -> Iterator[tuple[Coordinator, RunMetadata]]:
+    """A run that has not begun, and its metadata; see `run_plan`.
 
     in_process: workers of this host that run as threads of this process; a plan's only worker always does.
     Raises InputError if an agent is missing, FollowspotError if another run writes to the output folder.
     """
     restart = restart or plan.live
-    with reserved(options.out):
+    with reserved_folder(options.out):
         if network.public or any(worker.host for worker in plan.workers):
             from followspot.operator.discovery import discovered_hosts
 
             order = new_order(plan, options, restart=restart)
             with discovered_hosts(plan, network, media, in_process) as (hosts, others):
                 near = network.for_worker(network.connect)
-                around = Surroundings(options.out.resolve(), near, plan.written, time.time())
-                yield Coordinator(plan, hosts, order, on_log, others), around
+                metadata = RunMetadata(options.out.resolve(), near, plan.source_files, time.time())
+                yield Coordinator(plan, hosts, order, on_log, others), metadata
                 return
         run = local_run(plan, options, on_log, restart=restart, in_process=in_process)
-        yield run, Surroundings(options.out.resolve(), None, plan.written, time.time())
+        yield run, RunMetadata(options.out.resolve(), None, plan.source_files, time.time())
 
 
 def unused_agents(plan: Plan, endpoints: Sequence[str]) -> tuple[str, ...]:
@@ -107,16 +107,16 @@ def local_run(
     restart: bool = False,
     in_process: Collection[str] = (),
 ) -> Coordinator:
-    """A run on this host alone; see `prepared`."""
+    """A run on this host alone; see `prepared_run`."""
     if len(plan.workers) == 1:  # a thread that hangs cannot be killed and replaced
         in_process, restart = (plan.workers[0].name,), False
     host = LocalHost("", in_process=in_process)
     return Coordinator(plan, [host], new_order(plan, options, restart=restart), on_log)
 
 
-def _run_served(run: Coordinator, on_progress: OnProgress | None, surroundings: Surroundings) -> RunReport:
+def _run_served(run: Coordinator, on_progress: OnProgress | None, metadata: RunMetadata) -> RunReport:
     """Execute the run; meanwhile other processes of the user can find, watch and change it."""
-    with serve_requests(run.name, run.plan.graph, run_dispatcher(run, surroundings)):
+    with serve_requests(run.name, run.plan.graph, run_dispatcher(run, metadata)):
         return interruptible(run, on_progress)
 
 

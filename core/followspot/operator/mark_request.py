@@ -16,13 +16,13 @@ _WRITING = 120.0
 """Seconds that the writing of a file may take beyond the time that belongs to its mark."""
 
 
-def mark(ask: Ask, after: float, note: str, *, wait: bool) -> Moment:
+def mark_moment(ask: Ask, after: float, note: str, *, wait: bool) -> Moment:
     """See `RunHandle.mark`."""
     number = ask(MarkMoment(after=after, note=note), _ANSWER)
     moment, deadline = None, time.monotonic() + _ANSWER
     while time.monotonic() < deadline:
         try:
-            state = kept(ask)
+            state = recorder_state(ask)
         except NoAnswer:
             raise
         except FollowspotError:
@@ -43,7 +43,7 @@ def mark(ask: Ask, after: float, note: str, *, wait: bool) -> Moment:
     raise NoAnswer("the flight recorder of this run does not answer")
 
 
-def kept(ask: Ask) -> RecorderState | None:
+def recorder_state(ask: Ask) -> RecorderState | None:
     """See `RunHandle.kept`."""
     found: RecorderState | None = ask(GetRecorderState(), _ANSWER)
     return found

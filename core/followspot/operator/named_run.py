@@ -8,8 +8,8 @@ from typing import Protocol, TypeVar
 from followspot.errors import FollowspotError
 
 
-class Listed(Protocol):
-    """A run in a list of runs. label: how the list shows it; pid: of its operator's process, if known."""
+class NamedRun(Protocol):
+    """A run that a user may name. label: how the list shows it; pid: of its operator's process, if known."""
 
     @property
     def run(self) -> str: ...
@@ -24,20 +24,20 @@ class Listed(Protocol):
     def label(self) -> str: ...
 
 
-Run = TypeVar("Run", bound=Listed)
+Run = TypeVar("Run", bound=NamedRun)
 
 
-def names(run: Listed, wanted: str | None) -> bool:
+def is_named(run: NamedRun, wanted: str | None) -> bool:
     """True if `wanted` names this run, as `connected_run` takes it."""
     return wanted is None or wanted in (run.graph, str(run.pid)) or run.run.startswith(wanted)
 
 
-def chosen(runs: Sequence[Run], wanted: str | None, where: str) -> Run:
+def chosen_run(runs: Sequence[Run], wanted: str | None, where: str) -> Run:
     """The run that `wanted` names.
 
     where: these runs are, for the error message. Raises FollowspotError if there is no such run, or several.
     """
-    fitting = [run for run in runs if names(run, wanted)]
+    fitting = [run for run in runs if is_named(run, wanted)]
     if len(fitting) == 1:
         return fitting[0]
     if fitting:
@@ -45,6 +45,6 @@ def chosen(runs: Sequence[Run], wanted: str | None, where: str) -> Run:
     raise FollowspotError(f"there is no run {wanted or ''}".rstrip() + f"; runs {where}: {_text(runs)}")
 
 
-def _text(runs: Sequence[Listed]) -> str:
+def _text(runs: Sequence[NamedRun]) -> str:
     """Runs in one line."""
     return ", ".join(run.label for run in runs) or "none"

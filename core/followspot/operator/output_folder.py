@@ -16,7 +16,7 @@ from followspot.plugins.registry import load_stage
 
 
 @contextmanager
-def reserved(folder: Path) -> Iterator[None]:
+def reserved_folder(folder: Path) -> Iterator[None]:
     """Make a folder and keep other runs out of it while the block runs.
 
     The lock ends with the process, however that ends. On a file system without locks no run is kept out. The
@@ -26,7 +26,7 @@ def reserved(folder: Path) -> Iterator[None]:
     if folder == Path():
         yield
         return
-    with _refused(made(folder), "open"):
+    with _refused(existing_folder(folder), "open"):
         descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
         with suppress(OSError):
@@ -36,7 +36,7 @@ def reserved(folder: Path) -> Iterator[None]:
         os.close(descriptor)
 
 
-def made(folder: Path) -> Path:
+def existing_folder(folder: Path) -> Path:
     """The folder, which exists now. Raises FollowspotError."""
     with _refused(folder, "make"):
         folder.mkdir(parents=True, exist_ok=True)
@@ -55,7 +55,7 @@ def _refused(folder: Path, what: str) -> Iterator[None]:
         ) from None
 
 
-def replaced(plan: Plan, folder: Path) -> list[str]:
+def replaced_outputs(plan: Plan, folder: Path) -> list[str]:
     """The outputs of an earlier run in the folder that a run of this plan replaces on this host."""
     here = [stage for stage in plan.stages if not plan.host_of_stage(stage.name)]
     paths = (path for stage in here for path in output_paths(load_stage(stage.uses).Params, stage.params))

@@ -20,17 +20,17 @@ from followspot.operator.run_requests import (
     ExchangeMarks,
     GetPlan,
     GetRecorderState,
+    GetRunMetadata,
     GetStatus,
-    GetSurroundings,
     MarkMoment,
     MoveStages,
-    Surroundings,
+    RunMetadata,
 )
 from followspot.operator.run_status import RunStatus
 
 
 def run_dispatcher(
-    run: Coordinator, surroundings: Surroundings, stop: Callable[[], None] | None = None
+    run: Coordinator, metadata: RunMetadata, stop: Callable[[], None] | None = None
 ) -> Dispatcher:
     """The dispatcher of a run's requests. Safe from any thread.
 
@@ -49,7 +49,7 @@ def run_dispatcher(
             GetPlan: lambda _: plan_to_data(run.plan),
             GetStatus: status,
             GetLog: lambda request: run.records(request.after),
-            GetSurroundings: lambda _: surroundings,
+            GetRunMetadata: lambda _: metadata,
             ChangeStages: partial(change_stages, run),
             MoveStages: partial(move_stages, run),
             MarkMoment: lambda request: marks.mark(request.after, request.note),

@@ -20,15 +20,15 @@ from followspot.graph.plan_data import plan_from_data
 from followspot.log.record import LogPage
 from followspot.operator.change_outcome import ChangeOutcome, MoveOutcome
 from followspot.operator.mark_queue import Mark, Moment, RecorderState
-from followspot.operator.mark_request import kept, mark
+from followspot.operator.mark_request import mark_moment, recorder_state
 from followspot.operator.run_requests import (
     ChangeStages,
     ExchangeMarks,
     GetPlan,
+    GetRunMetadata,
     GetStatus,
-    GetSurroundings,
     MoveStages,
-    Surroundings,
+    RunMetadata,
 )
 from followspot.operator.run_status import RunStatus
 from followspot.operator.stepping import step
@@ -82,9 +82,9 @@ class RunHandle:
         found: LogPage = self.ask(GetLog(after=after), ANSWER_TIMEOUT)
         return found
 
-    def surroundings(self) -> Surroundings:
-        """The output folder of the run, and the network that leads to its other hosts."""
-        found: Surroundings = self.ask(GetSurroundings(), ANSWER_TIMEOUT)
+    def metadata(self) -> RunMetadata:
+        """The output folder of the run, the network that leads to its hosts, and the files of its graph."""
+        found: RunMetadata = self.ask(GetRunMetadata(), ANSWER_TIMEOUT)
         return found
 
     def set(self, parameter: str, value: Any) -> ChangeOutcome:
@@ -148,11 +148,11 @@ class RunHandle:
         wait: return when the file is complete, not as soon as its name is known. Raises FollowspotError if
         the run has no flight recorder (`--keep`), or the disk does not take the file.
         """
-        return mark(self.ask, after, note, wait=wait)
+        return mark_moment(self.ask, after, note, wait=wait)
 
     def kept(self) -> RecorderState | None:
         """The state of the flight recorder, with the files of marks; None if the run has none."""
-        return kept(self.ask)
+        return recorder_state(self.ask)
 
     def exchange_marks(self, kept: RecorderState | None, taken: int) -> tuple[Mark, ...]:
         """For flight recorders: tell the run what is held; the marks after the number `taken`.

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar
 import pydantic
 
 from followspot.control.dispatch import Request, Role
-from followspot.graph.provenance import Written
+from followspot.graph.provenance import SourceFiles
 from followspot.operator.change_outcome import ChangeOutcome, MoveOutcome
 from followspot.operator.mark_queue import Mark, RecorderState
 from followspot.operator.run_status import RunStatus
@@ -18,17 +18,17 @@ from followspot.valid_values.numbers import Count
 
 
 @dataclass(frozen=True)
-class Surroundings:
-    """The surroundings of a run.
+class RunMetadata:
+    """Where a run came from, where it writes, and how other processes reach its hosts.
 
     out: its output folder on the operator's host, None if that is not this host; network: leads to its other
-    hosts, None if it has none; written: the files of its graph on the operator's host, None if it has none;
+    hosts, None if it has none; source_files: of its graph, on the operator's host, None if it has none;
     began: when the operator prepared it, s since 1970, 0 if that is not known.
     """
 
     out: Path | None = None
     network: Network | None = None
-    written: Written | None = None
+    source_files: SourceFiles | None = None
     began: float = 0.0
 
 
@@ -48,10 +48,10 @@ class GetStatus(_OperatorRequest):
     answer: ClassVar[Any] = RunStatus
 
 
-class GetSurroundings(_OperatorRequest):
-    """The output folder of the run, and the network that leads to its hosts."""
+class GetRunMetadata(_OperatorRequest):
+    """The metadata of the run: its output folder, the network that leads to its hosts, and its files."""
 
-    answer: ClassVar[Any] = Surroundings
+    answer: ClassVar[Any] = RunMetadata
 
 
 class ChangeStages(_OperatorRequest):

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from followspot.control.clock_status import ClockStatus
 from followspot.control.host import WorkerStatus
 from followspot.graph.plan import Plan, PlannedEdge
-from followspot.operator.stalls import stalled
+from followspot.operator.stalls import stalled_edges
 from followspot.valid_values.numbers import Age, Count
 from followspot.worker.ledger import COLUMNS, EdgeCount, tally
 
@@ -79,7 +79,7 @@ def faults(hosts: Iterable[SeenHost], workers: Iterable[WorkerStatus]) -> tuple[
     workers = tuple(workers)
     found = {host.name: line for host in hosts if (line := _host_fault(host))}
     others = (_worker_fault(worker) for worker in workers if worker.host not in found)
-    return (*found.values(), *(line for line in others if line), *stalled(workers))
+    return (*found.values(), *(line for line in others if line), *stalled_edges(workers))
 
 
 def is_old(worker: WorkerStatus) -> bool:

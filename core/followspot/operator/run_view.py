@@ -13,12 +13,12 @@ from followspot.control.worker_report import WorkerReport
 from followspot.graph.frame_count import sinks, sources
 from followspot.graph.plan import Plan
 from followspot.host.heartbeat import SILENCE
-from followspot.operator.budgets import missed, overruns
-from followspot.operator.change_under_way import named
-from followspot.operator.reporting.report import RunReport, merge, summed
+from followspot.operator.budgets import missed_budgets, overruns
+from followspot.operator.change_under_way import host_names
+from followspot.operator.reporting.report import RunReport, merge, summed_ledger
 from followspot.operator.run_status import RunStatus, SeenHost, faults
 from followspot.operator.sensor_end import ended_stages
-from followspot.operator.stalls import stalled
+from followspot.operator.stalls import stalled_edges
 from followspot.worker.ledger import COLUMNS, Ledger
 
 
@@ -95,16 +95,16 @@ class RunView:
         built = [name for name, status in self.hosts.items() if status.change.phase in BEFORE_TAKE_OVER]
         if self.plan_conflict or not built:
             return self.plan_conflict
-        line = f"{named(built)} built new stages that have not taken over: a change is under way, or was"
+        line = f"{host_names(built)} built new stages that have not taken over: a change is under way, or was"
         return f"{line} interrupted, and others may have theirs already; if this stays, repeat the change"
 
     def late(self) -> tuple[str, ...]:
         """A line for each path that misses its budget."""
-        return tuple(missed(self.plan, self._worker_statuses())) if self.plan.budgets else ()
+        return tuple(missed_budgets(self.plan, self._worker_statuses())) if self.plan.budgets else ()
 
     def stalled(self) -> tuple[str, ...]:
         """A line for each edge that stalls."""
-        return tuple(stalled(self._worker_statuses()))
+        return tuple(stalled_edges(self._worker_statuses()))
 
     def _host_statuses(self) -> Iterator[SeenHost]:
         """The remote hosts that should answer: all whose workers have not ended."""
@@ -159,7 +159,7 @@ class RunView:
         return f"host {host} does not answer" if old else "nothing is known of how it ended"
 
     def _ledger(self) -> Ledger:
-        return summed([status.counts for status in self.hosts.values()], self.plan.rows)
+        return summed_ledger([status.counts for status in self.hosts.values()], self.plan.rows)
 
     def _news(self) -> tuple[str, ...]:
         news = [(name, line) for name, status in self.hosts.items() for line in status.news]

@@ -14,7 +14,7 @@ _STALLED = 5.0
 """Seconds for which a writer has no room; statuses of both ends are at most a second old."""
 
 
-def stalled(workers: Iterable[WorkerStatus]) -> Iterator[str]:
+def stalled_edges(workers: Iterable[WorkerStatus]) -> Iterator[str]:
     """A line for each edge that stalls."""
     stages = [stage for worker in workers if worker.phase == "running" for stage in worker.stages]
     readers = {edge: stage.stage for stage in stages if stage.state == "getting" for edge in stage.on}

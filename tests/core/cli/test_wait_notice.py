@@ -22,7 +22,7 @@ from followspot.log.run_log import RunLog
 from followspot.operator.coordinator import Coordinator
 from followspot.operator.run_dispatcher import run_dispatcher
 from followspot.operator.run_handle import RunHandle
-from followspot.operator.run_requests import Surroundings
+from followspot.operator.run_requests import RunMetadata
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
 
@@ -51,7 +51,7 @@ def test_a_change_that_waits_says_for_which_host_and_since_when_it_is_silent(tmp
     plan = compile_graph(tmp_path / "g.yaml", placement=tmp_path / "p.yaml", plugin_files=[TICKS])
     host = Silent()
     run = Coordinator(plan, [host], RunOrder("feedc0de", {}), begun=True)  # type: ignore[list-item]
-    dispatcher = run_dispatcher(run, Surroundings())
+    dispatcher = run_dispatcher(run, RunMetadata())
     host.handle = RunHandle("feedc0de", "g", lambda request, timeout: dispatcher.dispatch(request))
     with pytest.raises(FollowspotError, match="does not answer"):
         host.handle.change(["a.period=0.5"])

@@ -13,7 +13,7 @@ from followspot.errors import InputError
 from followspot.graph.change.stages import change_of
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
-from followspot.operator.change_outcome import changed, with_change
+from followspot.operator.change_outcome import outcome_of_change, with_change
 
 GRAPH = """\
 graph: play
@@ -67,7 +67,7 @@ def test_a_tune_of_one_camera_is_for_its_instance(tmp_path: Path) -> None:
 def test_the_change_and_the_plan_say_who_gave_each_value(tmp_path: Path) -> None:
     plan = tuned(tmp_path, "{toy.track_again.gain: 5}")
     found = change_of(plan, ["track=toy.track_again", "track.model=free"])
-    (told,) = changed("run", plan, found).stages
+    (told,) = outcome_of_change("run", plan, found).stages
     place = f"{tmp_path / 'room.yaml'}:27 (tune of the room)"
     assert told.origins == {"gain": place}
     assert told.text == f"track: toy.track -> toy.track_again, model = free, gain = 5.0 from {place}"
@@ -148,6 +148,6 @@ def test_a_swapped_sub_graph_takes_what_the_room_tunes_of_it(tmp_path: Path) -> 
     other = TRACKER.replace("uses: toy.detect", "uses: toy.detect_again")
     plan = planned(tmp_path, SHARED, room=room, other=other)
     found = change_of(plan, ["hall=other.yaml"], tmp_path)
-    (told, _) = changed("run", plan, found).stages
+    (told, _) = outcome_of_change("run", plan, found).stages
     assert told.params["level"] == 0.9
     assert told.origins["level"].endswith(":27 (tune of the room)")

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from followspot.errors import InputError
-from followspot.graph.change.move import moved, restarted_workers
+from followspot.graph.change.move import plan_after_move, restarted_workers
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 
@@ -56,7 +56,7 @@ def test_edges_change_their_kind_and_only_who_is_concerned_begins_anew(
 ) -> None:
     plan = planned(tmp_path)
     assert kinds(plan) == ["ring", "zenoh", "zenoh"]
-    new = moved(plan, [stage], place)
+    new = plan_after_move(plan, [stage], place)
     assert kinds(new) == after
     assert restarted_workers(plan, new) == begin
     running = {worker.name for worker in new.workers}
@@ -64,7 +64,7 @@ def test_edges_change_their_kind_and_only_who_is_concerned_begins_anew(
 
 
 def test_several_go_together_and_what_is_between_them_stays_near(tmp_path: Path) -> None:
-    new = moved(planned(tmp_path), ["a", "b", "c"], "four")
+    new = plan_after_move(planned(tmp_path), ["a", "b", "c"], "four")
     assert kinds(new) == ["reference", "reference", "reference"]
     assert [worker.name for worker in new.workers] == ["four"]
 
@@ -79,4 +79,4 @@ def test_several_go_together_and_what_is_between_them_stays_near(tmp_path: Path)
 )
 def test_what_cannot_move_is_said(tmp_path: Path, source: str, stage: str, place: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
-        moved(planned(tmp_path, source), [stage], place)
+        plan_after_move(planned(tmp_path, source), [stage], place)

@@ -10,7 +10,7 @@ from tests.core.graph.files import TOY
 from tests.core.graph.subgraph_files import MIDDLE, NESTED, SHARED
 
 from followspot.errors import InputError
-from followspot.graph.change.move import moved
+from followspot.graph.change.move import plan_after_move
 from followspot.graph.compile import compile_graph
 from followspot.graph.drawing import text as show
 from followspot.graph.drawing.svg import svg
@@ -60,7 +60,7 @@ def test_a_sub_graph_moves_as_a_whole(tmp_path: Path) -> None:
     placement = tmp_path / "placement.yaml"
     placement.write_text("workers: {a: {stages: [hall]}, b: {stages: [save]}}\n")
     plan = compile_graph(tmp_path / "main.yaml", placement=placement, plugin_files=[TOY])
-    after = moved(plan, ["hall"], "b")
+    after = plan_after_move(plan, ["hall"], "b")
     assert {stage.worker for stage in after.stages if stage.name.startswith("hall/")} == {"b"}
 
 

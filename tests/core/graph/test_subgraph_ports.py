@@ -88,7 +88,7 @@ def test_the_full_name_of_a_port_stays_and_a_wrong_one_is_answered_with_a_guess(
 
 def test_commands_and_scripts_take_the_name_of_an_output(tmp_path: Path) -> None:
     plan = planned(tmp_path, _main(), tracker=OTHER.replace("OUTPUTS", "outputs: {positions: track.tracks}"))
-    run: Any = SimpleNamespace(plan=lambda: plan, surroundings=lambda: SimpleNamespace(out=tmp_path))
+    run: Any = SimpleNamespace(plan=lambda: plan, metadata=lambda: SimpleNamespace(out=tmp_path))
     assert [*tapped_ports("hall.positions", run)] == ["hall/track.tracks"]
     subscribed = SubscriptionSinks(plan, ["hall.positions"])
     assert [e.from_stage for e in subscribed.plan.edges if e.to_stage.startswith("subscription")] == [

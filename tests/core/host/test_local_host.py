@@ -14,7 +14,7 @@ import pytest
 from followspot.control.lifecycle import StartRun
 from followspot.control.move import MoveOrder
 from followspot.errors import FollowspotError
-from followspot.graph.change.move import moved
+from followspot.graph.change.move import plan_after_move
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_to_data
@@ -117,7 +117,7 @@ def test_a_host_whose_agent_is_started_again_counts_on(plan: Plan, tmp_path: Pat
 
 
 def test_workers_that_left_for_a_move_come_back_if_it_is_not_ended(host: LocalHost, plan: Plan) -> None:
-    new = plan_to_data(moved(plan, ["b"], "c"))
+    new = plan_to_data(plan_after_move(plan, ["b"], "c"))
     host.ask(MoveOrder(leaving=("b", "c")))
     attend(host, lambda: phases(host) == {"a": "running", "b": "absent", "c": "absent"})
     host.supervisor.check(time.monotonic() + 61.0)

@@ -11,7 +11,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.library.overlay import save_overlay
-from followspot.operator.run_requests import Surroundings
+from followspot.operator.run_requests import RunMetadata
 
 ROOT = Path(__file__).parents[3]
 GRAPH = ROOT / "graphs" / "glowballs.yaml"
@@ -26,8 +26,8 @@ class Run:
     def plan(self) -> Plan:
         return self.present
 
-    def surroundings(self) -> Surroundings:
-        return Surroundings(written=self.present.written)
+    def metadata(self) -> RunMetadata:
+        return RunMetadata(source_files=self.present.source_files)
 
 
 def save(run: Run, path: Path) -> tuple[str, ...]:
@@ -134,7 +134,7 @@ def test_a_stage_within_a_sub_graph_is_named(tmp_path: Path) -> None:
 
 def test_a_run_without_a_file_has_nothing_to_extend(tmp_path: Path) -> None:
     run = Run(GRAPH, "color.similarity=0.85")
-    run.surroundings = Surroundings  # type: ignore[method-assign, assignment]
+    run.metadata = RunMetadata  # type: ignore[method-assign, assignment]
     with pytest.raises(FollowspotError, match="nothing to extend"):
         save(run, tmp_path / "show.yaml")
 

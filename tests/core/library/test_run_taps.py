@@ -9,7 +9,7 @@ from typing import Any, cast
 from followspot.control.tapping import Tapping
 from followspot.graph.compile import compile_graph
 from followspot.library.run_taps import RunTaps
-from followspot.operator.run_requests import Surroundings
+from followspot.operator.run_requests import RunMetadata
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
 
@@ -26,8 +26,8 @@ class Run:
     def plan(self) -> Any:
         return self.now
 
-    def surroundings(self) -> Surroundings:
-        return Surroundings(self.out)
+    def metadata(self) -> RunMetadata:
+        return RunMetadata(self.out)
 
     def tap(self, taps: list[Tapping]) -> None:
         self.tapped += [tap.port for tap in taps]

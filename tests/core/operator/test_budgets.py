@@ -8,7 +8,7 @@ from followspot.control.host import HostStatus, WorkerStatus
 from followspot.control.stage_status import EdgeAge, PathStatus, StageStatus
 from followspot.graph.budget import Budget
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker
-from followspot.operator.budgets import largest_part, missed, overruns
+from followspot.operator.budgets import largest_part, missed_budgets, overruns
 from followspot.operator.fault_watch import FaultWatch
 from followspot.operator.run_view import RunView
 from followspot.room import Room
@@ -79,19 +79,19 @@ def test_nothing_is_named_before_anything_is_known() -> None:
 
 
 def test_a_path_whose_newest_messages_are_late_is_missed_and_another_is_not() -> None:
-    (line,) = missed(PLAN, [running(SLOW_FUSE, 23.4)])
+    (line,) = missed_budgets(PLAN, [running(SLOW_FUSE, 23.4)])
     assert line == (
         "camera -> track misses its budget of 20 ms: 95 % of the newest messages take up to 23.4 ms;"
         " fuse works 12.0 ms"
     )
-    assert not list(missed(PLAN, [running(SLOW_FUSE, 19.9)]))
-    assert not list(missed(PLAN, [running(SLOW_FUSE, None)]))
-    assert not list(missed(replace(PLAN, budgets=()), [running(SLOW_FUSE, 23.4)]))
+    assert not list(missed_budgets(PLAN, [running(SLOW_FUSE, 19.9)]))
+    assert not list(missed_budgets(PLAN, [running(SLOW_FUSE, None)]))
+    assert not list(missed_budgets(replace(PLAN, budgets=()), [running(SLOW_FUSE, 23.4)]))
 
 
 def test_a_run_that_has_ended_tells_how_many_were_late() -> None:
     ended = replace(running(SLOW_HOP, 23.4, late=7), phase="over")
-    assert not list(missed(PLAN, [ended]))
+    assert not list(missed_budgets(PLAN, [ended]))
     (line,) = overruns(PLAN, [ended])
     assert line.startswith("camera -> track missed its budget of 20 ms with 7 of 100 messages; messages wait")
     assert not list(overruns(PLAN, [running(SLOW_HOP, 23.4, late=0)]))

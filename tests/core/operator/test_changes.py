@@ -13,7 +13,7 @@ from followspot.control.move import MoveOrder
 from followspot.control.observation import GetStates
 from followspot.control.swap import ChangeOrder, ChangePhase, ChangeStatus
 from followspot.errors import FollowspotError
-from followspot.graph.change.move import moved
+from followspot.graph.change.move import plan_after_move
 from followspot.graph.change.stages import Change
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedStage
@@ -213,7 +213,7 @@ def test_a_host_refuses_a_stage_before_any_worker_leaves(tmp_path: Path) -> None
     plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
     pools = [WorkerPool("", plan), WorkerPool("pc-left", plan), WorkerPool("pc-right", plan, refuses=True)]
     with pytest.raises(FollowspotError, match="pc-right has no such file"):
-        move_hosts(plan, moved(plan, ["b"], "pc-right"), pools)  # type: ignore[arg-type]
+        move_hosts(plan, plan_after_move(plan, ["b"], "pc-right"), pools)  # type: ignore[arg-type]
     assert [pool.began for pool in pools] == [[], [], []]
 
 
@@ -222,7 +222,7 @@ def test_a_stage_that_cannot_begin_at_its_new_place_goes_back_to_its_old_one(tmp
     pools = [WorkerPool("", plan), WorkerPool("pc-left", plan), WorkerPool("pc-right", plan, unable="b")]
     why = r"worker right cannot begin at its new place\n    pc-right: stage of right failed: no space$"
     with pytest.raises(FollowspotError, match=why):
-        move_hosts(plan, moved(plan, ["b"], "pc-right"), pools)  # type: ignore[arg-type]
+        move_hosts(plan, plan_after_move(plan, ["b"], "pc-right"), pools)  # type: ignore[arg-type]
     assert [pool.began for pool in pools] == [["main", "main"], ["left"], ["right", "right"]]
     assert {worker.phase for pool in pools for worker in pool.workers.values()} == {"running"}
 
@@ -235,7 +235,7 @@ def test_a_host_that_falls_silent_during_a_move_keeps_no_worker_from_going_back(
     silent = WorkerPool("pc-right", plan, silent_from=silent_from)
     pools = [WorkerPool("", plan), WorkerPool("pc-left", plan), silent]
     with pytest.raises(FollowspotError, match="host pc-right does not answer"):
-        move_hosts(plan, moved(plan, ["b"], "pc-right"), pools)  # type: ignore[arg-type]
+        move_hosts(plan, plan_after_move(plan, ["b"], "pc-right"), pools)  # type: ignore[arg-type]
     assert {worker.phase for pool in pools for worker in pool.workers.values()} == {"running"}
     assert [pool.began[-1:] for pool in pools] == [["main"], ["left"], ["right"]]
 
@@ -248,7 +248,7 @@ def test_a_command_that_gives_up_waiting_for_a_silent_host_says_who_undoes_the_m
     with pytest.raises(FollowspotError, match=rf"on the way back: interrupted\n    {there}"):
         move_hosts(
             plan,
-            moved(plan, ["b"], "pc-right"),
+            plan_after_move(plan, ["b"], "pc-right"),
             pools,  # type: ignore[arg-type]
             interrupt("worker right to begin at its old place"),
         )
@@ -259,7 +259,7 @@ def test_a_move_says_what_it_waits_for(tmp_path: Path) -> None:
     plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
     pools = [WorkerPool("", plan), WorkerPool("pc-left", plan), WorkerPool("pc-right", plan)]
     said: list[str] = []
-    move_hosts(plan, moved(plan, ["b"], "pc-right"), pools, said.append)  # type: ignore[arg-type]
+    move_hosts(plan, plan_after_move(plan, ["b"], "pc-right"), pools, said.append)  # type: ignore[arg-type]
     hosts = ("this host", "host pc-left", "host pc-right")
     steps = ("check the new plan", "stop its workers", "give the states of its stages")
     assert said == [
@@ -298,7 +298,7 @@ def test_ctrl_c_during_a_move_brings_all_workers_back(tmp_path: Path, at: str) -
     plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
     pools = [WorkerPool("", plan), WorkerPool("pc-left", plan), WorkerPool("pc-right", plan)]
     with pytest.raises(KeyboardInterrupt):
-        move_hosts(plan, moved(plan, ["b"], "pc-right"), pools, interrupt(at))  # type: ignore[arg-type]
+        move_hosts(plan, plan_after_move(plan, ["b"], "pc-right"), pools, interrupt(at))  # type: ignore[arg-type]
     assert {worker.phase for pool in pools for worker in pool.workers.values()} == {"running"}
     assert [pool.began for pool in pools] == [["main"], ["left"], ["right"]]
 

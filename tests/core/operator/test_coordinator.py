@@ -22,7 +22,7 @@ from followspot.log.run_log import RunLog
 from followspot.operator.coordinator import Coordinator
 from followspot.operator.new_order import new_order
 from followspot.operator.run_dispatcher import run_dispatcher
-from followspot.operator.run_requests import ChangeStages, MoveStages, Surroundings
+from followspot.operator.run_requests import ChangeStages, MoveStages, RunMetadata
 from followspot.worker.ledger import COLUMNS
 from followspot.worker.wiring import RunOptions
 
@@ -75,7 +75,7 @@ def test_a_run_that_has_not_begun_refuses_changes(plan: Plan) -> None:
     run = Coordinator(plan, [LocalHost("")], order(plan))
     for request in (ChangeStages(words=("a.count=7",)), MoveStages(stages=("a",), place="b")):
         with pytest.raises(FollowspotError, match="has not begun yet"):
-            run_dispatcher(run, Surroundings()).dispatch(request)
+            run_dispatcher(run, RunMetadata()).dispatch(request)
     assert [(w.name, w.phase) for w in run.status().workers] == [("a", "starting"), ("b", "starting")]
 
 

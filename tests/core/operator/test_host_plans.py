@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from followspot.control.plan_transfer import packed
-from followspot.graph.change.move import moved
+from followspot.graph.change.move import plan_after_move
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_from_data
-from followspot.operator.host_plans import PlanConflict, conflict, joined
+from followspot.operator.host_plans import PlanConflict, merged_plan, plan_conflict
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
 GRAPH = """
@@ -39,7 +39,7 @@ def old(tmp_path: Path) -> Plan:
 
 @pytest.fixture
 def new(old: Plan) -> Plan:
-    return moved(old, ["b"], "pc-right")
+    return plan_after_move(old, ["b"], "pc-right")
 
 
 def there(left: Plan, right: Plan) -> dict[str, Plan]:
@@ -49,31 +49,31 @@ def there(left: Plan, right: Plan) -> dict[str, Plan]:
 
 
 def found(plans: dict[str, Plan]) -> PlanConflict:
-    known = conflict(plans, joined(plans))
+    known = plan_conflict(plans, merged_plan(plans))
     assert known is not None
     return known
 
 
 def test_the_plan_of_a_run_has_the_parameters_that_each_host_knows_of_its_stages(old: Plan) -> None:
     plans = there(old, old)
-    assert [stage.params.get("step") for stage in joined(plans).stages] == [None, 3, 5]
-    assert conflict(plans, joined(plans)) is None
+    assert [stage.params.get("step") for stage in merged_plan(plans).stages] == [None, 3, 5]
+    assert plan_conflict(plans, merged_plan(plans)) is None
 
 
 def test_stages_swapped_on_one_host_alone_are_no_conflict(old: Plan) -> None:
     swapped = replace(old.stages[0], uses="ticks.count")
     plans = there(replace(old, stages=(swapped, *old.stages[1:])), old)
-    assert joined(plans).stages[0].uses == "ticks.count"
-    assert conflict(plans, joined(plans)) is None
+    assert merged_plan(plans).stages[0].uses == "ticks.count"
+    assert plan_conflict(plans, merged_plan(plans)) is None
 
 
 def test_a_host_that_gets_a_stage_has_its_parameters_before_the_other_drops_them(
     old: Plan, new: Plan
 ) -> None:
     plans = there(old, new)
-    assert [stage.params.get("step") for stage in joined(plans).stages] == [None, 3, 5]
+    assert [stage.params.get("step") for stage in merged_plan(plans).stages] == [None, 3, 5]
     assert found(plans).curable
-    assert found(plans).workers(joined(plans)) == {"left", "right"}
+    assert found(plans).workers(merged_plan(plans)) == {"left", "right"}
 
 
 def test_a_stage_without_parameters_anywhere_cannot_be_placed_again(old: Plan, new: Plan) -> None:

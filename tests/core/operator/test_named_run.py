@@ -6,7 +6,7 @@ import pytest
 
 from followspot.errors import FollowspotError
 from followspot.operator.attach import FoundRun, _listing
-from followspot.operator.named_run import chosen
+from followspot.operator.named_run import chosen_run
 from followspot.operator.run_handle import RunHandle
 
 ENDED = FoundRun("aaaa1111", "show", ("left",), over=True)
@@ -19,17 +19,17 @@ ALL = [ENDED, GOING, LAST]
     ("wanted", "run"), [("show", GOING), ("aaaa", ENDED), ("rehearsal", LAST), (None, GOING)]
 )
 def test_a_run_that_goes_on_is_meant_before_one_that_has_ended(wanted: str | None, run: FoundRun) -> None:
-    assert chosen(_listing([], ALL, wanted), wanted, "in reach") is run
+    assert chosen_run(_listing([], ALL, wanted), wanted, "in reach") is run
 
 
 def test_each_run_is_listed_once() -> None:
     here = RunHandle("bbbb2222", "show", lambda request, timeout: None, pid=7)
     listed = r"runs in reach: show \(bbbb2222\), show \(aaaa1111\), rehearsal \(cccc3333\)$"
     with pytest.raises(FollowspotError, match=f"there is no run opera; {listed}"):
-        chosen(_listing([here], ALL, "opera"), "opera", "in reach")
+        chosen_run(_listing([here], ALL, "opera"), "opera", "in reach")
 
 
 def test_several_runs_are_named() -> None:
     runs = [GOING, FoundRun("dddd4444", "show", ("left",), over=False)]
     with pytest.raises(FollowspotError, match=r"several runs: show \(bbbb2222\), show \(dddd4444\)"):
-        chosen(_listing([], runs, "show"), "show", "in reach")
+        chosen_run(_listing([], runs, "show"), "show", "in reach")

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from followspot.errors import FollowspotError
-from followspot.operator.output_folder import reserved
+from followspot.operator.output_folder import reserved_folder
 
 
 @contextmanager
@@ -25,7 +25,7 @@ def no_more_open_files() -> Iterator[None]:
 
 
 def test_a_folder_that_cannot_be_opened_is_told_with_the_remedy_of_the_limit(tmp_path: Path) -> None:
-    with pytest.raises(FollowspotError) as told, no_more_open_files(), reserved(tmp_path / "out"):
+    with pytest.raises(FollowspotError) as told, no_more_open_files(), reserved_folder(tmp_path / "out"):
         pass
     assert f"the output folder {tmp_path / 'out'}" in str(told.value)
     assert "ulimit -n" in str(told.value)

@@ -13,7 +13,7 @@ from followspot.control.worker_report import WorkerReport
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedWorker
 from followspot.operator.reporting import summary
-from followspot.operator.reporting.report import RunReport, merge, summed
+from followspot.operator.reporting.report import RunReport, merge, summed_ledger
 from followspot.operator.run_view import RunView
 from followspot.worker.ledger import COLUMNS, DELIVERED, PRODUCED, SOURCE_LOSSES
 
@@ -33,7 +33,7 @@ def report(plan: Plan, produced: int, delivered: int, deaths: int = 0) -> RunRep
     rows = [[0] * COLUMNS, [0] * COLUMNS]
     rows[0][PRODUCED], rows[1][DELIVERED] = produced, delivered
     ended = [WorkerReport("main", 0)]
-    return merge(plan, summed(rows, 1), ended, 1.0, stopped=False, restarts={"main": deaths})
+    return merge(plan, summed_ledger(rows, 1), ended, 1.0, stopped=False, restarts={"main": deaths})
 
 
 def test_each_death_may_lose_the_messages_in_flight(plan: Plan) -> None:
@@ -98,7 +98,7 @@ def test_frames_lost_at_the_source_stand_beside_the_messages(plan: Plan) -> None
     row = [0] * COLUMNS
     row[PRODUCED] = row[DELIVERED] = 5
     row[SOURCE_LOSSES["packet_loss"]], row[SOURCE_LOSSES["gap"]] = 3, 2
-    found = merge(plan, summed([row, row], 1), [WorkerReport("main", 5)], 1.0, stopped=False)
+    found = merge(plan, summed_ledger([row, row], 1), [WorkerReport("main", 5)], 1.0, stopped=False)
     assert found.ok
     data = summary.data(found, {})
     assert balanced(data), "the equation is about messages"

@@ -27,9 +27,9 @@ from followspot.operator.change_outcome import ChangeOutcome, StageOutcome
 from followspot.operator.run_requests import (
     ChangeStages,
     GetPlan,
+    GetRunMetadata,
     GetStatus,
-    GetSurroundings,
-    Surroundings,
+    RunMetadata,
 )
 from followspot.operator.run_status import RunStatus
 from followspot.taps.sender import TapSender
@@ -68,7 +68,7 @@ class Shown:
                 GetPlan: lambda _: plan_to_data(self.plan),
                 GetStatus: lambda _: self.status,
                 PlaceTaps: self.tap,
-                GetSurroundings: lambda _: Surroundings(self.out),
+                GetRunMetadata: lambda _: RunMetadata(self.out),
                 ChangeStages: self.change,
             },
         )

@@ -20,7 +20,7 @@ from followspot.graph.plan_data import plan_to_data
 from followspot.log.file import LogFile
 from followspot.log.record import LogPage, LogRecord
 from followspot.log.run_log import RunLog
-from followspot.operator.run_requests import GetPlan, GetStatus, GetSurroundings, Surroundings
+from followspot.operator.run_requests import GetPlan, GetRunMetadata, GetStatus, RunMetadata
 from followspot.operator.run_status import RunStatus
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
@@ -57,7 +57,7 @@ def run(tmp_path: Path) -> Iterator[str]:
             GetPlan: lambda _: plan,
             GetStatus: lambda _: running,
             GetLog: log,
-            GetSurroundings: lambda _: Surroundings(tmp_path),
+            GetRunMetadata: lambda _: RunMetadata(tmp_path),
         },
     )
     with serve_requests(NAME, "glowballs", dispatcher):

@@ -32,7 +32,7 @@ from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_to_data
 from followspot.messages import Header, stamped
 from followspot.operator.connect import runs_here
-from followspot.operator.run_requests import GetPlan, GetStatus, GetSurroundings, Surroundings
+from followspot.operator.run_requests import GetPlan, GetRunMetadata, GetStatus, RunMetadata
 from followspot.operator.run_status import RunStatus
 from followspot.plugins.registry import load_stage
 from followspot.tables.terminal import grid, line
@@ -90,7 +90,7 @@ def answering(
             GetPlan: lambda _: plan_to_data(plan),
             GetStatus: status,
             PlaceTaps: tap,
-            GetSurroundings: lambda _: Surroundings(Path("/nowhere")),
+            GetRunMetadata: lambda _: RunMetadata(Path("/nowhere")),
         },
     )
 

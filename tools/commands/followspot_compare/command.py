@@ -14,7 +14,7 @@ from pathlib import Path
 from followspot.cli.graph_options import output_folder
 from followspot.cli.progress import ProgressBar
 from followspot.cli.standard_output import printed_to_stderr
-from followspot.cli.trial_options import check_rooms, planned
+from followspot.cli.trial_options import check_rooms, trial_plan
 from followspot.cli.trial_outputs import same_outputs
 from followspot.errors import FollowspotError, InputError, Mistake, writing
 from followspot.graph.override import not_undone
@@ -94,7 +94,9 @@ def plan_scenes(variants: Sequence[Variant], args: argparse.Namespace) -> tuple[
     scenes = []
     for room in rooms:
         found = (
-            planned(v.graph, room, [*not_undone(args.overrides, v.overrides), *v.overrides], args, mistakes)
+            trial_plan(
+                v.graph, room, [*not_undone(args.overrides, v.overrides), *v.overrides], args, mistakes
+            )
             for v in variants
         )
         plans = [plan for plan in found if plan is not None]

@@ -14,7 +14,7 @@ from followspot.errors import InputError, Mistake, did_you_mean
 from followspot.frame_times import to_seconds
 from followspot.graph.compile import compile_graph
 from followspot.graph.declaration import ROOM_SOURCE
-from followspot.graph.load import Loaded
+from followspot.graph.load import LoadedGraph
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan
 from followspot.graph.sampling import plan_sampled_cycles
@@ -128,7 +128,7 @@ def _other_graph(args: argparse.Namespace, recording: Recording) -> Plan:
     )
 
 
-def _without_room_sources(loaded: Loaded, recording: Recording) -> Loaded:
+def _without_room_sources(loaded: LoadedGraph, recording: Recording) -> LoadedGraph:
     """The declared stages, with a replay for each that stands for the sources of recorded cameras."""
     stages = dict(loaded.stages)
     for name, stage in loaded.stages.items():

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from followspot.cli.graph_options import output_folder
-from followspot.cli.trial_options import check_rooms, planned
+from followspot.cli.trial_options import check_rooms, trial_plan
 from followspot.errors import InputError
 from followspot_sweep.axes import Axis, Point, points, read_axes
 from followspot_sweep.fingerprint import fingerprint_of
@@ -69,7 +69,7 @@ def _scenes(args: argparse.Namespace, axes: Sequence[Axis]) -> list[Scene]:
     mistakes = check_rooms(args.rooms)
     scenes = []
     for room in args.rooms or [None]:
-        found = (planned(args.graph, room, _overrides(point), args, mistakes) for point in _trials(axes))
+        found = (trial_plan(args.graph, room, _overrides(point), args, mistakes) for point in _trials(axes))
         plans = [plan for plan in found if plan is not None]
         if plans:
             name = Path(room).stem if room else plans[0].room.name

@@ -52,7 +52,7 @@ def _as_json(record: LogRecord) -> str:
 
 def _records(run: RunHandle, *, follow: bool) -> Iterator[LogRecord]:
     """All records so far; if `follow`, also new records until the run ends."""
-    out = run.surroundings().out if follow else None
+    out = run.metadata().out if follow else None
     last = -1
     while True:
         over = follow and run.over()

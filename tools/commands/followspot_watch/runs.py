@@ -61,7 +61,7 @@ def _warn(gap: str) -> None:
 def listed_here(run: RunHandle) -> Listed:
     """A run of this machine."""
     try:
-        status, around, plan = run.status(_ANSWER), run.surroundings(), run.outline()
+        status, metadata, plan = run.status(_ANSWER), run.metadata(), run.outline()
     except FollowspotError:
         return Listed(run.run, run.graph, (), "does not answer", run.pid, owner=user_of(run.pid or 0))
     hosts = tuple(dict.fromkeys(worker.host or "this host" for worker in plan.workers))
@@ -76,8 +76,8 @@ def listed_here(run: RunHandle) -> Listed:
         "paused" if paused else "running",
         run.pid,
         status.fired,
-        round(time.time() - around.began, 1) if around.began else None,
-        str(around.out) if around.out else None,
+        round(time.time() - metadata.began, 1) if metadata.began else None,
+        str(metadata.out) if metadata.out else None,
         kept.seconds if kept else None,
         user_of(run.pid or 0),
     )

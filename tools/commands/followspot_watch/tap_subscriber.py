@@ -33,7 +33,7 @@ def tapped_ports(word: str | None, run: RunHandle) -> dict[str, type[Message]]:
     offers by this name. Only programs on the operator's own host
     receive from ports on that host.
     """
-    plan, near = run.plan(), run.surroundings().out is not None
+    plan, near = run.plan(), run.metadata().out is not None
     known = output_ports(plan)
     found = [*known] if word is None else ports_named(word, [*known], plan.offered)
     if not found:

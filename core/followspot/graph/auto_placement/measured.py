@@ -11,7 +11,7 @@ from followspot.graph.auto_placement.costs import MEASURE, Costs
 from followspot.graph.auto_placement.pipeline_model import PipelineModel
 from followspot.graph.auto_placement.search import Aim, PlacementUnit, choose, explained
 from followspot.graph.budget import Budget
-from followspot.graph.expand import Expanded
+from followspot.graph.expand import ExpandedGraph
 from followspot.graph.instances import Instance
 
 _MOST_UNITS = 60
@@ -19,13 +19,13 @@ _MOST_UNITS = 60
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredGraph:
     """A graph with the work of its stages as a report has measured it.
 
     cores: number of cores of this host; place: of the text that names the report, for mistakes.
     """
 
-    expanded: Expanded
+    expanded: ExpandedGraph
     costs: Costs
     cores: int
     place: Place
@@ -46,7 +46,7 @@ def cores_here() -> int:
     return len(os.sched_getaffinity(0))
 
 
-def check_measured(measured: Measured) -> Iterator[Mistake]:
+def check_measured(measured: MeasuredGraph) -> Iterator[Mistake]:
     """A mistake if the report is of another graph."""
     missing = measured.missing()
     if missing:
@@ -55,7 +55,7 @@ def check_measured(measured: Measured) -> Iterator[Mistake]:
         yield Mistake(measured.place, text, f"measure this graph in this room: {MEASURE}")
 
 
-def auto(measured: Measured, aim: Aim) -> tuple[Mapping[str, str], Mapping[str, str], tuple[str, ...]]:
+def auto(measured: MeasuredGraph, aim: Aim) -> tuple[Mapping[str, str], Mapping[str, str], tuple[str, ...]]:
     """The worker of each instance, the host of each worker, and lines that explain the choice."""
     hosts = {c.name: c.host for c in measured.expanded.room.carriers if c.host}
     units = _units(tuple(measured.expanded.instances.values()), hosts)
@@ -67,7 +67,7 @@ def auto(measured: Measured, aim: Aim) -> tuple[Mapping[str, str], Mapping[str, 
 
 
 def unreachable_budgets(
-    measured: Measured, worker_of: Mapping[str, str], budgets: Mapping[Budget, Place]
+    measured: MeasuredGraph, worker_of: Mapping[str, str], budgets: Mapping[Budget, Place]
 ) -> Iterator[Mistake]:
     """A warning for each budget that the measured work alone exceeds, with the stage that works longest."""
     model = measured.model()
@@ -81,7 +81,7 @@ def unreachable_budgets(
             yield Mistake(place, text, "give it another stage, other parameters or more time", warning=True)
 
 
-def _between(model: PipelineModel, budget: Budget, ends: Sequence[str], expanded: Expanded) -> list[str]:
+def _between(model: PipelineModel, budget: Budget, ends: Sequence[str], expanded: ExpandedGraph) -> list[str]:
     """The ends of a budget and all instances upstream of them, its sources left out."""
     inputs = model.inputs()
     found, waiting = dict.fromkeys(ends), list(ends)

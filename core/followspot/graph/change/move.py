@@ -12,7 +12,7 @@ from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedStage, Pla
 _ALONE = "; another host joins only a run that was begun with agents, --listen or --router"
 
 
-def moved(plan: Plan, names: Sequence[str], place: str, others: Collection[str] = ()) -> Plan:
+def plan_after_move(plan: Plan, names: Sequence[str], place: str, others: Collection[str] = ()) -> Plan:
     """The plan with these stages in another worker. Raises InputError.
 
     names: stages of the graph file, instances of them, or sub-graphs; place: a worker, or a host, whose first

@@ -15,7 +15,7 @@ from followspot.graph.change.outgoing_edges import leaving
 from followspot.graph.change.subgraph_plan import ComposedFile
 from followspot.graph.cycles import cyclic, successors, topological
 from followspot.graph.parameters import output_paths
-from followspot.graph.placement import Placed
+from followspot.graph.placement import Placement
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
 from followspot.graph.sampling import plan_sampled_cycles
 from followspot.graph.subgraph_use import SubgraphUse
@@ -24,7 +24,7 @@ from followspot.ports.firing import FIRINGS
 from followspot.ports.signature import ports
 
 
-def rewired(plan: Plan, use: SubgraphUse, found: ComposedFile, place: Place) -> Plan:
+def plan_with_file(plan: Plan, use: SubgraphUse, found: ComposedFile, place: Place) -> Plan:
     """The plan with the file in the place of the use. place: of the file's name. Raises InputError."""
     old = {stage.name: stage for stage in plan.stages if use.holds(stage.group)}
     stages = _stages(plan, found, _placed(plan, old, found), old)
@@ -45,7 +45,7 @@ def rewired(plan: Plan, use: SubgraphUse, found: ComposedFile, place: Place) -> 
     return new
 
 
-def _placed(plan: Plan, old: Mapping[str, PlannedStage], found: ComposedFile) -> Placed:
+def _placed(plan: Plan, old: Mapping[str, PlannedStage], found: ComposedFile) -> Placement:
     """Places new stages in the worker of old stages of the same member, else of those without a member.
 
     Old stages stay in their workers.
@@ -56,11 +56,11 @@ def _placed(plan: Plan, old: Mapping[str, PlannedStage], found: ComposedFile) ->
     for stage in found.stages:
         name, member = stage.instance.name, stage.instance.member
         workers[name] = old[name].worker if name in old else beside.get(member, fallback)
-    return Placed(workers, plan.workers)
+    return Placement(workers, plan.workers)
 
 
 def _stages(
-    plan: Plan, found: ComposedFile, placed: Placed, old: Mapping[str, PlannedStage]
+    plan: Plan, found: ComposedFile, placed: Placement, old: Mapping[str, PlannedStage]
 ) -> dict[str, PlannedStage]:
     """All stages of the new plan, those of the file where the first of the old ones was."""
     inside = {}
@@ -80,7 +80,7 @@ def _edges(
     plan: Plan, use: SubgraphUse, found: ComposedFile, stages: Mapping[str, PlannedStage], place: Place
 ) -> list[PlannedEdge]:
     """The edges of the new plan; edges that stay are the same objects."""
-    placed = Placed({stage.name: stage.worker for stage in stages.values()}, plan.workers)
+    placed = Placement({stage.name: stage.worker for stage in stages.values()}, plan.workers)
     before = {edge.name + f" {edge.delay}": edge for edge in plan.edges}
     inside = []
     for checked in found.checked_edges:

@@ -10,7 +10,7 @@ from typing import Any
 from followspot.errors import InputError, Mistake, Place, did_you_mean
 from followspot.graph.change.change_arguments import as_set_option, as_typed, sets_parameter
 from followspot.graph.change.replacement import mismatches
-from followspot.graph.change.subgraph_change import BY_A_CHANGE, replaced, uses_of
+from followspot.graph.change.subgraph_change import BY_A_CHANGE, uses_of, with_subgraph_replaced
 from followspot.graph.change.subgraph_plan import room_document
 from followspot.graph.distinct_mistakes import distinct_mistakes
 from followspot.graph.names import enclosing
@@ -121,7 +121,7 @@ def _note_file(
     file = Node(str((folder / value.value).absolute()), place, place)
     for use in uses_of(plan, override.stage):
         try:
-            found_plan = replaced(plan, use, file)
+            found_plan = with_subgraph_replaced(plan, use, file)
         except InputError as error:
             mistakes += error.mistakes
             return plan

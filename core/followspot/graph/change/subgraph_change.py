@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from followspot.errors import InputError, Mistake
-from followspot.graph.change.rewiring import rewired
+from followspot.graph.change.rewiring import plan_with_file
 from followspot.graph.change.subgraph_plan import GIVEN, ComposedFile, composed_in
 from followspot.graph.instances import CheckedStage
 from followspot.graph.override import WHILE_IT_RAN, is_set
@@ -42,7 +42,7 @@ def uses_of(plan: Plan, name: str) -> list[SubgraphUse]:
 
 
 @dataclass(frozen=True)
-class Replaced:
+class SubgraphReplacement:
     """A plan in which another file is in the place of a sub-graph.
 
     changes: the stages that change, if the file has the stages and edges of the old one; None if it has
@@ -53,7 +53,7 @@ class Replaced:
     changes: list[StageChange] | None
 
 
-def replaced(plan: Plan, use: SubgraphUse, file: Node) -> Replaced:
+def with_subgraph_replaced(plan: Plan, use: SubgraphUse, file: Node) -> SubgraphReplacement:
     """The plan with another file in the place of a use.
 
     file: its path. Raises InputError with every mistake.
@@ -69,11 +69,11 @@ def replaced(plan: Plan, use: SubgraphUse, file: Node) -> Replaced:
     ]
     after = replace(plan, subgraphs=(*kept, *found.subgraphs))
     if _is_alike(plan, use, found):
-        return Replaced(after, _differing(plan, use, found))
-    new = rewired(after, use, found, file.place)
+        return SubgraphReplacement(after, _differing(plan, use, found))
+    new = plan_with_file(after, use, found, file.place)
     origins = {name: dict(known) for name, known in plan.origins.items() if name not in _inside(plan, use)}
     origins |= {stage.instance.name: _origins(plan, use, stage) for stage in found.stages}
-    return Replaced(replace(new, origins=origins), None)
+    return SubgraphReplacement(replace(new, origins=origins), None)
 
 
 def _passing_on(outer: SubgraphUse, use: SubgraphUse, found: ComposedFile) -> SubgraphUse:

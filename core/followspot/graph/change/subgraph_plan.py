@@ -12,16 +12,16 @@ from followspot.graph.checks.interfaces import check_interface
 from followspot.graph.compose.in_place import InPlace, in_place
 from followspot.graph.connections import CheckedEdge, connect
 from followspot.graph.declaration import ROOM_SOURCE, StageDeclaration, read_stage
-from followspot.graph.expand import Expanded, expand
+from followspot.graph.expand import ExpandedGraph, expand
 from followspot.graph.instances import CheckedStage, Instance
-from followspot.graph.load import Loaded
+from followspot.graph.load import LoadedGraph
 from followspot.graph.override import WHILE_IT_RAN
 from followspot.graph.parameters import validated
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.selector import Condition, Selector
 from followspot.graph.subgraph_ports import subgraph_ports
 from followspot.graph.subgraph_use import SubgraphUse
-from followspot.graph.tune import tuned
+from followspot.graph.tune import tuned_graph
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.stage import Stage
 from followspot.yaml.node import Node, node_of
@@ -60,7 +60,7 @@ def composed_in(plan: Plan, use: SubgraphUse, file: Node, mistakes: list[Mistake
         return None
     declared = {name: read_stage(name, node, mistakes) for name, node in found.stages.items()}
     old = {stage.name: stage for stage in plan.stages if use.holds(stage.group)}
-    loaded = Loaded(
+    loaded = LoadedGraph(
         plan.graph,
         plan.room,
         _with_sources(document, declared, old, place),
@@ -71,7 +71,7 @@ def composed_in(plan: Plan, use: SubgraphUse, file: Node, mistakes: list[Mistake
     )
     expanded = expand(loaded, mistakes)
     inside = {name: one for name, one in expanded.instances.items() if use.holds(one.declared.name)}
-    own = tuned(replace(expanded, instances=inside), mistakes)
+    own = tuned_graph(replace(expanded, instances=inside), mistakes)
     check_interface(found.interface_targets, own, mistakes)
     return _checked(plan, expanded, own, found, old, mistakes)
 
@@ -85,8 +85,8 @@ def room_document(plan: Plan) -> Node:
 
 def _checked(
     plan: Plan,
-    expanded: Expanded,
-    own: Expanded,
+    expanded: ExpandedGraph,
+    own: ExpandedGraph,
     found: InPlace,
     old: Mapping[str, PlannedStage],
     mistakes: list[Mistake],

@@ -7,13 +7,13 @@ from collections.abc import Collection, Sequence
 from followspot.errors import Mistake, did_you_mean
 from followspot.graph.compose.interface_targets import Noun, StageTarget, is_noted
 from followspot.graph.declaration import ROOM_SOURCE
-from followspot.graph.expand import Expanded
+from followspot.graph.expand import ExpandedGraph
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.ports.signature import ports
 from followspot.stage import Stage
 
 
-def check_interface(targets: Sequence[StageTarget], expanded: Expanded, mistakes: list[Mistake]) -> None:
+def check_interface(targets: Sequence[StageTarget], expanded: ExpandedGraph, mistakes: list[Mistake]) -> None:
     """Note every parameter and port that a stage lacks, unless a use of the file has shown it.
 
     Of a file that is used, the place of the use stands behind that of the interface.

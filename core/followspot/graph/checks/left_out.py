@@ -7,11 +7,11 @@ from dataclasses import replace
 
 from followspot.graph.compose.feeds import sender
 from followspot.graph.declaration import ROOM_SOURCE, Feed
-from followspot.graph.expand import Expanded
+from followspot.graph.expand import ExpandedGraph
 from followspot.graph.instances import Instance, Wire
 
 
-def unserved_wires(expanded: Expanded) -> Iterator[Wire]:
+def unserved_wires(expanded: ExpandedGraph) -> Iterator[Wire]:
     """A wire for each feed from or to a stage that is left out, as if it were there.
 
     Sources that the room declares are left aside: those of another room may be others.
@@ -32,7 +32,7 @@ def unserved_wires(expanded: Expanded) -> Iterator[Wire]:
                     yield Wire(source, feed, target, entry.port, entry.place)
 
 
-def _through(feed: Feed, known: Mapping[str, Instance], expanded: Expanded) -> Iterator[Feed]:
+def _through(feed: Feed, known: Mapping[str, Instance], expanded: ExpandedGraph) -> Iterator[Feed]:
     """The feed, or those behind the output of a sub-graph that it names; none of an unknown stage."""
     if feed.stage in known:
         yield feed

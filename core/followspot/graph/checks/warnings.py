@@ -15,7 +15,7 @@ from followspot.graph.checks.rates import joins_of_unequal_rates
 from followspot.graph.checks.shared_containers import shared_containers
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.distinct_mistakes import distinct_mistakes
-from followspot.graph.expand import Expanded
+from followspot.graph.expand import ExpandedGraph
 from followspot.graph.instances import CheckedStage, Instance
 from followspot.graph.seen_cameras import seen_cameras
 from followspot.ports.signature import ports
@@ -27,7 +27,7 @@ MOST_NAMED = 6
 """Most cameras that a warning names."""
 
 
-def warnings(flow: Flow, expanded: Expanded) -> list[Mistake]:
+def warnings(flow: Flow, expanded: ExpandedGraph) -> list[Mistake]:
     """Everything in a graph without mistakes that can never give a result, at its place."""
     room = expanded.room
     found = [
@@ -43,7 +43,7 @@ def warnings(flow: Flow, expanded: Expanded) -> list[Mistake]:
     return [replace(mistake, warning=True) for mistake in distinct_mistakes(found)]
 
 
-def _unread(flow: Flow, expanded: Expanded) -> Iterator[Mistake]:
+def _unread(flow: Flow, expanded: ExpandedGraph) -> Iterator[Mistake]:
     """Stages with outputs that feed nothing, or that feed nothing for some cameras."""
     read = {edge.wire.source.name for edge in flow.edges}
     for name, group in flow.groups.items():

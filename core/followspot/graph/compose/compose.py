@@ -16,7 +16,7 @@ from followspot.graph.compose.optional_use import OptionalUse, left_out_below, o
 from followspot.graph.compose.resolved import resolved_uses
 from followspot.graph.compose.senders import senders
 from followspot.graph.compose.tuning import subgraph_tunes
-from followspot.graph.compose.unit import Unit, Wired
+from followspot.graph.compose.unit import Unit, WiredInput
 from followspot.graph.compose.unit_builder import UnitBuilder
 from followspot.graph.names import below
 from followspot.graph.override import Override
@@ -26,7 +26,7 @@ from followspot.yaml.node import Node, child
 
 
 @dataclass(frozen=True)
-class Composed:
+class ComposedGraph:
     """A graph without sub-graphs, as if it were one file.
 
     room: the value of the key; place: of the graph file; files: all that were read; complete: False if a
@@ -62,11 +62,11 @@ def compose(
     overrides: Sequence[Override],
     find_room: Callable[[Node | None], tuple[Room | None, Node | None]],
     mistakes: list[Mistake],
-) -> Composed:
+) -> ComposedGraph:
     """Put the files of a graph together, with overrides; note mistakes.
 
-    find_room: gives the room and its document from what the graph says; see `Loaded`. Raises InputError if
-    the graph file itself cannot be read.
+    find_room: gives the room and its document from what the graph says; see `LoadedGraph`. Raises InputError
+    if the graph file itself cannot be read.
     """
     wrong: list[Mistake] = []
     files = GraphFiles(wrong, mistakes)
@@ -83,7 +83,7 @@ def compose(
     apart = dict(_apart(unit, wrong))
     mistakes += wrong
     stages = seen_only(stages, units_below(unit))
-    return Composed(
+    return ComposedGraph(
         name=root.name,
         place=root.place,
         room=root.room,
@@ -199,13 +199,13 @@ def _flat(name: str, node: Node, unit: Unit, mistakes: list[Mistake]) -> Node:
     if wired and inputs is None:
         inputs = Node({}, node.place, node.key)
     if inputs is not None and isinstance(inputs.value, Mapping):
-        own = {port: Wired(unit, feeds) for port, feeds in inputs.value.items()}
+        own = {port: WiredInput(unit, feeds) for port, feeds in inputs.value.items()}
         value = {port: _feeds(found, mistakes) for port, found in {**own, **wired}.items()}
         entry["in"] = replace(inputs, value=value)
     return replace(node, value=entry)
 
 
-def _feeds(wired: Wired, mistakes: list[Mistake]) -> Node:
+def _feeds(wired: WiredInput, mistakes: list[Mistake]) -> Node:
     """The feeds of an input, with full names."""
     found = [one for item in items(wired.feeds) for one in senders(wired.unit, item, mistakes)]
     if not isinstance(wired.feeds.value, tuple) and len(found) == 1:

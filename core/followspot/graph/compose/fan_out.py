@@ -16,7 +16,7 @@ from followspot.yaml.node import Node
 
 @dataclass(frozen=True)
 class UseContext:
-    """The surroundings of a use of a graph file.
+    """What the file that uses a graph file tells of it.
 
     room: None if it has mistakes; named: whether the graph names a room; prefix: full name of the sub-graph
     around the use, "" for the graph itself; limits: of that sub-graph.

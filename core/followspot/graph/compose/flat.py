@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from followspot.graph.compose.compose import Composed
+from followspot.graph.compose.compose import ComposedGraph
 from followspot.graph.compose.feeds import items, sender
 from followspot.graph.declaration import ROOM_SOURCE
 from followspot.graph.names import enclosing
@@ -18,7 +18,7 @@ from followspot.stage_params import PathIn
 from followspot.yaml.node import Node, dump, plain
 
 
-def flat_text(composed: Composed, plan: Plan, room: str | None) -> str:
+def flat_text(composed: ComposedGraph, plan: Plan, room: str | None) -> str:
     """The text of a graph file that gives the same plan, wherever it stands: its paths are absolute.
 
     plan: of this graph; room: path of a room file in place of the graph's own.
@@ -33,7 +33,7 @@ def flat_text(composed: Composed, plan: Plan, room: str | None) -> str:
     return dump({**data, "stages": {name: _entry(name, node, plan) for name, node in stages.items()}})
 
 
-def _present(composed: Composed, planned: Collection[str]) -> dict[str, Node]:
+def _present(composed: ComposedGraph, planned: Collection[str]) -> dict[str, Node]:
     """The stages without those that are left out with a sub-graph, and without feeds from them.
 
     planned: the stages that are in the plan. Optional stages that the room has nothing for stay.

@@ -31,7 +31,7 @@ class InPlace:
     """The content of a sub-graph after its file was exchanged for another.
 
     stages: by full name; outputs: of the sub-graph and of those inside it, SUBGRAPH.NAME, each with the feeds
-    of its readers; left_out, optional: see `Loaded`.
+    of its readers; left_out, optional: see `LoadedGraph`.
     """
 
     stages: Mapping[str, Node]

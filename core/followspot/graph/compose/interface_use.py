@@ -8,7 +8,7 @@ from dataclasses import replace
 from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.compose.feeds import items
 from followspot.graph.compose.interface import SECTION, InterfaceTarget
-from followspot.graph.compose.unit import Unit, Wired
+from followspot.graph.compose.unit import Unit, WiredInput
 from followspot.graph.override import with_value
 
 
@@ -32,7 +32,7 @@ def _connect(
     unit: Unit,
     target: InterfaceTarget,
     name: str,
-    wired: Wired,
+    wired: WiredInput,
     connected: list[tuple[InterfaceTarget, str]],
     mistakes: list[Mistake],
 ) -> None:

@@ -7,13 +7,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from followspot.errors import Place, shown
-from followspot.graph.compose.compose import Composed
+from followspot.graph.compose.compose import ComposedGraph
 from followspot.yaml.node import Node, plain
 
 _BY_KEY = ("in", "with")
 
 
-def origin_text(composed: Composed) -> str:
+def origin_text(composed: ComposedGraph) -> str:
     """A line for each stage, and below it one for each value."""
     rows = [("graph " + composed.name, composed.place)]
     rows += [(f"room {plain(composed.room)}", composed.room.place)] if composed.room is not None else []

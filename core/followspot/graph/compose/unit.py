@@ -13,7 +13,7 @@ from followspot.yaml.node import Node
 
 
 @dataclass(frozen=True)
-class Wired:
+class WiredInput:
     """The feeds of an input. unit: the feeds name stages of this unit."""
 
     unit: Unit
@@ -35,8 +35,8 @@ class Unit:
     interface: Interface
     stages: dict[str, Node]
     limits: tuple[Limit, ...] = ()
-    wired: dict[tuple[str, str], Wired] = field(default_factory=dict)
-    replaced: dict[str, Wired] = field(default_factory=dict)
+    wired: dict[tuple[str, str], WiredInput] = field(default_factory=dict)
+    replaced: dict[str, WiredInput] = field(default_factory=dict)
     units: dict[str, tuple[Unit, ...]] = field(default_factory=dict)
     left_out: dict[str, Mistake] = field(default_factory=dict)
     """The optional sub-graphs whose cameras or members the room lacks, by name, with the reasons."""
@@ -44,7 +44,7 @@ class Unit:
     """The units of these, made as if the room was unknown, so that their files are checked all the same."""
     optional: Place | None = None
     """The place of `optional: true` in the use; None for a use that may not be left out."""
-    inputs: Mapping[str, Wired] = field(default_factory=dict)
+    inputs: Mapping[str, WiredInput] = field(default_factory=dict)
     """The inputs of the interface that the use connects."""
     given: Mapping[str, Node] = field(default_factory=dict)
     """The parameters of the interface that the use gives."""

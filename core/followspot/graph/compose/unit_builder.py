@@ -11,7 +11,7 @@ from followspot.graph.compose.graph_file import GraphFile, GraphFiles
 from followspot.graph.compose.interface import read_interface
 from followspot.graph.compose.interface_use import apply_use
 from followspot.graph.compose.removed import check_removed
-from followspot.graph.compose.unit import Unit, Wired
+from followspot.graph.compose.unit import Unit, WiredInput
 from followspot.graph.names import below
 from followspot.graph.override import SUBGRAPH, Override, overridden
 from followspot.room import Room
@@ -138,9 +138,9 @@ class UnitBuilder:
         return True
 
 
-def _own_inputs(entry: Form, parent: Unit) -> dict[str, Wired]:
+def _own_inputs(entry: Form, parent: Unit) -> dict[str, WiredInput]:
     """The inputs that the stage connects, in the names of the unit around it."""
-    return {name: Wired(parent, feeds) for name, feeds in entry.mapping("in").items()}
+    return {name: WiredInput(parent, feeds) for name, feeds in entry.mapping("in").items()}
 
 
 def _is_subgraph(node: Node) -> bool:

@@ -11,7 +11,7 @@ from typing import Any
 from followspot.control.host import Host, HostLost
 from followspot.control.swap import ChangeOrder, ChangePhase, Rested, Step
 from followspot.errors import FollowspotError
-from followspot.operator.change_under_way import GIVEN_UP, OnWait, named, no_notice
+from followspot.operator.change_under_way import GIVEN_UP, OnWait, host_names, no_notice
 
 _TIMEOUT = 60.0
 """Seconds in which a step must be done: some stages load models."""
@@ -117,7 +117,7 @@ class ChangeSteps:
         return {**fields, "step": step, "turn": self._turn, "plan": plan}
 
     def _await(self, step: Step, parts: Sequence[HostPart]) -> None:
-        self._on_wait(f"{named(part.host.name for part in parts)} to {_DOING[step]}")
+        self._on_wait(f"{host_names(part.host.name for part in parts)} to {_DOING[step]}")
 
     def _wait_for(self, step: Step, phase: ChangePhase, deadline: float) -> Rested:
         """Wait until all hosts have done the step. Raises FollowspotError."""

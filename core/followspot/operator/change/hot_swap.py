@@ -16,7 +16,7 @@ from followspot.graph.subgraph_use import SubgraphUse
 from followspot.operator.change.change_steps import ChangeSteps, HostPart
 from followspot.operator.change.move import settle_plans
 from followspot.operator.change.rewire import rewire
-from followspot.operator.change_outcome import ChangeOutcome, changed, with_change
+from followspot.operator.change_outcome import ChangeOutcome, outcome_of_change, with_change
 from followspot.operator.change_under_way import GIVEN_UP, OnWait, no_notice
 from followspot.operator.run_requests import ChangeStages
 
@@ -33,7 +33,7 @@ def change_stages(run: Coordinator, request: ChangeStages) -> ChangeOutcome:
     with run.one_change():
         settle_plans(run)
         found = change_of(run.plan, request.words, request.folder)
-        report = changed(run.name, run.plan, found)
+        report = outcome_of_change(run.name, run.plan, found)
         new = with_change(run.plan, found)
         if found.rewired is not None:
             rewire(run, new, fresh=request.fresh)

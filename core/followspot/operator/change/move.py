@@ -12,13 +12,13 @@ from followspot.control.host import Host, HostLost, WorkerStatus
 from followspot.control.move import MOVE_TIMEOUT, MoveOrder
 from followspot.control.observation import GetStates
 from followspot.errors import FollowspotError
-from followspot.graph.change.move import moved, restarted_workers
+from followspot.graph.change.move import plan_after_move, restarted_workers
 from followspot.graph.frame_count import sinks
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_to_data
 from followspot.host.heartbeat import SILENCE
 from followspot.operator.change_outcome import MoveOutcome
-from followspot.operator.change_under_way import GIVEN_UP, OnWait, named, no_notice
+from followspot.operator.change_under_way import GIVEN_UP, OnWait, host_names, no_notice
 from followspot.operator.run_requests import MoveStages
 
 if TYPE_CHECKING:
@@ -39,7 +39,9 @@ def move_stages(run: Coordinator, request: MoveStages) -> MoveOutcome:
     """
     with run.one_change():
         settle_plans(run)
-        new = moved(run.plan, request.stages, request.place, run.others.names() if run.others else ())
+        new = plan_after_move(
+            run.plan, request.stages, request.place, run.others.names() if run.others else ()
+        )
         report = MoveOutcome.of(run.name, run.plan, new)
         if report.stages:
             run.join({worker.host for worker in new.workers} - {host.name for host in run.hosts})
@@ -89,7 +91,7 @@ def _go_back(new: Plan, old: Plan, hosts: Sequence[Host], leaving: set[str], on_
     except GIVEN_UP as error:
         left.append(f"on the way back: {str(error) or 'interrupted'}")
     if silent := [host.name for host in hosts if (host.status().age_s or 0.0) > SILENCE]:
-        line = f"{named(silent)} does not answer: what ran there begins again at its old place"
+        line = f"{host_names(silent)} does not answer: what ran there begins again at its old place"
         left.append(f"{line} within {MOVE_TIMEOUT:.0f} s of its return")
     return left
 
@@ -157,7 +159,7 @@ def _own(plan: Plan) -> set[tuple[str, str]]:
 def _each(hosts: Sequence[Host], doing: str, on_wait: OnWait) -> Iterator[Host]:
     """The hosts, each of which is awaited while it is asked."""
     for host in hosts:
-        on_wait(f"{named([host.name])} {doing}")
+        on_wait(f"{host_names([host.name])} {doing}")
         yield host
 
 

@@ -19,7 +19,7 @@ from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_to_data
 from followspot.operator.change.change_steps import ChangeSteps, HostPart
 from followspot.operator.change.joint_rewire import rewire_together
-from followspot.operator.change_under_way import GIVEN_UP, OnWait, named
+from followspot.operator.change_under_way import GIVEN_UP, OnWait, host_names
 from followspot.worker.wiring import Wiring
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def rewire(run: Coordinator, new: Plan, *, fresh: bool) -> None:
     else:
         others = rewire_together(run.hosts, old, new, order, run.change.wait_for)
     for other in others:
-        run.change.wait_for(f"{named([other.name])} to take the new plan")
+        run.change.wait_for(f"{host_names([other.name])} to take the new plan")
         other.ask(MoveOrder(plan=data))
 
 

@@ -14,7 +14,7 @@ from followspot.graph.frame_count import counted_sources
 from followspot.graph.plan import Plan, PlannedEdge
 from followspot.operator.reporting.early_ends import early_ends
 from followspot.operator.reporting.silence import Silence, silences
-from followspot.operator.reporting.unused import unused
+from followspot.operator.reporting.unused import unused_messages
 from followspot.worker.ledger import COLUMNS, EdgeCount, Ledger
 
 
@@ -58,7 +58,12 @@ class RunReport:
         early = early_ends(self.plan, self.workers)
         without = {edge.to_stage for edge, _ in self.edges if edge.from_stage in early}
         joined = [(edge, count) for edge, count in self.edges if edge.to_stage not in without]
-        return (*self.news, *warnings, *early.values(), *(() if self.errors else unused(self.plan, joined)))
+        return (
+            *self.news,
+            *warnings,
+            *early.values(),
+            *(() if self.errors else unused_messages(self.plan, joined)),
+        )
 
     @cached_property
     def silences(self) -> tuple[Silence, ...]:
@@ -119,7 +124,7 @@ def _left(edge: PlannedEdge, count: EdgeCount) -> tuple[PlannedEdge, EdgeCount]:
     return edge, count.with_lost(count.in_flight)
 
 
-def summed(counts: Sequence[Sequence[int]], edges: int) -> Ledger:
+def summed_ledger(counts: Sequence[Sequence[int]], edges: int) -> Ledger:
     """The ledger of a run: the sum of the ledgers of its hosts, given as rows of columns.
 
     A ledger of another length is left out; `RunView` says so.

@@ -15,7 +15,7 @@ FEWEST, SHARE = 5, 0.02
 some always lack a partner."""
 
 
-def unused(plan: Plan, edges: Sequence[tuple[PlannedEdge, EdgeCount]]) -> tuple[str, ...]:
+def unused_messages(plan: Plan, edges: Sequence[tuple[PlannedEdge, EdgeCount]]) -> tuple[str, ...]:
     """A line for each group of edges of which joins did not use many messages. Those that a live run drops by
     its policy are not among them.
     """

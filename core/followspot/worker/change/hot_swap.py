@@ -11,7 +11,13 @@ from typing import Any
 from followspot.control.swap import ChangeOrder, ChangeStatus
 from followspot.errors import FollowspotError
 from followspot.worker.change.joint_change import JointChange
-from followspot.worker.change.replacement import Replacement, discard_all, dry_run, prepared, take_over
+from followspot.worker.change.replacement import (
+    Replacement,
+    build_replacements,
+    discard_all,
+    dry_run,
+    take_over,
+)
 from followspot.worker.change.rewiring import Rewiring
 from followspot.worker.rest import REST_TIMEOUT, Rest
 from followspot.worker.scheduler import Scheduler
@@ -82,7 +88,7 @@ class HotSwap:
         rewiring: Rewiring | None = None
         try:
             if order.plan is None:
-                built = prepared(self.scheduler, order.stages)
+                built = build_replacements(self.scheduler, order.stages)
             else:
                 rewiring = self._rewire(order.plan)
                 rewiring.wait_matched(lambda: order.id == self._id)

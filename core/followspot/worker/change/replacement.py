@@ -51,7 +51,7 @@ def is_same(runner: StageRunner, stage: PlannedStage) -> bool:
     return type(now) is load_stage(stage.uses) and now.params == type(now).Params(**stage.params)
 
 
-def prepared(scheduler: Scheduler, stages: Sequence[PlannedStage]) -> list[Replacement]:
+def build_replacements(scheduler: Scheduler, stages: Sequence[PlannedStage]) -> list[Replacement]:
     """Build and set up replacements for stages of a worker, in any thread, while the old ones work on.
 
     Raises FollowspotError with the reason if one cannot be built; all are closed then.

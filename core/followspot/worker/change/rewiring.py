@@ -13,7 +13,14 @@ from followspot.graph.plan import PlannedEdge, PlannedStage
 from followspot.worker.build import Builder
 from followspot.worker.change.departure import close_leaving, discard_sampled
 from followspot.worker.change.remote_ends import RemoteEnds
-from followspot.worker.change.replacement import Replacement, discard_all, dry_run, fits, is_same, prepared
+from followspot.worker.change.replacement import (
+    Replacement,
+    build_replacements,
+    discard_all,
+    dry_run,
+    fits,
+    is_same,
+)
 from followspot.worker.edge_factory import EdgeFactory
 from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.inputs.sampled_input import NearestInput
@@ -165,7 +172,7 @@ class Rewiring:
             for stage in builder.mine
             if stage.name in self._stays and not is_same(self._stays[stage.name], stage)
         ]
-        self.replacements = prepared(self.scheduler, changed)
+        self.replacements = build_replacements(self.scheduler, changed)
 
     def _add(self, rank: int, stage: PlannedStage) -> None:
         """Build and set up a new stage. Raises FollowspotError."""

@@ -56,14 +56,14 @@ class RecordButton:
             raise FollowspotError("it is recorded already")
         ports = chosen_ports(words or None, output_ports(plan), "record", plan.offered)
         names = (*ports, *firing_types(plan, ports))
-        around = await asyncio.to_thread(run.surroundings)
-        if around.out is None:
+        metadata = await asyncio.to_thread(run.metadata)
+        if metadata.out is None:
             raise FollowspotError("recordings are written on the operator's host; start them there")
-        path = around.out / time.strftime("recorded-%Y%m%d-%H%M%S.mcap")
+        path = metadata.out / time.strftime("recorded-%Y%m%d-%H%M%S.mcap")
         listen = self._folder / f"recorder-{next(self._numbers)}"
         remote = _remote(plan, run.run, names)
         begun = await self._begin(
-            Order(plan=plan, ports=names, path=path, listen=listen, remote=remote, network=around.network)
+            Order(plan=plan, ports=names, path=path, listen=listen, remote=remote, network=metadata.network)
         )
         taps = [Tapping(name, TAP, _params(name, None if name in remote else listen)) for name in names]
         await asyncio.to_thread(run.tap, taps)

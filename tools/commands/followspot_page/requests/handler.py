@@ -124,7 +124,7 @@ def _saved_overlay(run: RunHandle) -> str:
 
     Returns a line with the new file and the stages that it changes. Raises FollowspotError.
     """
-    out = run.surroundings().out
+    out = run.metadata().out
     if out is None:
         raise FollowspotError("overlays are saved on the operator's host; save it there")
     path = unused_path(out / time.strftime("overlay-%Y%m%d-%H%M%S.yaml"))

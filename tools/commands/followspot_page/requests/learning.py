@@ -141,16 +141,16 @@ def described(learnt: Learnt, room: Room) -> dict[str, Any]:
 
 def room_file(run: RunHandle, plan: Plan) -> Path:
     """The room file of a run on this host. Raises FollowspotError if there is none."""
-    around = run.surroundings()
-    written = around.written
-    if around.out is None or written is None:
+    metadata = run.metadata()
+    files = metadata.source_files
+    if metadata.out is None or files is None:
         text = "the room file of this run is not on this host; learn the target where it is"
         raise FollowspotError(f"{text}: followspot calibrate targets --pick")
-    if written.room:
-        return Path(written.room)
-    made = compile_graph(Path(written.graph), cameras=written.cameras, plugin_files=plan.plugin_files)
+    if files.room:
+        return Path(files.room)
+    made = compile_graph(Path(files.graph), cameras=files.cameras, plugin_files=plan.plugin_files)
     if made.room_document is None:
-        raise FollowspotError(f"{written.graph} has no room")
+        raise FollowspotError(f"{files.graph} has no room")
     return Path(made.room_document.place.file)
 
 

@@ -41,7 +41,7 @@ async def plan_of(run: RunHandle) -> Plan:
 
 async def remote_previews(run: RunHandle, take: Callable[[str, bytes], Any]) -> RemotePreviews | None:
     """Previews from the run's other hosts; None if it has none. Raises FollowspotError."""
-    network = (await asyncio.to_thread(run.surroundings)).network
+    network = (await asyncio.to_thread(run.metadata)).network
     return None if network is None else await RemotePreviews.open(network, run.run, take)
 
 

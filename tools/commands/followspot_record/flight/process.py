@@ -53,7 +53,7 @@ class FlightProcess:
         self._run = run
         self._order = order
         plan = self._plan = run.plan()
-        out = run.surroundings().out
+        out = run.metadata().out
         if out is None:
             raise FollowspotError("what is kept of a run is written on its operator's host; start it there")
         self._out = out
