@@ -14,6 +14,7 @@ import numpy as np
 from followspot.messages import Array, Message, column
 from followspot.room import Room
 from followspot.tables.table_column import TableColumn
+from followspot.valid_values.target_numbers import target_numbers
 
 LOST, TRACKED, MISSING, PREDICTED = 0, 1, 2, 3
 STATES = ("lost", "tracked", "missing", "predicted")
@@ -147,9 +148,7 @@ class Positions(Message):
     confirmed: Array = column("M", dtype="?")
     """True if a confirmed pair is among them; only such a position recovers a lost target."""
     evident: Array = column("M", dtype="?")
-    """True if one of them alone may start a track after a few frames in a row; without support, if one of
-    those nearby may.
-    """
+    """True if one of them (without support: one nearby) alone may start a track after a few frames."""
     iterations: Array = column("M", dtype="i4")
     """Steps until convergence; 0 for direct methods."""
     predicted: Array = column("M", dtype="?")
@@ -171,14 +170,8 @@ class Positions(Message):
         covariance: (M, 3, 3) m^2, None if the fusion estimates none; iterations: (M,), or one number for all.
         Raises ValueError if a number is that of no target, or there twice.
         """
-        numbers, known = np.asarray(target, np.int32), range(candidates.targets.shape[1])
-        if known and len({*numbers.tolist()} & {*known}) < len(numbers):
-            raise ValueError(
-                f"positions of the targets {numbers.tolist()}: each of 0 to {known[-1]}, as the room file "
-                "lists them, may have one"
-            )
         return cls(
-            target=numbers,
+            target=target_numbers(target, candidates.targets.shape[1]),
             xyz=xyz,
             covariance=np.full((len(target), 3, 3), np.nan) if covariance is None else covariance,
             support=used.sum(axis=1, dtype=np.int32),
@@ -195,8 +188,7 @@ class Forecast(Message):
     period: float
     """Time from this message to the frame it forecasts, s."""
     state: Array = column("T", dtype="u1", refers="states")
-    """State that decides the search region; in some frames a missing target is searched for like a lost
-    one."""
+    """State that decides the search region; at times a missing target is searched for like a lost one."""
     xyz: Array = column("T", 3, unit="m")
     velocity: Array = column("T", 3, unit="m/s")
     covariance: Array = column("T", 3, 3, unit="m^2")

@@ -14,6 +14,35 @@ from followspot.plugins.hooks import Command
 
 def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--name", required=True, help="name of this host in rooms and placements")
+    _add_grants(parser)
+    parser.add_argument(
+        "--plugin",
+        dest="plugin_files",
+        action="append",
+        default=[],
+        metavar="FILE.py",
+        help="load the stages of a Python file; repeatable",
+    )
+    parser.add_argument(
+        "--clock-offset",
+        type=float,
+        default=0.0,
+        metavar="MS",
+        help="milliseconds by which this host's clock is behind; they are added to the times of its cameras",
+    )
+    parser.add_argument(
+        "--operator-timeout",
+        type=_seconds,
+        default=OPERATOR_TIMEOUT,
+        metavar="S",
+        help="seconds without a word of its operator after which a run on this host ends "
+        f"(default: {OPERATOR_TIMEOUT:g})",
+    )
+    add_network_options(parser, listens=True)
+
+
+def _add_grants(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say which files, addresses and devices stages on this host may use."""
     parser.add_argument(
         "--media", metavar="DIR", help="folder with the files that cameras on this host may read"
     )
@@ -39,30 +68,6 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         default="runs",
         help="folder for the outputs of stages on this host (default: runs)",
     )
-    parser.add_argument(
-        "--plugin",
-        dest="plugin_files",
-        action="append",
-        default=[],
-        metavar="FILE.py",
-        help="load the stages of a Python file; repeatable",
-    )
-    parser.add_argument(
-        "--clock-offset",
-        type=float,
-        default=0.0,
-        metavar="MS",
-        help="milliseconds by which this host's clock is behind; they are added to the times of its cameras",
-    )
-    parser.add_argument(
-        "--operator-timeout",
-        type=_seconds,
-        default=OPERATOR_TIMEOUT,
-        metavar="S",
-        help="seconds without a word of its operator after which a run on this host ends "
-        f"(default: {OPERATOR_TIMEOUT:g})",
-    )
-    add_network_options(parser, listens=True)
 
 
 def _seconds(text: str) -> float:
