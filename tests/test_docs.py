@@ -36,6 +36,7 @@ TRIED_ELSEWHERE = (
     "other_programs.md",
     "pose_nets.md",
     "reference.md",
+    "sources.md",
     "tutorial.md",
 )
 """Tests of their own try these pages; in the reference `...` stands where a graph says more."""
@@ -121,10 +122,10 @@ def test_the_graph_and_the_sensors_shown_fit_the_simulated_room(tmp_path: Path) 
 
 
 def test_no_page_shows_python_that_no_test_runs() -> None:
-    """Here, in test_readme.py, test_notebook.py, test_tutorial.py, and test_page.py of pose networks."""
+    """Here, in tests of the README, the tutorial, the notebook, sources, and in test_page.py of pose nets."""
     shown = {page for page in PAGES if blocks(page, "python")}
     beside = {"README.md", "calibration.md", "notebook.md", "plugins.md"}
-    assert shown == beside | {"pose_nets.md", "tutorial.md", "wire.md"}
+    assert shown == beside | {"pose_nets.md", "sources.md", "tutorial.md", "wire.md"}
 
 
 def test_the_decoder_of_the_wire_format_decodes() -> None:

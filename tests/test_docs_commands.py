@@ -21,6 +21,7 @@ PROGRAM = re.compile(r"followspot|make|python|pip|pytest|cp|cd|\. ")
 ELSEWHERE = {
     r"(make|\. )": ".ci/run",
     r"(cd|pip|pytest)": "tests/test_tutorial.py",
+    r"followspot run walk.yaml": "tests/test_sources.py",
     r"followspot (new|plugins studio|run graph.yaml)": "tests/test_tutorial.py",
     r"python tools/bench/balls/bounces.py": "tests/tools/bench/test_bounces.py",
     r"python tools/paper_tables.py": "tests/tools/test_paper_tables.py",

@@ -189,7 +189,11 @@ class Stage:
         return ()
 
     def close(self) -> None:
-        """Complete the outputs; the worker calls it once after the last message, also after an error."""
+        """Complete the outputs, after the last message or an error.
+
+        It may be called without `setup`, or twice. For a live source it is called in another thread while
+        `process` may still wait for the device.
+        """
 
     def state(self) -> Any:
         """Checkpoint for a replacement: numbers, text, arrays, lists and dicts; None for none.
