@@ -117,6 +117,6 @@ class RingEdge:
 
 
 def extreme_ring_target() -> Target:
-    """A writer, or a reader, on the same host that says what none says."""
+    """A foreign writer or reader on the same host, which sends impossible control words."""
     ring = RingEdge()
     return Target(ring.make, ring.take, (InvalidMessage,))

@@ -34,7 +34,7 @@ _ELSEWHERE = frozenset(
 
 
 class Call(NamedTuple):
-    """A stage, and what it is given."""
+    """A call of a stage: its name, and the arguments of `process`."""
 
     uses: str
     arguments: list[Any]

@@ -99,7 +99,7 @@ def _noted_together(stage: type[Stage], known: Ports) -> Callable[..., Any]:
 
 
 def _got(stage: str, known: Ports, arguments: Sequence[Any]) -> Message:
-    """Note what came; the earliest message, for what is made bears its name."""
+    """Note the messages that came; return the earliest of the firing, whose number the results get."""
     firing: list[Message] = []
     for port, value in zip(known.inputs, arguments, strict=True):
         for message in value if isinstance(value, tuple) else (value,):
@@ -135,12 +135,12 @@ CsvFile = journaled(PlainCsvFile)
 
 @journaled
 class LiveCamera(SimCamera):
-    """A camera of a room with a running clock: after a restart it sees what the others see."""
+    """A simulated camera that follows the clock: after a restart it goes on at the present frame."""
 
     live = True
 
     class Params(CameraParams):
-        """The room, and since when it is open."""
+        """The room, and the time at which its simulation began."""
 
         opened: float = Field(0.0, ge=0, description="time of frame 0 by the monotonic clock", unit="s")
 

@@ -103,15 +103,17 @@ class ProgressBar:
 
 
 class _Rate:
-    """Frames a second, over the shortest known time of at least so many seconds."""
+    """Frames a second, averaged over the last `over` seconds or a little more."""
 
     def __init__(self, over: float) -> None:
         self._over = over
         self._counts = deque([(time.monotonic(), 0)])
 
     def at(self, now: float, fired: int, *, fresh: bool) -> float:
-        """The rate until now, 0 if nothing is known long enough. fresh: whether `fired` is the present count;
-        later rates do not count from one that is not.
+        """The rate until now, Hz; 0 if the first count is too recent.
+
+        now: s, monotonic; fired: frames so far; fresh: whether that count is of now. An older count begins no
+        later average.
         """
         while len(self._counts) > 1 and self._counts[1][0] <= now - self._over:
             self._counts.popleft()

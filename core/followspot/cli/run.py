@@ -84,15 +84,11 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
     """Run a plan with the given options and print the summary. Returns the exit code."""
     from followspot.cli.progress import ProgressBar
     from followspot.cli.run_log import ShownLog
-    from followspot.library.execute import RunOptions, replaced_outputs, run_plan, unused_agents
+    from followspot.library.execute import RunOptions, replaced_outputs, run_plan
     from followspot.library.report import Report
 
     plan = with_default_host(plan, args.host)
-    if not args.quiet:
-        for note in (*plan.notes, *unused_agents(plan, args.connect or ())):
-            print(f"note: {note}", file=sys.stderr)
-    for line in warning_lines(plan.warnings):
-        print(line, file=sys.stderr)
+    _print_notes(plan, args)
     network = network_of(args)
     if args.detach:
         return _detach(plan, args, network)
@@ -126,6 +122,17 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
         for host, folder in report.outs.items():
             print(f"outputs on {host}: {folder}")
     return 0 if report.ok else 1
+
+
+def _print_notes(plan: Plan, args: argparse.Namespace) -> None:
+    """Print the warnings of a plan and, unless --quiet, its notes."""
+    from followspot.library.execute import unused_agents
+
+    if not args.quiet:
+        for note in (*plan.notes, *unused_agents(plan, args.connect or ())):
+            print(f"note: {note}", file=sys.stderr)
+    for line in warning_lines(plan.warnings):
+        print(line, file=sys.stderr)
 
 
 def _scores(report: RunReport, out: Path, *, quiet: bool) -> dict[str, Score]:

@@ -106,7 +106,10 @@ class WorkerProcess:
         return self.open and self.report is None
 
     def begin(self) -> None:
-        """Count as running, and as heard until now: it was silent while it waited for the others."""
+        """Set the phase to running.
+
+        The silence is counted from now, because the worker sent nothing while it waited for the others.
+        """
         self.phase, self.heard = "running", time.monotonic()
 
     def receive(self) -> None:

@@ -65,11 +65,20 @@ def run(
 ) -> OwnRun:
     """Start a graph and return a handle on the run; use it in a ``with`` block, which ends the run.
 
+    graph: its file, or one that the script composed; room: room file in place of the graph's; cameras: those
+    that take part, all by default; set: parameters and stages, ``{"fuse.uses": "balls.mean"}``; seed: of
+    simulations and random numbers; plugin_files: Python files whose stages the graph uses.
+
     ports: STAGE.PORT, one or several, of subscriptions from the first message on: ``run["track.tracks"]``
     iterates over them. In a replay a slow loop holds up the run; in a live run it misses messages, which are
-    counted. set: parameters and stages, ``{"fuse.uses": "balls.mean"}``; out: folder for outputs, by default
-    a new one below ``runs``; frames: of each source; keep: time that a flight recorder holds (``"30s"``) and
-    `OwnRun.mark` saves; the others: as the options of `followspot run`.
+    counted. out: folder for outputs, by default a new one below ``runs``; frames: number after which each
+    source ends; keep: time that a flight recorder holds (``"30s"``) and `OwnRun.mark` saves.
+
+    placement: "camera", "stage", "auto:REPORT.json" or a placement file, by default one worker; edges:
+    "reference", "ring" or "zenoh" forces the kind of every edge; restart: whether workers that die are
+    restarted in a replay, too; network: leads to agents on other hosts; media: local folder whose files
+    agents have below their --media.
+
     Issues the warnings of `check` in Python. Raises InputError with every mistake.
     """
     ports = as_tuple("ports", ports)

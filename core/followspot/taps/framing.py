@@ -46,7 +46,7 @@ def framed_records(sender: socket.socket) -> Iterator[Record]:
 
 
 def _exactly(sender: socket.socket, size: int) -> bytes:
-    """So many bytes; none if the stream ends before."""
+    """The next `size` bytes of the stream; b"" if it ends before."""
     data = bytearray(size)
     view, filled = memoryview(data), 0
     while filled < size:

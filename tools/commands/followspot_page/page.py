@@ -92,7 +92,7 @@ class Page:
         return {port.name: every[port.name] for port in shown}
 
     def _expect(self) -> None:
-        """Be ready for what the taps send: what is shown, and what else is plotted."""
+        """Tell the views which ports the taps will send: those that are shown, and those that are plotted."""
         shown = shown_ports(self.plan)
         self.previews.drawn = frozenset(port.name for port in shown)
         self.previews.kinds = sent_kinds((*shown, *plotted_ports(self.plan, self.curves.ports)))

@@ -1,4 +1,4 @@
-"""Whether each stage writes files of its own, and none where another one has a file."""
+"""Checks the files that stages write: no two stages write one path, and none writes below a file."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ class GraphFiles:
     """
 
     def __init__(self, mistakes: list[Mistake], minor: list[Mistake]) -> None:
-        """mistakes: receives mistakes; minor: those that leave no stage or edge of the graph unknown."""
+        """mistakes: receives those that leave stages or edges of the graph unknown; minor: the others."""
         self.mistakes = mistakes
         self.minor = minor
         self.files: list[Path] = []
@@ -136,7 +136,10 @@ class GraphFiles:
         return own if base is None else self._over(base, own, named="graph" in form.entries)
 
     def _over(self, base: GraphFile, own: GraphFile, *, named: bool) -> GraphFile:
-        """The file over the one that it extends."""
+        """A file merged with the one that it extends (`base`), whose entries it overrides.
+
+        named: whether `own` has a name; else it gets that of `base`.
+        """
         stages, removed = merged_stages(base.stages, own.stages, self.mistakes)
         gone = {**base.removed, **removed}
         return replace(

@@ -30,8 +30,9 @@ class UnitBuilder:
         mistakes: list[Mistake],
         minor: list[Mistake],
     ) -> None:
-        """room: None if it has mistakes; named: whether the graph names one; mistakes: receives mistakes;
-        minor: receives those that leave no stage or edge of the graph unknown.
+        """room: None if it has mistakes; named: whether the graph names one.
+
+        mistakes: receives those that leave stages or edges of the graph unknown; minor: the others.
         """
         self.files = files
         self.room = room
@@ -40,7 +41,7 @@ class UnitBuilder:
         self.minor = minor
         self.unknown: list[Override] = []
         self.tuned: set[Place] = set()
-        """Of the tunes that name a sub-graph."""
+        """Places of the tunes that name a sub-graph."""
 
     def root(self, file: GraphFile, overrides: Sequence[Override]) -> Unit:
         """The graph itself with all sub-graphs below it."""

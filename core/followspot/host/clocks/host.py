@@ -78,7 +78,7 @@ class HostClock:
         return ClockReading(time.time_ns() + self.known - set_since(self._lead), time.monotonic_ns())
 
     def step_news(self) -> int | None:
-        """By how much the wall clock was set since the run was prepared, ns, if that was not told before."""
+        """Step of the wall clock since the run was prepared, ns; None if it was reported already."""
         step = set_since(self._lead)
         if abs(step - self._step_told) < LIMIT_MS * 1e6:
             return None

@@ -30,7 +30,7 @@ class Arena:
         return np.ndarray(shape, dtype, self.memory.bytes, slot * self.capacity + start)
 
     def has(self, number: int, slot: int, size: int) -> bool:
-        """Whether this is its number, and it has such a slot, of so many bytes at least."""
+        """True if this arena has the number, and a slot of this index with at least `size` bytes."""
         return number == self.number and slot < self.slots and size <= self.capacity
 
 

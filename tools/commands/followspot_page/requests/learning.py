@@ -59,7 +59,7 @@ class Learning:
         self._learnt: Learnt | None = None
 
     def still(self, run: RunHandle, plan: Plan, name: str) -> Reply:
-        """Take the next frame of a camera, as large as it is. Raises FollowspotError."""
+        """Take the next frame of a camera, at full size. Raises FollowspotError if none comes."""
         camera = plan.room.cameras.get(name)
         if camera is None:
             raise FollowspotError(f"there is no camera {name}")
