@@ -21,7 +21,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from bench.persons.speed import after, made, shots, used
+from benching.person_stages import build_stage, build_used_stage, shots_with_people, with_header_of
 from followspot import Array, Room
 from followspot.frame_times import NANOSECOND
 from followspot.people import Poses
@@ -109,12 +109,12 @@ def room_of(kind: str, seed: int, frames: int) -> Room:
 def tracked(room: Room, frames: int) -> tuple[PersonsScore, float]:
     """The score of slow and fast instance, and how long the longest false person lasted, s."""
     assert room.truth is not None
-    truth = PosesScoring().read_truth(used(room.truth, room).process(), room)
-    gradients, tracker = made("persons.gradients", room), made("persons.pose_tracker", room)
+    truth = PosesScoring().read_truth(build_used_stage(room.truth, room).process(), room)
+    gradients, tracker = build_stage("persons.gradients", room), build_stage("persons.pose_tracker", room)
     found = []
-    for shot in shots(room, frames, EVERY):
-        edges = after(shot.frame, gradients.process(shot.frame))
-        poses = after(shot.frame, tracker.process(shot.frame, edges, shot.people, shot.boxes))
+    for shot in shots_with_people(room, frames, EVERY):
+        edges = with_header_of(shot.frame, gradients.process(shot.frame))
+        poses = with_header_of(shot.frame, tracker.process(shot.frame, edges, shot.people, shot.boxes))
         found.append(poses)
     poses = table_of(found)
     return score_persons(poses, truth), longest_false(poses, truth)

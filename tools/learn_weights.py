@@ -24,7 +24,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from bench.persons.speed import after, made, shots
+from benching.person_stages import build_stage, shots_with_people, with_header_of
 from followspot import Array, Room
 from followspot.frame_times import NANOSECOND
 from followspot.people import Appearances
@@ -83,13 +83,13 @@ def learning(file: str, frames: int, every: int, rng: np.random.Generator) -> li
 def measured(room: Room, frames: int, every: int, rng: np.random.Generator) -> Iterator[Array]:
     """Cues of the true pose and of its rivals, (1 + RIVALS, CUES), for each picture of a known person."""
     assert room.truth is not None, "the room has no truth"
-    told = made(room.truth.uses, room, **room.truth.params).process()
+    told = build_stage(room.truth.uses, room, **room.truth.params).process()
     truth = PosesScoring().read_truth(told, room)
-    tracker, gradients = made("persons.pose_tracker", room), made("persons.gradients", room)
+    tracker, gradients = build_stage("persons.pose_tracker", room), build_stage("persons.gradients", room)
     assert isinstance(tracker, PoseTracker)
     cues = tracker.cues
-    for shot in shots(room, frames, every):
-        edges = after(shot.frame, gradients.process(shot.frame))
+    for shot in shots_with_people(room, frames, every):
+        edges = with_header_of(shot.frame, gradients.process(shot.frame))
         row = int(np.abs(truth.time - shot.frame.header.time * NANOSECOND).argmin())
         for pose in truth.pose[row][truth.visible[row] > 0.8]:
             known = _nearest(shot.people, pose)

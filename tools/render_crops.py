@@ -20,7 +20,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from bench.persons.speed import made
+from benching.person_stages import build_stage
 from followspot import Array, Camera, Room
 from followspot.geometry import project, wrap
 from followspot.people import PoseTruth
@@ -91,7 +91,7 @@ def played(room: Room, params: dict[str, Any]) -> tuple[Room, Iterator[PoseTruth
     assert room.truth is not None
     source = replace(camera.source, params={**camera.source.params, **params})
     changed = replace(room, cameras={camera.name: replace(camera, source=source)})
-    truth = made(room.truth.uses, changed, **{**room.truth.params, **params})
+    truth = build_stage(room.truth.uses, changed, **{**room.truth.params, **params})
     return changed, islice(truth.process(), params["frames"])
 
 
@@ -99,7 +99,7 @@ def shown(room: Room) -> Iterator[Array]:
     """The pictures of the room's camera, (H, W, 3) u1."""
     camera = next(iter(room.cameras.values()))
     assert camera.source is not None
-    source = made(camera.source.uses, room, **camera.source.params)
+    source = build_stage(camera.source.uses, room, **camera.source.params)
     for frame in source.process():
         yield frame.pixels.copy()
     source.close()

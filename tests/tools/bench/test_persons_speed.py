@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from bench.persons import speed
+from benching import person_stages
 from followspot.room import StageUse
 from followspot.room_file import load
 
@@ -31,7 +32,7 @@ def test_recordings_are_found_from_the_folder_of_the_room_file(
     use = StageUse("cameras.video", {"path": "c.avi"}, str(folder))
     room = load(ROOM)
     camera = replace(next(iter(room.cameras.values())), size=(64, 48), source=use)
-    source = speed.used(use, replace(room, cameras={camera.name: camera}))
+    source = person_stages.build_used_stage(use, replace(room, cameras={camera.name: camera}))
     assert next(iter(source.process())).pixels.shape == (48, 64, 3)
     source.close()
 
