@@ -166,7 +166,9 @@ class Fusion(Stage):
     def updated_person(self, person: Fused, table: PoseTable, rows: list[int], now: int) -> Fused:
         """The person after a picture; it coasts with its velocity if no camera saw it."""
         if not rows:
-            return with_track_position(replace(person, confidence=0.0))
+            place = np.maximum(person.track.sigma, person.sigma[:2])
+            sigma = np.concatenate([place, person.sigma[2:]])
+            return with_track_position(replace(person, sigma=sigma, confidence=0.0))
         pose, sigma, covariance = fused_pose(table, rows, person.pose)
         return with_track_position(
             Fused(

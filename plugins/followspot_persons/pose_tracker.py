@@ -79,7 +79,7 @@ class PoseTracker(Stage):
         past = PastPicture.kept(now, present, light)
         self.past = self.past.extended(past, self.params.maximum_delay)
         if people is None:
-            return poses_of(frame.camera, self.people)
+            return poses_of(self.camera, self.people)
         self.correct_by_slow_poses(people, now)
         if seconds > self.params.maximum_missed_time:
             self.delete_missed(people, now)
@@ -91,7 +91,7 @@ class PoseTracker(Stage):
             fitness = self.fitness(people, row[number], picture, now, detections.get(number))
             picture = self.update(number, fitness, seconds, now)
         self.delete_missed(people, now)
-        return poses_of(frame.camera, self.people)
+        return poses_of(self.camera, self.people)
 
     def change_identities(self, known: Collection[int]) -> None:
         """Draw a share of each known person's particles from those of the others."""
@@ -206,6 +206,9 @@ class PoseTracker(Stage):
         least = self.params.minimum_likelihood_share
         enough = least + (1 - least) * min(1.0, unboxed / self.params.box_timeout)
         agrees = track.shown >= MINIMUM_SHOWN and track.likelihood >= enough * track.typical
+        if not agrees:
+            unseen = known.track.unseen.after(seconds, distance=False, direction=False)
+            track = replace(track, unseen=unseen)
         self.people[number] = replace(
             known,
             track=track,

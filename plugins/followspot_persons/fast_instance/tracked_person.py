@@ -38,12 +38,12 @@ def nearest_first(people: Mapping[int, TrackedPerson], known: Collection[int], c
     return sorted(distance, key=lambda n: distance[n])
 
 
-def poses_of(camera: str, people: Mapping[int, TrackedPerson]) -> Poses:
+def poses_of(camera: Camera, people: Mapping[int, TrackedPerson]) -> Poses:
     """The poses of tracked persons, by number, in the pictures of a camera."""
     tracked = [people[number] for number in sorted(people)]
     pose = np.array([p.track.pose for p in tracked]).reshape(-1, 6)
     return Poses(
-        camera=camera,
+        camera=camera.name,
         person=np.array([p.number for p in tracked], np.int32),
         state=np.array([p.state for p in tracked], np.uint8),
         xy=pose[:, :2].copy(),
@@ -51,6 +51,6 @@ def poses_of(camera: str, people: Mapping[int, TrackedPerson]) -> Poses:
         heading=pose[:, HEADING].copy(),
         pan=pose[:, 4].copy(),
         tilt=pose[:, 5].copy(),
-        sigma=np.array([p.track.sigma for p in tracked]).reshape(-1, 6),
+        sigma=np.array([p.track.present_sigma(camera.center) for p in tracked]).reshape(-1, 6),
         confidence=np.array([min(1.0, p.track.likelihood) for p in tracked]),
     )

@@ -15,6 +15,7 @@ from followspot_persons.body.view import HEADING, HEIGHT, PAN, TILT, X, Y
 from followspot_persons.likelihood.fitness import Fitness, PosePrior
 from followspot_persons.particles.condensation import Search, condense
 from followspot_persons.particles.girth import Girth, observed
+from followspot_persons.particles.unseen import Unseen
 
 PLACE_GAIN, VELOCITY_GAIN = 0.6, 0.25
 """Share of the difference to the forecast that place and velocity take over at 15 pictures a second."""
@@ -48,7 +49,8 @@ CONCENTRATION = 8.0
 class Track:
     """particles: (N, 6); pose, sigma: (6,), smoothed; velocity: (2,) m/s; stature: (2,) the person's height
     and its sigma, m; likelihood: of the pose in the last picture (eq. 7); typical: its slow mean; shown:
-    share of the outline that no nearer person hides.
+    share of the outline that no nearer person hides; unseen: for how long pictures have not told the place;
+    sigma is that of the last picture that did.
     """
 
     particles: Array
@@ -60,6 +62,7 @@ class Track:
     likelihood: float = 0.0
     typical: float = 0.0
     shown: float = 1.0
+    unseen: Unseen = Unseen()
 
     @classmethod
     def initiated(cls, particles: Array) -> Track:
@@ -79,6 +82,14 @@ class Track:
     def with_spawned(self, particles: Array) -> Track:
         """The track with these particles in place of as many of its own."""
         return replace(self, particles=np.concatenate([self.particles[len(particles) :], particles]))
+
+    def present_sigma(self, eye: Array) -> Array:
+        """Sigma of the pose (6,), which grows while pictures do not tell the place; eye: (3,) m, the
+        camera's centre.
+        """
+        out = self.sigma.copy()
+        out[[X, Y]] = np.hypot(out[[X, Y]], self.unseen.sigma(self.pose[[X, Y]] - eye[:2]))
+        return out
 
     @property
     def prior(self) -> PosePrior:
@@ -111,6 +122,8 @@ def updated(
     shown = own.shown(estimate.pose)
     if shown < MINIMUM_SHOWN:
         return replace(coasted(track, seconds), particles=particles, likelihood=value, shown=shown)
+    told = own.contact is not None and own.contact is fitness.contact
+    unseen = track.unseen.after(seconds, distance=told or shown >= FULLY_SHOWN, direction=True)
     girth = observed(track.girth, own, bodies, estimate.pose)
     measured = _with_stature(estimate.pose, *track.stature, eye, own.contact)
     forecast = track.pose.copy()
@@ -119,7 +132,7 @@ def updated(
     typical = track.typical or max(value, INITIAL_TYPICAL)
     typical += (RISE if value > typical else FALL) * (value - typical)
     sigma = _total_sigma(estimate.sigma, pose, track.stature[1], eye, fitness.contact)
-    return Track(particles, pose, sigma, velocity, track.stature, girth, value, typical, shown)
+    return Track(particles, pose, sigma, velocity, track.stature, girth, value, typical, shown, unseen)
 
 
 def _distance_before(track: Track, seconds: float, fitness: Fitness) -> Contact:
@@ -183,7 +196,10 @@ def coasted(track: Track, seconds: float) -> Track:
     """The track after some time without measurements."""
     pose = track.pose.copy()
     pose[[X, Y]] += track.velocity * seconds
-    return replace(track, pose=pose, velocity=track.velocity * np.exp(-seconds), likelihood=0.0)
+    unseen = track.unseen.after(seconds, distance=False, direction=False)
+    return replace(
+        track, pose=pose, velocity=track.velocity * np.exp(-seconds), likelihood=0.0, unseen=unseen
+    )
 
 
 def _smoothed(

@@ -34,6 +34,11 @@ class PositionTrack:
         whole[:2, :2], whole[2:, 2:] = covariance, SPEED_SIGMA**2 * np.eye(2)
         return cls(np.concatenate([position, np.zeros(2)]), whole)
 
+    @property
+    def sigma(self) -> Array:
+        """Sigma of x and y, (2,) m."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)[:2]))
+
     def predicted(self, seconds: float) -> PositionTrack:
         """Some time later."""
         fade, reach, xy, cross, velocity = step(seconds, np.array(SPEED_SIGMA), np.array(MEMORY))

@@ -279,7 +279,7 @@ def test_cameras_that_know_the_place_know_the_height():
 
 
 def poses(name, xy, height):
-    nobody = poses_of(name, {})
+    nobody = poses_of(replace(perspective(), name=name), {})
     one = np.ones(1)
     return replace(
         nobody,
