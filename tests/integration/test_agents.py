@@ -163,3 +163,32 @@ def test_ctrl_c_ends_an_agent_that_waits_for_its_router() -> None:
         assert "waiting for it" in agent.stderr.readline()
         agent.send_signal(signal.SIGINT)
         assert agent.wait() == 130
+
+
+def test_an_agent_says_to_what_it_is_not_connected_and_why_and_when_it_is(tmp_path: Path) -> None:
+    at = f"tcp/127.0.0.1:{free_port()}"
+    own = f"tcp/127.0.0.1:{free_port()}"
+    words = ("agent", "--name", "pc-left", "--listen", own, "--connect", own, "--connect", at)
+    with launch(*words, cwd=tmp_path) as agent:
+        assert "listens on" in agent.stderr.readline()
+        missing = f"not connected to {at}: nothing listens there; trying again\n"
+        assert agent.stderr.readline() == missing
+        for _ in range(2):  # what it is connected to may end, and come back
+            with launch("agent", "--name", "pc-right", "--listen", at, cwd=tmp_path) as other:
+                assert agent.stderr.readline() == f"connected to {at}\n"
+                other.send_signal(signal.SIGINT)
+                assert other.wait() == 0
+            assert agent.stderr.readline() == missing
+        agent.send_signal(signal.SIGINT)
+        assert agent.wait() == 0
+        assert agent.stderr.read() == ""
+        assert agent.stdout.read() == "", "Zenoh does not complain that it connects to itself"
+
+
+def test_a_router_says_to_what_it_is_not_connected_and_why(tmp_path: Path) -> None:
+    at, listen = (f"tcp/127.0.0.1:{free_port()}" for _ in range(2))
+    with launch("router", "--listen", listen, "--connect", at, cwd=tmp_path) as router:
+        assert "listens on" in router.stderr.readline()
+        assert router.stderr.readline() == f"not connected to {at}: nothing listens there; trying again\n"
+        router.send_signal(signal.SIGINT)
+        assert router.wait() == 0

@@ -24,6 +24,7 @@ def _run(args: argparse.Namespace) -> int:
       followspot agent --name pc-left --router tls/router.example:7447 --certificates certs/pc-left
     """
     from followspot.security.rejected_peers import RejectedPeers
+    from followspot.transport.zenoh.connections import Connections
     from followspot.transport.zenoh.session import close_session, connected, locators
 
     network = network_of(args, ("tcp/127.0.0.1:7447",), ())
@@ -40,7 +41,8 @@ def _run(args: argparse.Namespace) -> int:
         session = connected(network, routes=True)
         try:
             _tell(f"router listens on {', '.join(locators(session))}")
-            over.wait()
+            with Connections(session, network, _tell):
+                over.wait()
         finally:
             close_session(session)
     return 0

@@ -41,6 +41,7 @@ from followspot.plugins.code_digest import other_code
 from followspot.plugins.registry import use_plugin_files
 from followspot.transport import wire
 from followspot.transport.wakeup_event import WakeupEvent
+from followspot.transport.zenoh.connections import Connections
 from followspot.transport.zenoh.session import close_session, connected_in_the_end, locators
 from followspot.valid_values.names import HOST_NAME
 
@@ -92,7 +93,8 @@ class Agent:
                 self.session, self.options.name, self._dispatcher(), self._wakeup.set, self.log_line
             )
             try:
-                self._loop(server)
+                with Connections(self.session, self.options.network, self.log_line):
+                    self._loop(server)
             finally:
                 server.close()
             self.agent_runs.forget()

@@ -14,7 +14,7 @@ import pytest
 from tests.integration.hosts import free_port
 
 from followspot.security.authority import Authority, create_authority
-from followspot.transport.unreached import unreached
+from followspot.transport.unreached import Reached, reach, unreached
 from followspot.transport.zenoh import session
 from followspot.transport.zenoh.network import Network
 from followspot.transport.zenoh.session import NoRouter
@@ -50,6 +50,33 @@ def listening(folder: Path, address: str = "127.0.0.1") -> Iterator[str]:
         thread.join(10)
 
 
+@contextmanager
+def greeting(said: bytes) -> Iterator[str]:
+    """An endpoint of a program that says this to each newcomer, and hangs up."""
+
+    def serve() -> None:
+        link, _ = listener.accept()
+        with link:
+            link.sendall(said)
+            link.recv(1)
+
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        thread = threading.Thread(target=serve, daemon=True)
+        thread.start()
+        yield f"tcp/127.0.0.1:{listener.getsockname()[1]}"
+        thread.join(10)
+
+
+@contextmanager
+def zenoh_at(endpoint: str, folder: Path | str = "") -> Iterator[tuple[str, str]]:
+    """An endpoint where a Zenoh session listens, and the id of the session."""
+    listener = session.connected(Network((endpoint,), certificates=str(folder)))
+    try:
+        yield endpoint, str(listener.zid())
+    finally:
+        session.close_session(listener)
+
+
 def fault(folder: Path, own: Path, address: str = "127.0.0.1") -> str:
     with listening(folder, address) as endpoint:
         said = unreached([endpoint], str(own))
@@ -58,7 +85,28 @@ def fault(folder: Path, own: Path, address: str = "127.0.0.1") -> str:
 
 def test_nothing_is_said_of_an_end_that_takes_the_certificate(authority: Authority) -> None:
     left, desk = authority.add("pc-left", "camera", days=1000), authority.folder / "desk"
-    assert fault(left, desk) == ""
+    with zenoh_at(f"tls/127.0.0.1:{free_port()}", left) as (endpoint, zid):
+        assert reach(endpoint, str(desk)) == Reached("", zid)
+
+
+def test_what_listens_but_is_no_agent_or_router_is_told(authority: Authority) -> None:
+    left, desk = authority.add("pc-left", "camera", days=1000), authority.folder / "desk"
+    with zenoh_at(f"tls/127.0.0.1:{free_port()}", left) as (endpoint, _):
+        assert "no agent or router" in reach(endpoint.replace("tls/", "tcp/"), "").fault, "it wants TLS"
+    with zenoh_at(f"tcp/127.0.0.1:{free_port()}") as (endpoint, zid):
+        assert reach(endpoint, "") == Reached("", zid)
+        assert "another protocol (tcp/, tls/)?" in reach(endpoint.replace("tcp/", "tls/"), str(desk)).fault
+    with greeting(b"SSH-2.0-OpenSSH_9.6\r\n") as endpoint:
+        assert "no agent or router: is this its port" in reach(endpoint, "").fault
+    with greeting(b"") as endpoint:
+        assert "no agent or router" in reach(endpoint, "").fault
+
+
+def test_what_listens_and_says_nothing_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("followspot.transport.unreached._TIMEOUT", 0.2)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        said = reach(f"tcp/127.0.0.1:{silent.getsockname()[1]}", "").fault
+    assert said.startswith("what listens there does not answer")
 
 
 def test_each_fault_of_the_certificate_there_has_its_remedy(authority: Authority, tmp_path: Path) -> None:

@@ -59,6 +59,11 @@ class Network:
         return (self.router,) if self.router else (*self.listen, *self.connect)
 
     @property
+    def others(self) -> tuple[str, ...]:
+        """The endpoints to connect to, without this session's own: all hosts may have one list."""
+        return tuple(endpoint for endpoint in self.connect if endpoint not in self.listen)
+
+    @property
     def malformed(self) -> tuple[str, ...]:
         """Endpoints that are no PROTOCOL/ADDRESS, or no HOST:PORT where the protocol needs one."""
         return tuple(e for e in self.endpoints if not _FORM.fullmatch(e) or _port(e) > _LARGEST_PORT)

@@ -59,7 +59,7 @@ def config_of(network: Network, *, routes: bool = False) -> zenoh.Config:
     settings = {
         "mode": "router" if routes else "client" if network.router else "peer",
         "listen/endpoints": [] if network.router else list(network.listen),
-        "connect/endpoints": [network.router] if network.router else list(network.connect),
+        "connect/endpoints": [network.router] if network.router else list(network.others),
         "scouting/multicast/enabled": network.discover,  # else peers are named; gossip makes others known
         "scouting/multicast/listen": network.findable,
         **_SETTINGS,
