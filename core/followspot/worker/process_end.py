@@ -9,23 +9,10 @@ from __future__ import annotations
 
 import os
 import threading
-from contextlib import suppress
 from typing import NoReturn
 
 end_process = os._exit
 """Ends this process at once."""
-_STDERR = 2
-
-
-def end_copy(stage: str) -> NoReturn:
-    """End this process, in which a stage's `setup` returned although it had forked it, and say so.
-
-    It would go on as a second worker with the channel, the edges and the files of the first one.
-    """
-    text = f'stage "{stage}": its setup forked and returned in both processes; the new one is ended\n'
-    with suppress(OSError):
-        os.write(_STDERR, f"followspot: warning: {text}    end it there, by os._exit\n".encode())
-    end_process(1)
 
 
 class ProcessEndError(RuntimeError):

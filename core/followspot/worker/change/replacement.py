@@ -11,6 +11,7 @@ from followspot.graph.plan import PlannedStage
 from followspot.plugins.registry import load_stage
 from followspot.ports.signature import ports
 from followspot.stage import Stage
+from followspot.worker.runners.forked_copy import set_up
 from followspot.worker.runners.stage_runner import StageRunner
 from followspot.worker.scheduler import Scheduler
 
@@ -65,7 +66,7 @@ def build_replacements(scheduler: Scheduler, stages: Sequence[PlannedStage]) -> 
             build = partial(load_stage(planned.uses), context, **planned.params)
             stage = build()
             replacements.append(Replacement(runner, stage, build, planned.uses))
-            stage.setup()
+            set_up(stage).forget()
         except Exception as error:
             discard_all(replacements)
             reason = str(error) if isinstance(error, FollowspotError) else f"{type(error).__name__}: {error}"

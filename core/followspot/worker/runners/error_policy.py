@@ -12,6 +12,7 @@ from followspot.frame_times import to_seconds
 from followspot.graph.plan import ErrorPolicy
 from followspot.messages import Header
 from followspot.stage import Stage
+from followspot.worker.runners.forked_copy import set_up
 from followspot.worker.runners.runner_count import RunnerCount
 
 RAISED = BaseException
@@ -72,7 +73,7 @@ def _restart(runner: Failing) -> None:
     runner.stage.close()
     runner.stage = runner.build()
     runner.stage.context = replace(runner.stage.context, resumed=True)
-    runner.stage.setup()
+    set_up(runner.stage).forget()
     if state is not None:
         runner.stage.restore(state)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from typing import Any
 
@@ -11,8 +10,8 @@ from followspot.message_checks.outputs import WrongOutput, check_returned
 from followspot.messages import Header
 from followspot.ports.signature import ports
 from followspot.stage import Stage
-from followspot.worker.process_end import end_copy
 from followspot.worker.runners.error_policy import RAISED, StageError, recover, text_of
+from followspot.worker.runners.forked_copy import NO_COPIES, set_up
 from followspot.worker.runners.runner_count import RunnerCount
 
 
@@ -39,15 +38,13 @@ class StageLife:
         self.ready = False
         """Whether `setup` succeeded."""
         self.count = RunnerCount()
+        self._copies = NO_COPIES
 
     def setup(self) -> None:
         """Set the stage up. Raises StageError."""
         self.open = True
-        process = os.getpid()
         try:
-            self.stage.setup()
-            if os.getpid() != process:
-                end_copy(self.name)
+            self._copies = set_up(self.stage)
         except RAISED as error:
             raise StageError(self.name, None, error) from error
         self.ready = True
@@ -59,9 +56,12 @@ class StageLife:
         self.open = False
         try:
             self.stage.close()
+            self._copies.check()
         except RAISED as error:
             if self.ready:  # else `setup` has raised already
                 raise StageError(self.name, None, error) from error
+        finally:
+            self._copies.forget()
 
     def retire(self, stage: Stage) -> None:
         """Close the stage that was replaced."""
