@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import lru_cache
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -141,6 +140,7 @@ class ColorBlobs(Stage):
         hues = hue_bits(histograms, p.minimum_hue_share)
         rival = rivals(histograms, hues, p.similarity, p.minimum_area)
         self.templates = Templates(histograms, hues, area * [p.minimum_area, p.maximum_area], rival)
+        self.joint: tuple[tuple[ColorBlobs, ...], Templates] = (self,), self.templates
 
     def process(self, frame: Frame, forecast: Latest[Forecast] = None) -> Blobs:
         return self.process_together([self], [(frame, forecast)])[0]
@@ -153,12 +153,21 @@ class ColorBlobs(Stage):
         cameras, pictures = [s.camera for s in stages], [frame.pixels for frame, _ in inputs]
         names, forecasts = [c.name for c in cameras], [f for _, f in inputs]
         regions = search_regions(room, names, forecasts, p.minimum_search_radius, p.search_radius_scale)
-        found = blobs_of(pictures, regions, joint_templates(tuple(stages)), p)
+        found = blobs_of(pictures, regions, stages[0].templates_with(tuple(stages)), p)
         count = len(room.targets)
         view, target = row_and_column(found.owner, max(count, 1))
         targets = target[:, None] == np.arange(count)
         detections = Detections(found.pixel, found.area, found.similarity, targets)
         return blobs_by_view(cameras, view, detections, np.arange(len(view)))
+
+    def templates_with(self, stages: tuple[ColorBlobs, ...]) -> Templates:
+        """Templates of the views of several stages, which are the same at most firings.
+
+        The stage holds them: a cache of the module would hold the stages, and with them runs that have ended.
+        """
+        if self.joint[0] != stages:
+            self.joint = stages, joint_templates(stages)
+        return self.joint[1]
 
 
 def blobs_of(
@@ -188,7 +197,6 @@ def blobs_of(
     return Found(*(column[best_fitting(*blobs, templates.rival)] for column in blobs))
 
 
-@lru_cache(maxsize=8)
 def joint_templates(stages: tuple[ColorBlobs, ...]) -> Templates:
     """Templates of the views of several stages."""
     return Templates(*map(np.concatenate, zip(*(stage.templates for stage in stages), strict=True)))

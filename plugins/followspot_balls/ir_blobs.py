@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import lru_cache
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -78,6 +77,7 @@ class IrBlobs(Stage):
             area[:, 1].max(initial=0),
             area,
         )
+        self.joint: tuple[tuple[IrBlobs, ...], Limits] = (self,), joint_limits((self,))
 
     def process(self, frame: Frame, forecast: Latest[Forecast] = None) -> Blobs:
         return self.process_together([self], [(frame, forecast)])[0]
@@ -91,7 +91,7 @@ class IrBlobs(Stage):
         regions = search_regions(
             stages[0].room, names, forecasts, p.minimum_search_radius, p.search_radius_scale
         )
-        limits = joint_limits(tuple(stages))
+        limits = stages[0].limits_with(tuple(stages))
         circles = of_views(regions.circles, len(cameras))
         found = blobs_of([frame.pixels[..., :1] for frame, _ in inputs], regions, circles, limits, p)
         pixel, area, view = found
@@ -102,8 +102,16 @@ class IrBlobs(Stage):
         rows = (targets.any(axis=1) & distinct(pixel, view)).nonzero()[0]
         return blobs_by_view(cameras, view, labelled, rows)
 
+    def limits_with(self, stages: tuple[IrBlobs, ...]) -> Limits:
+        """Limits of the views of several stages, which are the same at most firings.
 
-@lru_cache(maxsize=8)
+        The stage holds them: a cache of the module would hold the stages, and with them runs that have ended.
+        """
+        if self.joint[0] != stages:
+            self.joint = stages, joint_limits(stages)
+        return self.joint[1]
+
+
 def joint_limits(stages: tuple[IrBlobs, ...]) -> Limits:
     """Limits of the views of several stages."""
     return Limits(*map(np.array, zip(*(stage.limits for stage in stages), strict=True)))

@@ -87,8 +87,8 @@ class WorkerMain:
         else:
             self._report(self.worker, error, restart=order.restart)
 
-    def _receive_plan(self) -> tuple[BuildWorker, int, _Rings]:
-        """The order to build, the descriptor of the ledger's memory, and the ends of rings that come before.
+    def _receive_plan(self) -> tuple[BuildWorker, memoryview, _Rings]:
+        """The order to build, the memory of the ledger, and the ends of rings that come before.
 
         Raises ChannelClosed.
         """
@@ -98,7 +98,7 @@ class WorkerMain:
             rings[order.side][order.edge] = socket.socket(fileno=descriptors[0])
             order, descriptors = self.channel.receive()
         assert isinstance(order, BuildWorker)
-        return order, descriptors[0], rings
+        return order, _shared_words(descriptors[0]), rings
 
     def _edge_factory(self, order: BuildWorker, rings: _Rings) -> WorkerEdgeFactory:
         """Open the Zenoh session, if needed, and take the ends of the rings over."""
@@ -123,10 +123,10 @@ class WorkerMain:
         self.warnings.add(f"worker {self.log.worker}", text)
         self.reporter.send_log()
 
-    def _build(self, order: BuildWorker, memory: int, edge_factory: WorkerEdgeFactory) -> BuiltWorker:
-        """Build the stages. memory: file descriptor of the ledger's memory."""
+    def _build(self, order: BuildWorker, memory: memoryview, edge_factory: WorkerEdgeFactory) -> BuiltWorker:
+        """Build the stages. memory: of the ledger."""
         use_plugin_files(edge_factory.plan.plugin_files)
-        ledger = Ledger(edge_factory.plan.rows, _shared_words(memory))
+        ledger = Ledger(edge_factory.plan.rows, memory)
         options = RunOptions(
             Path(order.out),
             order.frames,
@@ -197,10 +197,11 @@ class WorkerMain:
 
 
 def _shared_words(fd: int) -> memoryview:
-    """All rows of the ledger: also those for edges that the graph may yet get."""
+    """All rows of the ledger: also those for edges that the graph may yet get. Closes the descriptor."""
     import mmap
 
-    return memoryview(mmap.mmap(fd, 0)).cast("q")
+    with open(fd, "rb"):  # a worker may be a thread of a script, which makes many runs
+        return memoryview(mmap.mmap(fd, 0)).cast("q")
 
 
 def run_worker(descriptor: int) -> int:
