@@ -163,6 +163,20 @@ def test_a_report_that_cannot_be_true_counts_as_none() -> None:
     assert "wrong reports" in said[-1]
 
 
+def test_pictures_of_a_session_without_reports_count_as_late_as_those_of_the_one_before() -> None:
+    said: list[str] = []
+    times = ReportTimes(S, said.append)
+    times.begin(90_000, 0)
+    times.report(SenderReport(100 * S, 0), 100 * S)
+    for second in range(1, 50):
+        assert times.capture_time(AccessUnit(b"", second * 90_000, False, (100 + second) * S + 40 * MS))
+    times.begin(90_000, 200 * S)  # the server was started again: its time stamps have another origin
+    for second in range(200, 210):
+        found = times.capture_time(AccessUnit(b"", second, False, second * S + 40 * MS))
+        assert found == second * S
+    assert said == []
+
+
 def test_capture_times_rise() -> None:
     times = ReportTimes(0, lambda text: None)
     times.begin(90_000, 0)
