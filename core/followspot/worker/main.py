@@ -31,6 +31,7 @@ from followspot.worker.process_end import STAGES_CANNOT_EXIT
 from followspot.worker.reporting.host_reporter import HostReporter
 from followspot.worker.reporting.rejections import Rejections
 from followspot.worker.reporting.report import Warnings, missing, worker_report
+from followspot.worker.runners.shared_state import begin_with_default_errors
 from followspot.worker.wiring import RunOptions, Wiring
 from followspot.worker.worker_edge_factory import WorkerEdgeFactory
 
@@ -136,6 +137,7 @@ class WorkerMain:
             resumed=order.incarnation > 0,
         )
         scheduler = build_worker(Wiring(edge_factory.plan), order.worker, ledger, options, edge_factory)
+        begin_with_default_errors()
         return BuiltWorker(
             order.worker, scheduler, edge_factory, ledger, options, self.reporter, self.warnings
         )

@@ -87,7 +87,7 @@ def test_a_server_that_is_killed_and_comes_back_takes_part_within_three_seconds(
             source = stage(camera, said)
             frames = source.process()
             first = list(islice(frames, 8))
-        with RtspCamera(port=camera.port, latency=0.04, reports=None) as again:
+        with RtspCamera(port=camera.port, latency=0.04, reports=None):
             back = time.monotonic()
             begun = next(frames)
             took = time.monotonic() - back

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from followspot.graph.plan import ErrorPolicy
 from followspot.message_checks.outputs import WrongOutput, check_returned
 from followspot.messages import Header
@@ -13,6 +15,7 @@ from followspot.stage import Stage
 from followspot.worker.runners.error_policy import RAISED, StageError, recover, text_of
 from followspot.worker.runners.forked_copy import NO_COPIES, set_up
 from followspot.worker.runners.runner_count import RunnerCount
+from followspot.worker.runners.shared_state import keep_errors
 
 
 class StageLife:
@@ -43,8 +46,10 @@ class StageLife:
     def setup(self) -> None:
         """Set the stage up. Raises StageError."""
         self.open = True
+        errors = np.geterr()
         try:
             self._copies = set_up(self.stage)
+            keep_errors(self.stage, errors)
         except RAISED as error:
             raise StageError(self.name, None, error) from error
         self.ready = True

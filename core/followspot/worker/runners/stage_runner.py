@@ -20,6 +20,7 @@ from followspot.worker.journal import Journal
 from followspot.worker.latency import PathLatencies
 from followspot.worker.output_port import OutputPort
 from followspot.worker.runners.error_policy import RAISED, recover
+from followspot.worker.runners.shared_state import WATCHED, check_read_only
 from followspot.worker.runners.stage_streams import StageStreams
 
 _capture_time = attrgetter("time")
@@ -125,6 +126,8 @@ class StageRunner(StageStreams):
         self.working = True
         try:
             result = self.stage.process(*firing.arguments)
+            if self.count.fired < WATCHED:
+                check_read_only(firing.arguments)
         except RAISED as error:
             recover(self, firing.header, error)
             result = None
