@@ -7,8 +7,8 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import FollowspotError
+from followspot.operating_system.standard_output import printed_to_stderr
 from followspot.plugins.loaded_hooks import load_plan_options
 
 if TYPE_CHECKING:

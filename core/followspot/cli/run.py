@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 from followspot.cli.agent_options import add_network_options, network_of
 from followspot.cli.graph_options import add_graph_options, frame_count, output_folder, plan_of
-from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import FollowspotError, warning_lines
+from followspot.operating_system.standard_output import printed_to_stderr
 from followspot.plugins.hooks import Command
 from followspot.plugins.loaded_hooks import load_plan_options
 

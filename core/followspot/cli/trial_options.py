@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from followspot.cli.graph_options import frame_count
-from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import InputError, Mistake
+from followspot.operating_system.standard_output import printed_to_stderr
 
 if TYPE_CHECKING:
     from followspot.graph.plan import Plan

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 import pluggy
 
+from followspot.operating_system.standard_output import importing
 from followspot.plugins.hooks import (
     PROJECT,
     Command,
@@ -105,7 +106,8 @@ def _load(entry: EntryPoint) -> tuple[Sequence[object], str]:
     manager = pluggy.PluginManager(PROJECT)
     manager.add_hookspecs(Hooks)
     try:
-        module = entry.load()
+        with importing():
+            module = entry.load()
         manager.register(module, name=entry.name)
         manager.check_pending()
         problem = _ignored_by_pluggy(module)

@@ -14,6 +14,7 @@ from types import ModuleType
 
 from followspot.errors import FollowspotError
 from followspot.files import DOCUMENT, read_bytes
+from followspot.operating_system.standard_output import importing
 from followspot.ports.signature import SignatureError, check_init, ports
 from followspot.stage import Stage
 
@@ -99,7 +100,8 @@ def _run(path: str, module_name: str, source: bytes) -> ModuleType:
     before = sys.modules.get(module_name)
     sys.modules[module_name] = module  # annotations are resolved there
     try:
-        loader.exec_module(module)
+        with importing():
+            loader.exec_module(module)
     except (Exception, SystemExit) as error:
         if before is None:
             del sys.modules[module_name]

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from followspot.errors import FollowspotError, Guess, did_you_mean
 from followspot.messages import Message
+from followspot.operating_system.standard_output import importing
 from followspot.plugins.catalogue import StageEntry, catalogue
 from followspot.plugins.extras import missing_extra
 from followspot.plugins.one_file import FileStage, load_file
@@ -161,7 +162,8 @@ def _import(entry: StageEntry) -> tuple[type[Stage] | None, StageEntry]:
     """The stage class, or none and the entry with the reason."""
     module, _, attribute = entry.value.partition(":")
     try:
-        found = getattr(importlib.import_module(module), attribute, None)
+        with importing():
+            found = getattr(importlib.import_module(module), attribute, None)
     except ModuleNotFoundError as error:
         if remedy := missing_extra(entry.distribution, error.name or ""):
             return None, replace(entry, state="not installed", problem=remedy)

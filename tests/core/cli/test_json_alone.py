@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import shlex
+import subprocess
 from pathlib import Path
 
 import pytest
-from tests.commands import command
+from tests.commands import COMMAND, command
 
 STAGES = '''
 import os
@@ -37,6 +39,35 @@ class End(Stage):
         print("at the end")
 '''
 GRAPH = "graph: g\nstages: {a: {uses: loud.loud}, b: {uses: loud.end, in: {note: a}}}\n"
+
+
+RESULTS = (
+    ("graph", "g.yaml", "--flat"),
+    ("graph", "g.yaml", "--mermaid"),
+    ("check", "g.yaml"),
+    ("plugins", "--json"),
+    ("plugins", "loud.loud"),
+)
+
+
+@pytest.mark.parametrize("words", RESULTS, ids=" ".join)
+def test_what_modules_print_on_import_is_in_no_result(tmp_path: Path, words: tuple[str, ...]) -> None:
+    (tmp_path / "loud.py").write_text(STAGES)
+    (tmp_path / "g.yaml").write_text(GRAPH)
+    done = command(*words, "--plugin", "loud.py", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "loaded" in done.stderr.splitlines()
+    assert "loaded" not in done.stdout.splitlines()
+    assert done.stdout
+
+
+def test_a_command_works_without_standard_output(tmp_path: Path) -> None:
+    """As a service may be started."""
+    (tmp_path / "loud.py").write_text(STAGES)
+    (tmp_path / "g.yaml").write_text(GRAPH)
+    check = shlex.join([*COMMAND, "check", "g.yaml", "--plugin", "loud.py"])
+    done = subprocess.run(["sh", "-c", f"{check} >&-"], cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "loaded\n")
 
 
 @pytest.mark.parametrize("placement", [(), ("--placement", "stage")])

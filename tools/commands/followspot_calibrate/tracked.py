@@ -12,13 +12,13 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from followspot.cli.progress import ProgressBar
-from followspot.cli.standard_output import printed_to_stderr
 from followspot.csv_rows import read_rows
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.library.execute import OnProgress, RunOptions, run_plan, scored_file
 from followspot.messages import Array
+from followspot.operating_system.standard_output import printed_to_stderr
 from followspot.plugins.registry import load_stage
 from followspot.ports.signature import ports
 from followspot.tracking import TRACKED, Blobs, Tracks

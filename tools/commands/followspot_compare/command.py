@@ -13,13 +13,13 @@ from pathlib import Path
 
 from followspot.cli.graph_options import output_folder
 from followspot.cli.progress import ProgressBar
-from followspot.cli.standard_output import printed_to_stderr
 from followspot.cli.trial_options import check_rooms, trial_plan
 from followspot.cli.trial_outputs import same_outputs
 from followspot.errors import FollowspotError, InputError, Mistake, writing
 from followspot.graph.override import not_undone
 from followspot.graph.plan import Plan
 from followspot.library.execute import RunOptions, room_truth
+from followspot.operating_system.standard_output import printed_to_stderr
 from followspot_accuracy import PoseTruthTable, TruthTable
 from followspot_compare.plot import draw
 from followspot_compare.report import Comparison, data, text

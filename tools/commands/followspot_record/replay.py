@@ -9,7 +9,6 @@ from dataclasses import replace
 from functools import partial
 
 from followspot.cli.run import execute
-from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import InputError, Mistake, did_you_mean
 from followspot.frame_times import to_seconds
 from followspot.graph.compile import compile_graph
@@ -18,6 +17,7 @@ from followspot.graph.load import LoadedGraph
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan
 from followspot.graph.sampling import plan_sampled_cycles
+from followspot.operating_system.standard_output import printed_to_stderr
 from followspot.plugins.loaded_hooks import load_plan_options
 from followspot.plugins.registry import load_stage
 from followspot.ports.signature import ports

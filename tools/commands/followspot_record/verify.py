@@ -13,12 +13,12 @@ from operator import itemgetter
 from pathlib import Path
 
 from followspot.cli.progress import ProgressBar
-from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import FollowspotError, InputError
 from followspot.frame_times import to_seconds
 from followspot.graph.output_ports import output_ports
 from followspot.graph.plan import Plan
 from followspot.library.execute import RunOptions, run_plan
+from followspot.operating_system.standard_output import printed_to_stderr
 from followspot.tables.terminal import table
 from followspot_record.comparison import Compared, compare
 from followspot_record.embedded import recorded_plan

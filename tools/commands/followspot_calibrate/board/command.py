@@ -8,8 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from followspot import Room
-from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import InputError, writing
+from followspot.operating_system.standard_output import printed_to_stderr
 from followspot.room_file import load, update
 from followspot_calibrate.board.page import page_of
 from followspot_calibrate.board.solving import BoardCalibration, solve

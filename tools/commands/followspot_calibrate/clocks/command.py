@@ -14,11 +14,11 @@ import numpy as np
 
 from followspot import Room, room_file
 from followspot.cli.progress import ProgressBar
-from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import FollowspotError, InputError, did_you_mean, writing
 from followspot.graph.plan import Plan
 from followspot.messages import Array
 from followspot.notes import progress_is_shown
+from followspot.operating_system.standard_output import printed_to_stderr
 from followspot.tables.terminal import table
 from followspot_calibrate.clocks.estimation import Offsets, estimated
 from followspot_calibrate.clocks.moments import moments

@@ -9,8 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from followspot import Camera, Room
-from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import FollowspotError, InputError, writing
+from followspot.operating_system.standard_output import printed_to_stderr
 from followspot.room_file import load, save, update
 from followspot_calibrate.boards.board import Board, parse_board
 from followspot_calibrate.boards.detection import Detector

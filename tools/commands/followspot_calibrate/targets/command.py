@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from followspot import Room, Target
-from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import FollowspotError, writing
+from followspot.operating_system.standard_output import printed_to_stderr
 from followspot.room_file import load, update
 from followspot_calibrate.clips import folders_of
 from followspot_calibrate.output import print_result

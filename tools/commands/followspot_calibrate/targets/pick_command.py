@@ -13,9 +13,9 @@ import cv2
 import numpy as np
 
 from followspot import Camera, Context, Room, Target
-from followspot.cli.standard_output import printed_to_stderr
 from followspot.errors import InputError, did_you_mean, writing
 from followspot.messages import Array
+from followspot.operating_system.standard_output import printed_to_stderr
 from followspot.plugins.registry import load_stage
 from followspot.room_file import load, update
 from followspot_balls.templates.from_picture import (
