@@ -8,6 +8,7 @@ import pytest
 from tests.core.worker.solo import Solo
 
 from followspot.graph.compile import compile_graph
+from followspot.message_checks.sealing import seal
 from followspot.messages import Header, stamped
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.token import ABSENT
@@ -39,7 +40,7 @@ def test_what_is_known_with_a_message_is_passed_on_with_the_message(tmp_path: Pa
     runners = {runner.name: runner for runner in run.scheduler.runners}
     tick = next(iter(runners["a"].stage.process()))
     (into,), (onward,) = runners["b"].join.members, runners["save"].join.members
-    into.put(stamped(tick, Header("a", 0, 900)))
+    into.put(seal(stamped(tick, Header("a", 0, 900))))
     into.advance(1000)
     runners["b"].step()
     assert (runners["b"].count.fired, len(onward.messages), onward.watermark) == (1, 1, 1000)
