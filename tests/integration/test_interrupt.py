@@ -154,7 +154,8 @@ def test_ctrl_c_ends_a_run_in_one_process_whose_source_never_returns(tmp_path: P
     process.send_signal(signal.SIGINT)
     finished = finish(process, out)
     assert finished.code == 1
-    assert any("a stage does not return" in error for error in finished.summary["errors"])
+    (error,) = finished.summary["errors"]
+    assert "in which stage a was at work: a stage does not return" in error
 
 
 @pytest.mark.thorough
@@ -164,4 +165,5 @@ def test_a_source_that_never_returns_costs_other_workers_none_of_their_outputs(t
     finished = finish(process, out)
     assert finished.code == 1
     assert len(finished.lines("messages.jsonl")) == 1
-    assert [error for error in finished.summary["errors"] if "worker a" in error]
+    (error,) = [error for error in finished.summary["errors"] if "worker a" in error]
+    assert error.endswith("in which stage a was at work")

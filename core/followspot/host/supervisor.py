@@ -115,7 +115,7 @@ class Supervisor:
             self._kill_at = None
             for worker in late:
                 self._leaving.discard(worker.name)
-                worker.kill(f"it did not end within {_STOP_TIMEOUT:.0f} s of the stop")
+                worker.kill(f"it did not end within {_STOP_TIMEOUT:.0f} s of the stop{worker.at_work()}")
             return
         self._kill_at = now + _LEAVE_TIMEOUT
         self._leaving.update(worker.name for worker in late)

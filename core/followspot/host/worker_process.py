@@ -181,6 +181,11 @@ class WorkerProcess:
             last_times=self.last_times,
         )
 
+    def at_work(self) -> str:
+        """A clause with the stages that were at work by the newest statuses, "" if none was."""
+        names = [status.stage for status in self.stages if status.state == "processing"]
+        return f", in which stage {' and '.join(names)} was at work" if names else ""
+
     def exit_reason(self) -> str:
         """How a process that sent no report ended, or that it goes on although it was killed."""
         why = f", because {self.killed}" if self.killed else ""

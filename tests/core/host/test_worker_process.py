@@ -9,6 +9,7 @@ import sys
 
 import pytest
 
+from followspot.control.stage_status import StageStatus
 from followspot.control.worker_report import WorkerReport
 from followspot.host.forked_worker import EXIT_CODE_UNKNOWN
 from followspot.host.worker_process import WorkerProcess
@@ -100,3 +101,12 @@ def test_a_worker_in_a_thread_does_not_keep_its_process_alive() -> None:
         [sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=True
     )
     assert done.stdout == "None\n"
+
+
+def test_a_worker_that_is_killed_names_the_stage_that_was_at_work() -> None:
+    left = WorkerProcess("left", 0, lambda _name, _end: Ended(7, -signal.SIGKILL))
+    assert left.at_work() == ""
+    left.stages = (StageStatus("a", "waiting"), StageStatus("b", "processing"))
+    left.kill(f"it did not end{left.at_work()}")
+    assert left.exit_reason().endswith("because it did not end, in which stage b was at work")
+    left.end()
