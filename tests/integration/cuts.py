@@ -98,11 +98,12 @@ class Pair:
 
     def host_noted(self, line: str) -> bool:
         """True once the host's log of the run has this line; False after a timeout."""
+        return wait_until(lambda: host_noted(self.hosts, line), 60.0)
 
-        def noted() -> bool:
-            return any(line in log.read_text() for log in self.hosts.folder.glob("runs/*-pc-left/log.jsonl"))
-
-        return wait_until(noted, 60.0)
+    def desk_noted(self, line: str) -> bool:
+        """True once the operator's log of the run has this line; False after a timeout."""
+        log = self.out / "log.jsonl"
+        return wait_until(lambda: log.exists() and line in log.read_text(), 60.0)
 
     def host_is_idle(self, seconds: float = 60.0) -> bool:
         """True once the host has no worker; False after `seconds`."""
@@ -128,6 +129,11 @@ class Pair:
     def _signal(pids: list[int], number: signal.Signals) -> None:
         for pid in pids:
             os.kill(pid, number)
+
+
+def host_noted(hosts: Hosts, line: str) -> bool:
+    """True if the log of a run on pc-left has this line."""
+    return any(line in log.read_text() for log in hosts.folder.glob("runs/*-pc-left/log.jsonl"))
 
 
 def _lines(path: Path) -> int:

@@ -11,10 +11,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.integration.cuts import FAULTS, NAMES, Pair
+from tests.integration.cuts import FAULTS, NAMES, Pair, host_noted
 from tests.integration.hosts import Hosts, namespaces_are_permitted
 from tests.integration.live_sum import LIVE, grows, of_left, values
-from tests.integration.running import STAGES, Finished, balanced, finish, workers, write_graph
+from tests.integration.running import STAGES, Finished, balanced, finish, wait_until, workers, write_graph
 
 PLACEMENT = """
 placement: hosts
@@ -69,7 +69,8 @@ def test_a_host_whose_cable_was_out_takes_part_again(hosts: Hosts) -> None:
     pair = Pair(hosts)
     pair.flows()
     with pair.away("cable"):
-        time.sleep(12)
+        assert pair.desk_noted("host pc-left does not answer")
+        assert pair.host_noted(SILENT)
     pair.flows()
     finished = held(pair)
     news = finished.summary["warnings"]
@@ -114,7 +115,7 @@ def test_a_run_that_ends_while_a_cable_is_out_names_the_silent_host(hosts: Hosts
     pair = Pair(hosts)
     pair.flows()
     with pair.away("cable"):
-        time.sleep(3)
+        assert pair.desk_noted("host pc-left does not answer")
         finished = pair.ended()
     assert finished.code == 1
     assert "Traceback" not in finished.errors
@@ -133,7 +134,7 @@ def test_a_run_that_ends_while_a_cable_is_out_names_the_silent_host(hosts: Hosts
 @pytest.mark.parametrize("part", ["operator", "desk"])
 def test_a_replay_with_suspended_processes_is_complete_or_fails(hosts: Hosts, part: str) -> None:
     """A source waits for a suspended reader; a reader whose whole host is silent misses messages."""
-    hosts.agent("pc-left", "--plugin", STAGES)
+    agent = hosts.agent("pc-left", "--plugin", STAGES)
     graph = write_graph(hosts.folder, REPLAY)
     placement = hosts.folder / "hosts.yaml"
     placement.write_text(PLACEMENT.replace("[a, more]", "[a]"))
@@ -145,9 +146,10 @@ def test_a_replay_with_suspended_processes_is_complete_or_fails(hosts: Hosts, pa
     stopped = [process.pid, *(workers(process.pid) if part == "desk" else ())]
     for pid in stopped:
         os.kill(pid, signal.SIGSTOP)
-    time.sleep(12)
+    noticed = wait_until(lambda: host_noted(hosts, SILENT) or not workers(agent.process.pid))
     for pid in stopped:
         os.kill(pid, signal.SIGCONT)
+    assert noticed, "the host waits, or its part is over without the readers"
     finished = finish(process, hosts.folder / "out")
     if part == "operator":
         assert finished.code == 0, finished.summary["errors"]
