@@ -29,15 +29,19 @@ def replay(show: Path, out: Path, *options: str) -> int:
 
 
 def altered(
-    show: Path, path: Path, ends: Mapping[str, int] = MappingProxyType({}), **changes: object
+    show: Path,
+    path: Path,
+    ends: Mapping[str, int] = MappingProxyType({}),
+    chunk_size: int = 1 << 20,
+    **changes: object,
 ) -> Path:
     """The recording with another embedded plan, made by the writer of the mcap package.
 
-    ends: how many messages of these topics it has; all of the others.
+    ends: how many messages of these topics it has; all of the others. chunk_size: B, at which a chunk ends.
     """
     with show.open("rb") as old, path.open("wb") as new:
         reader = make_reader(old)
-        writer = Writer(new)
+        writer = Writer(new, chunk_size=chunk_size)
         writer.start()
         for attachment in reader.iter_attachments():
             data = json.loads(attachment.data) if attachment.name == "plan.json" else {}
@@ -57,6 +61,21 @@ def altered(
             data_of = message.data
             writer.add_message(channels[channel.id], message.log_time, data_of, 0, message.sequence)
         writer.finish()
+    return path
+
+
+def cut_short(show: Path, path: Path, topic: str, count: int) -> Path:
+    """The recording without its end, of which so many messages of a topic can be read.
+
+    Each message has a chunk of its own, so that this does not depend on how many the recorder put into one.
+    """
+    altered(show, path, chunk_size=1)
+    with path.open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert summary is not None
+    (channel,) = (channel.id for channel in summary.channels.values() if channel.topic == topic)
+    chunks = [c.chunk_start_offset for c in summary.chunk_indexes if channel in c.message_index_offsets]
+    path.write_bytes(path.read_bytes()[: sorted(chunks)[count] + 100])
     return path
 
 
