@@ -192,7 +192,8 @@ class Stage:
         """Complete the outputs, after the last message or an error.
 
         It may be called without `setup`, or twice. For a live source it is called in another thread while
-        `process` may still wait for the device.
+        `process` may still wait for the device. What `process` raises from then on does not fail the run: an
+        error of a wait for a closed file, socket or device goes to the log, any other one is a warning.
         """
 
     def state(self) -> Any:

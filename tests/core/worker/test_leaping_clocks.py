@@ -25,7 +25,11 @@ class Watch(Device):
         self.readings = readings
 
     def process(self) -> Source[Note]:
-        yield from self.items(lambda n: at(NOW + round(self.readings[n - 1] * SECOND), Note(n)))
+        for n, reading in enumerate(self.readings, 1):
+            self.asked.release()
+            self.wanted.acquire()
+            yield at(NOW + round(reading * SECOND), Note(n))
+        self.asked.release()
 
 
 def times(monkeypatch: pytest.MonkeyPatch, device: Watch, arrivals: list[Arrival]) -> list[float]:

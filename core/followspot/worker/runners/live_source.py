@@ -19,6 +19,7 @@ from followspot.worker.clock import Arrival
 from followspot.worker.inputs.input_queue import InputQueue
 from followspot.worker.output_port import OutputPort
 from followspot.worker.runners.error_policy import RAISED
+from followspot.worker.runners.late_errors import tell_late_error
 from followspot.worker.runners.source import NOTHING, SourceRunner
 from followspot.worker.runners.stage_runner import Returned
 
@@ -135,11 +136,17 @@ class LiveSourceRunner(SourceRunner):
                     break
                 self.notify()
         except RAISED as error:
-            if self.stage is stage:
+            if self._asked_to_end(stage):
+                tell_late_error(stage, error)
+            else:
                 self._error = error
         if self.stage is stage:
             self._over = True
             self.notify()
+
+    def _asked_to_end(self, stage: Stage) -> bool:
+        """Whether the run ends, or the stage leaves it: what it raises then fails nothing."""
+        return self.stopped or self.stage is not stage or not stage.context.pause(0.0)
 
     def _keep(self, item: Any, stage: Stage) -> bool:
         """Count an item and keep it for the worker; whether to go on."""
