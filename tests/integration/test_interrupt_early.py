@@ -57,6 +57,7 @@ class Press:
         if name == sys.argv[1]:
             os.kill(os.getpid(), signal.SIGINT)
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a test in the background of a shell ignores it
 sys.meta_path.insert(0, Press())
 from followspot.cli.main import main
 sys.exit(main(["graphs"]))
