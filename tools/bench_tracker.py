@@ -31,7 +31,8 @@ from typing import Any
 import cv2
 
 from benching import plain_tracker
-from benching.memory import Cost, Shots, measure, shots
+from benching.frames_in_memory import Shots, shots
+from benching.stage_cost import Cost, measure
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.operator.launch import run_plan

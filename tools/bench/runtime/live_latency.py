@@ -42,8 +42,8 @@ from typing import Any
 import numpy as np
 
 from benching import live_trace
+from benching.frames_in_memory import shots
 from benching.live_paths import OTHERS, PARTS, STAGES, Trace, Way
-from benching.memory import shots
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.room import StageUse

@@ -22,7 +22,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from benching.memory import shots
+from benching.frames_in_memory import shots
 from benching.peers.contender import Figures, Stalled, measured
 from benching.peers.parts import LEAD, Order
 from scripting import shown, table_options

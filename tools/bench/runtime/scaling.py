@@ -29,7 +29,8 @@ from tempfile import TemporaryDirectory
 import cv2
 import numpy as np
 
-from benching.memory import measure, shots
+from benching.frames_in_memory import shots
+from benching.stage_cost import measure
 from followspot.graph.compile import compile_graph
 from followspot.lens import IDENTITY
 from followspot.room import Camera, Room, StageUse, Target

@@ -24,7 +24,8 @@ from types import CodeType
 
 import cv2
 
-from benching.memory import Shots, measure, shots
+from benching.frames_in_memory import Shots, shots
+from benching.stage_cost import measure
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from scripting import shown, table_options

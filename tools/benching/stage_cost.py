@@ -1,6 +1,5 @@
-"""Shared parts of benchmarks: frames in memory, a tracker that never finds, and CPU time by stage.
+"""CPU time of a frame set, of the whole graph and of each stage, over frames in memory.
 
-Frames are rendered or decoded before the clock starts, so sources cost nothing but the runtime's part.
 Time is that of the process (`time.process_time`): other programs on the machine do not count.
 """
 
@@ -8,29 +7,20 @@ from __future__ import annotations
 
 import time
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from followspot.context import Context
+from benching.frames_in_memory import FromMemory, Shots, unsent
+from benching.never_found import NeverFound
 from followspot.graph.plan import Plan
-from followspot.messages import at
-from followspot.plugins.registry import load_stage
-from followspot.ports.marks import Source
-from followspot.ports.signature import ports
-from followspot.stage import Stage
-from followspot.tracking import LOST, Forecast, Frame, Positions, Tracks
 from followspot.worker.build import build_worker
 from followspot.worker.ledger import Ledger
 from followspot.worker.runners.source import SourceRunner
 from followspot.worker.runners.stage_runner import StageRunner
 from followspot.worker.wiring import RunOptions, Wiring
 
-Shots = Mapping[str, Sequence[Frame]]
-"""Frames of each camera."""
 TRACKER = "track"
 """Stage that forecasts places of targets."""
 
@@ -67,46 +57,6 @@ class Stopwatch:
         return time.process_time() - self.started
 
 
-class FromMemory(Stage):
-    """Plays frames that are there already."""
-
-    frames: Sequence[Frame] = ()
-    watch: Stopwatch
-
-    def process(self) -> Source[Frame]:
-        """One after the other, each with its time."""
-        for number, frame in enumerate(self.frames):
-            self.watch.played(number)
-            yield frame
-
-
-@dataclass(frozen=True)
-class Found:
-    """A tracker's outputs."""
-
-    tracks: Tracks
-    forecast: Forecast
-
-
-class NeverFound(Stage):
-    """A tracker that believes nothing, so that all targets are sought in whole images for ever."""
-
-    def process(self, positions: Positions) -> Found:
-        """No track, and a forecast in which all targets are lost."""
-        count = len(self.room.targets)
-        nowhere = np.zeros((count, 3))
-        lost = Forecast(
-            period=0.0,
-            state=np.full(count, LOST, np.uint8),
-            xyz=nowhere,
-            velocity=nowhere,
-            covariance=np.zeros((count, 3, 3)),
-            last=nowhere,
-            before=nowhere,
-        )
-        return Found(Tracks.empty(), lost)
-
-
 @dataclass(frozen=True)
 class Cost:
     """CPU time of one frame set, ms: of the whole graph, and of its stages by their name in the graph."""
@@ -115,30 +65,6 @@ class Cost:
     stages: Mapping[str, float]
     tracked: float
     """Targets tracked, mean over the frame sets."""
-
-
-def shots(plan: Plan, count: int) -> dict[str, list[Frame]]:
-    """The first frames of all cameras of a plan, played by their own sources."""
-    played = {}
-    for stage in plan.stages:
-        cls = load_stage(stage.uses)
-        if stage.camera is not None and ports(cls).source:
-            source = cls(Context(stage.name, plan.room, stage.member), **stage.params)
-            source.setup()
-            frames = (frame for frame, _ in zip(source.process(), range(count), strict=False))
-            played[stage.camera] = [own(frame) for frame in frames]
-            source.close()
-    return played
-
-
-def own(frame: Frame) -> Frame:
-    """The frame in memory of its own; sources may use theirs again."""
-    return at(frame.header.time, Frame(frame.camera, frame.pixels.copy()))
-
-
-def unsent(frame: Frame) -> Frame:
-    """The frame as a source first yields it."""
-    return at(frame.header.time, Frame(frame.camera, frame.pixels))
 
 
 def measure(
@@ -164,7 +90,7 @@ def measure(
         if isinstance(runner, SourceRunner) and stage.camera is not None:
             source = FromMemory(runner.stage.context)
             source.frames = [unsent(frame) for frame in played[stage.camera]]
-            source.watch = watch
+            source.on_frame = watch.played
             runner.stage = source
             continue
         if stage.name == TRACKER and searching:
