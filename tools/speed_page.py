@@ -7,8 +7,8 @@
 
 The page shows a command in a block of its own, and then its tables; this runs it with --markdown and puts
 what it prints in their place. FOLDER has dev1.yaml to dev6.yaml, rooms of the development recordings with
-their targets; without it the tables of commands that name them stay. The first table names the machine; that
-of the aims is made of all others whenever one of them is.
+their targets; without it the tables of commands that name them stay. The table of --machine names the
+machine; that of the aims is made of all others whenever one of them is.
 """
 
 from __future__ import annotations
