@@ -64,7 +64,7 @@ def with_a_slow_variant(folder: Path, slow: str = SLOW) -> list[str]:
     stage = "stages:\n  more: {uses: slow.slow, in: {tracks: track}}\n"
     (folder / "more.yaml").write_text(f"graph: more\nextends: quick.yaml\n{stage}")
     graphs = [str(folder / name) for name in ("quick.yaml", "more.yaml")]
-    options = ["--plugin", str(folder / "slow.py"), "--frames", "20", "-o", str(folder / "out")]
+    options = ["--plugin", str(folder / "slow.py"), "--frames", "100", "-o", str(folder / "out")]
     return ["compare", *graphs, *options, "--quiet", "--json"]
 
 

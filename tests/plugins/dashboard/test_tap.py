@@ -158,10 +158,14 @@ def test_a_recording_that_begins_anew_is_shown_again(tmp_path: Path, gate: Gate,
     assert len(listener.heard(source)) == 1
 
 
-def test_cameras_slower_than_the_page_are_all_shown(tmp_path: Path, gate: Gate, listener: Listener) -> None:
+def test_cameras_slower_than_the_page_are_all_shown(
+    tmp_path: Path, gate: Gate, listener: Listener, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = [time.monotonic_ns()]
+    monkeypatch.setattr(time, "monotonic_ns", lambda: now[0])
     taps = [tap(tmp_path, f"camera/cam{i}.out", sets_times=True, picture_rate=60.0) for i in range(3)]
     for number in range(1, 9):
-        time.sleep(0.02)  # longer than from one picture of the page to the next
+        now[0] += 20 * MS  # longer than from one picture of the page to the next
         for one in taps:
             one.process(at(100 * number, frame()))
     shown = [port for port, _ in listener.heard(*taps)]
