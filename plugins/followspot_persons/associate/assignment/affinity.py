@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from followspot import Array
@@ -15,11 +17,13 @@ LARGEST, SMALLEST = 0.8, 0.08
 """Root mean square distance of a body's points from their middle, m."""
 
 
-def pair_ratios(views: Views, camera: Array, xy: Array, noise: Noise) -> Array:
+def pair_ratios(
+    views: Views, camera: Array, xy: Array, noise: Noise, possible: Callable[[Array], Array] | None = None
+) -> Array:
     """Log-likelihood ratios of two detections being one body against two, (N, N); -inf within a camera.
 
-    camera: (N,); xy: (N, J, 2) px, NaN for points that were not found. A pair whose points meet in no body
-    of a person's size is none.
+    camera: (N,); xy: (N, J, 2) px, NaN for points that were not found; possible: says of P pairs whether they
+    may be a body, (P,) bool, by their points (P, J, 3) m, by default :func:`is_body`.
     """
     count = len(camera)
     ratio = np.full((count, count), -np.inf)
@@ -39,7 +43,7 @@ def pair_ratios(views: Views, camera: Array, xy: Array, noise: Noise) -> Array:
     number = shared.sum(axis=1)
     mean = np.where(shared, each, 0.0).sum(axis=1) / np.maximum(number, 1)
     found = mean * np.minimum(number, INDEPENDENT)
-    ratio[a, b] = ratio[b, a] = np.where(_is_body(xyz), found, -np.inf)
+    ratio[a, b] = ratio[b, a] = np.where((possible or is_body)(xyz), found, -np.inf)
     return ratio
 
 
@@ -52,8 +56,8 @@ def points_between(views: Views, camera: Array, xy: Array, a: Array, b: Array) -
     return triangulate_pairs(centers, directions).reshape(len(a), xy.shape[1], 3)
 
 
-def _is_body(xyz: Array) -> Array:
-    """(P,) whether points (P, J, 3) m are as far apart as a body's."""
+def is_body(xyz: Array) -> Array:
+    """(P,) whether points (P, J, 3) m, two at least, are as far apart as a body's."""
     there = np.asarray(np.isfinite(xyz).all(axis=-1))
     number = np.maximum(there.sum(axis=1), 1)
     known = np.where(there[..., None], xyz, 0.0)

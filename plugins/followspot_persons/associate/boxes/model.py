@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from followspot import Array
-from followspot_persons.associate.assignment.affinity import pair_ratios
+from followspot_persons.associate.assignment.affinity import is_body, pair_ratios
 from followspot_persons.associate.boxes import shape_mixture
 from followspot_persons.associate.boxes import tracks as box_tracks
 from followspot_persons.associate.boxes.ellipsoid import PLACE, SPEED, boxes_of
 from followspot_persons.associate.boxes.shape_mixture import ShapeMixture
-from followspot_persons.associate.boxes.standing import standing_ratios
+from followspot_persons.associate.boxes.standing import standing_ratios, stands
 from followspot_persons.associate.existence import OddsLimits
 from followspot_persons.associate.multi_view.triangulation import triangulated
 from followspot_persons.associate.multi_view.views import Noise, View, Views
@@ -60,7 +60,7 @@ class BoxModel:
     def pair_ratios(self, views: Views, camera: Array, measured: Array) -> Array:
         """(N, N) of two boxes of different cameras being one body."""
         points = _points(measured)
-        ratio = pair_ratios(views, camera, points, Noise(1.0, MIDDLE, self.delay))
+        ratio = pair_ratios(views, camera, points, Noise(1.0, MIDDLE, self.delay), self._possible)
         a, b = np.nonzero(np.triu(np.isfinite(ratio), 1))
         ratio[a, b] += standing_ratios(views, camera, points[:, 1:], self.floor, a, b)
         ratio[b, a] = ratio[a, b]
@@ -68,15 +68,20 @@ class BoxModel:
 
     def initiated(self, views: Views, camera: Array, measured: Array) -> ShapeMixture | None:
         """The body of boxes (V, 4) px of different cameras; None if they determine none."""
-        place = triangulated(views, camera, _points(measured), Noise(1.0, MIDDLE, self.delay)).xyz[0]
-        if not np.isfinite(place).all():
+        points = triangulated(views, camera, _points(measured), Noise(1.0, MIDDLE, self.delay)).xyz
+        points = points[np.isfinite(points).all(axis=1)]
+        if not len(points):
             return None
-        first = bodies = shape_mixture.new_body(place, WIDE)
+        first = bodies = shape_mixture.new_body(points[0], WIDE)  # the boxes move an end to the middle
         for _ in range(ROUNDS):
             bodies = self.before_set(replace(first, state=bodies.state))
             for c, box in zip(camera, measured, strict=True):
                 bodies = self.updated(bodies, np.zeros(1, int), views.each[c], box[None], np.ones(1))
         return bodies if np.isfinite(bodies.state).all() else None
+
+    def _possible(self, points: Array) -> Array:
+        """Which pairs may be a person, (P,) bool, by the points where they meet, (P, 3, 3) m."""
+        return np.asarray(is_body(points) | stands(points[:, 1:], self.floor))
 
     def before_set(self, bodies: ShapeMixture) -> ShapeMixture:
         """The bodies before a set: no camera saw them yet."""

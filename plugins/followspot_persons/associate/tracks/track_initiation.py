@@ -44,7 +44,8 @@ def with_initiated(
     measured = np.concatenate([one.measured for one in parts])
     colors = np.concatenate([one.colors for one in parts])
     color_ratios = log_ratios(colors[:, None], colors[None])
-    found = clusters(model.pair_ratios(views, camera, measured) + color_ratios)
+    many = np.log(max(len(camera) / len(parts) / FEW, 1.0))
+    found = clusters(model.pair_ratios(views, camera, measured) + color_ratios, many)
     chance = _chance(found, camera, len(views.each))
     for rows in found:
         body, rows = _body_of_cluster(model, views, camera, measured, rows)
