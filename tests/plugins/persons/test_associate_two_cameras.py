@@ -34,8 +34,13 @@ def found(*xy: tuple[float, float], sets: int = 4) -> np.ndarray:
 
 
 def both(xy: tuple[tuple[float, float], ...]) -> list[Boxes]:
-    """The boxes in the first two cameras' pictures, which cut some off."""
-    bodies, sent = standing(*xy).state[:, 0], []
+    """The boxes of people of usual height in the first two cameras' pictures, which cut some off."""
+    return boxes_in(standing(*xy).state[:, 0])
+
+
+def boxes_in(bodies: np.ndarray) -> list[Boxes]:
+    """The boxes of bodies (P, 10) in the first two cameras' pictures."""
+    sent = []
     for name, view in zip(list(ROOM.cameras)[:2], VIEWS.each, strict=False):
         box, _ = boxes_of(view, bodies)
         box = np.clip(box, 0.0, np.tile(np.array(ROOM.cameras[name].size) - 1.0, 2))
@@ -49,21 +54,42 @@ def test_two_pairs_count_more_than_one_better_pair_of_different_people() -> None
     for a, b, value in ((0, 3, 5.0), (0, 2, 4.0), (1, 3, 3.0)):
         ratio[a, b] = ratio[b, a] = value
     assert [rows.tolist() for rows in clusters(ratio)] == [[0, 2], [1, 3]]
-    assert [rows.tolist() for rows in clusters(ratio, cost=2.5)] == [[0, 3]]  # among many false ones
-    ratio[1, 3] = ratio[3, 1] = 0.5
+    assert [rows.tolist() for rows in clusters(ratio, least_gain=2.5)] == [[0, 3]]  # among many false ones
+    ratio[1, 3] = ratio[3, 1] = 1.5
     assert [rows.tolist() for rows in clusters(ratio)] == [[0, 3]]
+
+
+def test_the_surest_pair_stays_if_others_make_no_more_people() -> None:
+    ratio = np.full((4, 4), -np.inf)
+    for a, b, value in ((0, 2, 9.0), (1, 3, 0.5), (0, 3, 6.0), (1, 2, 6.0)):
+        ratio[a, b] = ratio[b, a] = value
+    assert [rows.tolist() for rows in clusters(ratio)] == [[0, 2], [1, 3]]
+
+
+@pytest.mark.parametrize("height", [1.5, 2.1])
+def test_small_and_tall_people_are_found(height: float) -> None:
+    bodies = standing((0.3, 2.0))
+    bodies.state[..., 2], bodies.state[..., 7] = height / 2, np.log(height / 2)
+    stage = Associate(Context("associate", ROOM))
+    stage.setup()
+    for number in range(3):
+        header = Header("n", number, number * 10**8)
+        places = stage.process(
+            boxes=tuple(stamped(one, header) for one in boxes_in(bodies.state[:, 0]))
+        ).poses.xy
+    np.testing.assert_allclose(places, [(0.3, 2.0)], atol=0.15)
 
 
 @pytest.mark.parametrize("xy", [NEAR_FIRST, NEAR_SECOND])
 def test_a_person_whose_feet_one_picture_cuts_off_is_found(xy: tuple[float, float]) -> None:
     boxes = both((xy,))
     assert sum(one.box[0, 3] >= 959 for one in boxes) == 1
-    assert np.allclose(found(xy), [xy], atol=0.15)
+    np.testing.assert_allclose(found(xy), [xy], atol=0.15)
 
 
 def test_two_people_near_one_camera_each_are_two() -> None:
     places = found(NEAR_FIRST, NEAR_SECOND)
-    assert np.allclose(places[np.argsort(places[:, 0])], [NEAR_FIRST, NEAR_SECOND], atol=0.15)
+    np.testing.assert_allclose(places[np.argsort(places[:, 0])], [NEAR_FIRST, NEAR_SECOND], atol=0.15)
 
 
 @pytest.mark.parametrize(

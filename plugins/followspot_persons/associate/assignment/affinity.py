@@ -56,7 +56,7 @@ def points_between(views: Views, camera: Array, xy: Array, a: Array, b: Array) -
     return triangulate_pairs(centers, directions).reshape(len(a), xy.shape[1], 3)
 
 
-def is_body(xyz: Array) -> Array:
+def is_body(xyz: Array, largest: float = LARGEST) -> Array:
     """(P,) whether points (P, J, 3) m, two at least, are as far apart as a body's."""
     there = np.asarray(np.isfinite(xyz).all(axis=-1))
     number = np.maximum(there.sum(axis=1), 1)
@@ -64,4 +64,4 @@ def is_body(xyz: Array) -> Array:
     middle = known.sum(axis=1) / number[:, None]
     squared = np.where(there, np.square(known - middle[:, None]).sum(axis=-1), 0.0)
     size = np.sqrt(squared.sum(axis=1) / number)
-    return np.asarray((there.sum(axis=1) >= 2) & (size < LARGEST) & (size > SMALLEST))
+    return np.asarray((there.sum(axis=1) >= 2) & (size < largest) & (size > SMALLEST))

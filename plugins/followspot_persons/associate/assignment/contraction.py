@@ -9,8 +9,8 @@ import numpy as np
 
 from followspot import Array
 
-ROUNDING = 1e-6
-"""By how much a partition is worth more than the one before, nats, so that rounding decides nothing."""
+LEAST_GAIN = 1.0
+"""By how much a partition with more clusters must be worth more, nats."""
 
 
 class Partition(NamedTuple):
@@ -25,31 +25,31 @@ class Partition(NamedTuple):
     first: Sequence[tuple[int, int]]
 
 
-def clusters(ratio: Array, cost: float = 0.0) -> Sequence[Array]:
+def clusters(ratio: Array, least_gain: float = LEAST_GAIN) -> Sequence[Array]:
     """Rows of each cluster of two or more detections, the most certain first.
 
     ratio: (N, N), symmetric: log-likelihood ratio of two detections being one body against two; -inf if they
     cannot be, as two of one camera. Since no cluster has two detections of a camera, whatever a detection is
-    joined with over other cameras agrees. cost: what each cluster must be worth for a partition with more of
-    them to be better, nats: false detections, too, agree by chance.
+    joined with over other cameras agrees.
 
     Two detections of different people may fit better than those of each, and then take them from each other.
-    So the partition is sought again without each pair that was joined first, as long as it is worth more.
+    So the partition is sought again without each pair that was joined first, and replaced by one with more
+    clusters that is worth more. least_gain: by how much, nats: false detections, too, agree by chance.
     """
     ratio = np.array(ratio, float)
-    best = contracted(ratio, cost)
+    best = contracted(ratio)
     left = list(best.first)
     while left:
         a, b = left.pop(0)
         without = ratio.copy()
         without[a, b] = without[b, a] = -np.inf
-        other = contracted(without, cost)
-        if other.total > best.total + ROUNDING:
+        other = contracted(without)
+        if len(other.rows) > len(best.rows) and other.total > best.total + least_gain:
             best, ratio, left = other, without, list(other.first)
     return best.rows
 
 
-def contracted(ratio: Array, cost: float) -> Partition:
+def contracted(ratio: Array) -> Partition:
     """The clusters of greedy additive edge contraction (Keuper et al. 2015): the two clusters with the
     largest sum of ratios are joined as long as it is above 0. ratio: (N, N) as for :func:`clusters`.
     """
@@ -69,5 +69,5 @@ def contracted(ratio: Array, cost: float) -> Partition:
         left[:, a] = left[a]
         left[b] = left[:, b] = left[a, a] = -np.inf
     found = [row for row in np.argsort(-gained, kind="stable") if len(members[row]) > 1]
-    worth = sum(2 * gained[row] / len(members[row]) - cost for row in found)
+    worth = sum(2 * gained[row] / len(members[row]) for row in found)
     return Partition([np.sort(members[row]) for row in found], worth, [first[row] for row in found])

@@ -19,6 +19,8 @@ from followspot_persons.associate.multi_view.views import Noise, View, Views
 
 MIDDLE = 0.12
 """Sigma of the middle of a box, and of its ends, on a body, m."""
+LARGEST = 1.0
+"""Root mean square distance of middle and ends from their middle, m: 2.4 m from end to end."""
 WIDE = np.array([0.5, 0.5, 0.5, 1.0, 1.0, 0.5])
 """Sigmas of place, m, and velocity, m/s, of a new body."""
 INITIAL_GAIN = 2.6
@@ -81,7 +83,7 @@ class BoxModel:
 
     def _possible(self, points: Array) -> Array:
         """Which pairs may be a person, (P,) bool, by the points where they meet, (P, 3, 3) m."""
-        return np.asarray(is_body(points) | stands(points[:, 1:], self.floor))
+        return np.asarray(is_body(points, LARGEST) | stands(points[:, 1:], self.floor))
 
     def before_set(self, bodies: ShapeMixture) -> ShapeMixture:
         """The bodies before a set: no camera saw them yet."""

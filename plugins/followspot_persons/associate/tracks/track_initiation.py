@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from followspot import Array
-from followspot_persons.associate.assignment.contraction import clusters
+from followspot_persons.associate.assignment.contraction import LEAST_GAIN, clusters
 from followspot_persons.associate.body_model import BodyModel, S
 from followspot_persons.associate.colors.torso_colors import log_ratios
 from followspot_persons.associate.colors.track_colors import initial_colors
@@ -44,8 +44,8 @@ def with_initiated(
     measured = np.concatenate([one.measured for one in parts])
     colors = np.concatenate([one.colors for one in parts])
     color_ratios = log_ratios(colors[:, None], colors[None])
-    many = np.log(max(len(camera) / len(parts) / FEW, 1.0))
-    found = clusters(model.pair_ratios(views, camera, measured) + color_ratios, many)
+    by_chance = np.log(max(len(camera) / len(parts) / FEW, 1.0))
+    found = clusters(model.pair_ratios(views, camera, measured) + color_ratios, LEAST_GAIN + by_chance)
     chance = _chance(found, camera, len(views.each))
     for rows in found:
         body, rows = _body_of_cluster(model, views, camera, measured, rows)
