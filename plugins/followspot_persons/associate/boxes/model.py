@@ -19,8 +19,8 @@ from followspot_persons.associate.multi_view.views import Noise, View, Views
 
 MIDDLE = 0.12
 """Sigma of the middle of a box, and of its ends, on a body, m."""
-LARGEST = 1.0
-"""Root mean square distance of middle and ends from their middle, m: 2.4 m from end to end."""
+LARGEST = 0.9
+"""Root mean square distance of middle and ends from their middle, m: 2.2 m from end to end."""
 WIDE = np.array([0.5, 0.5, 0.5, 1.0, 1.0, 0.5])
 """Sigmas of place, m, and velocity, m/s, of a new body."""
 INITIAL_GAIN = 2.6
