@@ -173,7 +173,7 @@ def test_an_agent_says_to_what_it_is_not_connected_and_why_and_when_it_is(tmp_pa
         assert "listens on" in agent.stderr.readline()
         missing = f"not connected to {at}: nothing listens there; trying again\n"
         assert agent.stderr.readline() == missing
-        for _ in range(2):  # what it is connected to may end, and come back
+        for _ in range(2):  # the other host may end, and come back
             with launch("agent", "--name", "pc-right", "--listen", at, cwd=tmp_path) as other:
                 assert agent.stderr.readline() == f"connected to {at}\n"
                 other.send_signal(signal.SIGINT)

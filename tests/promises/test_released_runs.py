@@ -16,7 +16,7 @@ GRAPHS = Path(__file__).parents[2] / "graphs"
 
 
 def held() -> tuple[int, Counter[str]]:
-    """Stages of the process, and its open files by what they are."""
+    """The stages that the process holds, and its open descriptors by kind."""
     gc.collect()
     files: Counter[str] = Counter()
     for file in Path("/proc/self/fd").iterdir():

@@ -19,7 +19,7 @@ from followspot.valid_values.numbers import Count
 
 @dataclass(frozen=True)
 class RunMetadata:
-    """Where a run came from, where it writes, and how other processes reach its hosts.
+    """Origin and output folder of a run, and the endpoints by which other processes reach its hosts.
 
     out: its output folder on the operator's host, None if that is not this host; network: leads to its other
     hosts, None if it has none; source_files: of its graph, on the operator's host, None if it has none;

@@ -1,4 +1,4 @@
-"""The first message that two Zenoh peers exchange, over a socket of its own: who is at an endpoint.
+"""Asks who answers at an endpoint, by the first message of two Zenoh peers, over a socket of its own.
 
 It is an InitSyn of Zenoh's protocol 9 (all versions 1.x), and leaves no state at the other end.
 """

@@ -27,7 +27,7 @@ PART_SIGMA = 0.25
 class Unseen:
     """Time since the picture last told a person's distance, and its direction, s.
 
-    Of who is partly hidden it tells the direction alone.
+    A picture tells only the direction of a person who is partly hidden.
     """
 
     distance: float = 0.0

@@ -29,7 +29,7 @@ PERIOD, ERROR = 0.1, 0.15
 def walkers(count, steps, rng):
     """Velocities (steps, count, 2) m/s of people, a third of whom walk, at 1.1 m/s.
 
-    Walkers stop after 2 s in the mean, those who stand set off after 4 s, and either turn after 3 s.
+    Walkers stop after 2 s on average, standing people set off after 4 s, and all turn after 3 s.
     """
     walks, course, found = rng.random(count) < 1 / 3, rng.uniform(-np.pi, np.pi, count), []
     for _ in range(steps):
@@ -67,7 +67,7 @@ def bodies():
 
 
 def followed(there, cover, pictures, bodies, contact=None):
-    """A track of who stands there, while a nearer body hides it: after each picture."""
+    """The track of a standing person after each picture, while a nearer body hides the person."""
     camera, shape = perspective(), read_shape()
     picture = picture_of(camera, drawn(camera, there))
     picture = picture if cover is None else covered(picture, shape, cover)

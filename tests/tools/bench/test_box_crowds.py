@@ -18,7 +18,7 @@ CAMERA = load(box_crowds.ROOM).cameras["south_west"]
 
 
 def exact(count: int) -> Network:
-    """A network without a bias, that invents nobody."""
+    """A network without bias and false boxes."""
     return replace(network(CAMERA, count, 0.0, np.random.default_rng(1)), bias=np.zeros((count, 4)))
 
 

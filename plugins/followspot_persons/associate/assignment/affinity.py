@@ -17,13 +17,24 @@ LARGEST, SMALLEST = 0.8, 0.08
 """Root mean square distance of a body's points from their middle, m."""
 
 
+def is_body(xyz: Array, largest: float = LARGEST) -> Array:
+    """(P,) whether points (P, J, 3) m, two at least, are as far apart as a body's."""
+    there = np.asarray(np.isfinite(xyz).all(axis=-1))
+    number = np.maximum(there.sum(axis=1), 1)
+    known = np.where(there[..., None], xyz, 0.0)
+    middle = known.sum(axis=1) / number[:, None]
+    squared = np.where(there, np.square(known - middle[:, None]).sum(axis=-1), 0.0)
+    size = np.sqrt(squared.sum(axis=1) / number)
+    return np.asarray((there.sum(axis=1) >= 2) & (size < largest) & (size > SMALLEST))
+
+
 def pair_ratios(
-    views: Views, camera: Array, xy: Array, noise: Noise, possible: Callable[[Array], Array] | None = None
+    views: Views, camera: Array, xy: Array, noise: Noise, possible: Callable[[Array], Array] = is_body
 ) -> Array:
     """Log-likelihood ratios of two detections being one body against two, (N, N); -inf within a camera.
 
     camera: (N,); xy: (N, J, 2) px, NaN for points that were not found; possible: says of P pairs whether they
-    may be a body, (P,) bool, by their points (P, J, 3) m, by default :func:`is_body`.
+    may be a body, (P,) bool, by their points (P, J, 3) m.
     """
     count = len(camera)
     ratio = np.full((count, count), -np.inf)
@@ -43,7 +54,7 @@ def pair_ratios(
     number = shared.sum(axis=1)
     mean = np.where(shared, each, 0.0).sum(axis=1) / np.maximum(number, 1)
     found = mean * np.minimum(number, INDEPENDENT)
-    ratio[a, b] = ratio[b, a] = np.where((possible or is_body)(xyz), found, -np.inf)
+    ratio[a, b] = ratio[b, a] = np.where(possible(xyz), found, -np.inf)
     return ratio
 
 
@@ -54,14 +65,3 @@ def points_between(views: Views, camera: Array, xy: Array, a: Array, b: Array) -
     centers = np.stack([center[a], center[b]], axis=2).reshape(-1, 2, 3)
     directions = np.stack([direction[a], direction[b]], axis=2).reshape(-1, 2, 3)
     return triangulate_pairs(centers, directions).reshape(len(a), xy.shape[1], 3)
-
-
-def is_body(xyz: Array, largest: float = LARGEST) -> Array:
-    """(P,) whether points (P, J, 3) m, two at least, are as far apart as a body's."""
-    there = np.asarray(np.isfinite(xyz).all(axis=-1))
-    number = np.maximum(there.sum(axis=1), 1)
-    known = np.where(there[..., None], xyz, 0.0)
-    middle = known.sum(axis=1) / number[:, None]
-    squared = np.where(there, np.square(known - middle[:, None]).sum(axis=-1), 0.0)
-    size = np.sqrt(squared.sum(axis=1) / number)
-    return np.asarray((there.sum(axis=1) >= 2) & (size < largest) & (size > SMALLEST))

@@ -82,7 +82,9 @@ class BoxModel:
         return bodies if np.isfinite(bodies.state).all() else None
 
     def _possible(self, points: Array) -> Array:
-        """Which pairs may be a person, (P,) bool, by the points where they meet, (P, 3, 3) m."""
+        """Whether pairs of boxes may show one person, (P,) bool, by the middles and ends where they meet,
+        (P, 3, 3) m.
+        """
         return np.asarray(is_body(points, LARGEST) | stands(points[:, 1:], self.floor))
 
     def before_set(self, bodies: ShapeMixture) -> ShapeMixture:
