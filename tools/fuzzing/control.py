@@ -20,6 +20,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_from_data
+from followspot.operating_system.temporary_folder import TemporaryFolder
 from followspot.security.grants import Grants
 from followspot.security.request_guard import FORMAT, Asked, RequestGuard
 from followspot.transport.host_registry import read_host_registry
@@ -85,14 +86,13 @@ def status_target() -> Target:
 
 def registry_target() -> Target:
     """Lists of hosts."""
-    import tempfile
-
-    path = Path(tempfile.mkdtemp(prefix="followspot-fuzz-")) / "hosts.json"
+    folder = TemporaryFolder("fuzz")
     expires = time.strftime("2036-%m-%dT00:00:00+00:00", time.gmtime(0))
     entry = {"role": "camera", "expires": expires}
     text = json.dumps({"format": FORMAT, "own": "a", "hosts": {"a": entry, "b": entry}}).encode()
 
     def take(data: bytes) -> object:
+        path = folder.path / "hosts.json"
         path.write_bytes(data)
         return read_host_registry(path)
 

@@ -10,10 +10,8 @@ import contextlib
 import io
 import json
 import random
-import shutil
-import tempfile
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,6 +25,7 @@ from followspot.graph.drawing.svg import svg
 from followspot.graph.drawing.text import mermaid, text
 from followspot.graph.plan import Plan
 from followspot.graph.plan_data import plan_from_data, plan_to_data
+from followspot.operating_system.temporary_folder import TemporaryFolder
 from followspot.operator.launch import run_plan
 from followspot.plugins.registry import load_stage
 from followspot.worker.wiring import RunOptions
@@ -198,18 +197,18 @@ def _parameter(holder: Tree, uses: Any, rng: random.Random) -> tuple[str, Tree] 
     return found
 
 
-def _written(files: Files) -> Path:
+@contextlib.contextmanager
+def _written(files: Files) -> Iterator[Path]:
     """A folder with the files."""
-    folder = Path(tempfile.mkdtemp(prefix="followspot-fuzz-"))
-    for name, content in vars(files).items():
-        (folder / f"{name}.yaml").write_text(content, encoding="utf-8", errors="surrogatepass")
-    return folder
+    with TemporaryFolder("fuzz") as folder:
+        for name, content in vars(files).items():
+            (folder.path / f"{name}.yaml").write_text(content, encoding="utf-8", errors="surrogatepass")
+        yield folder.path
 
 
 def _check(files: Files) -> object:
     """Plan the files and show the plan in every form. Raises FollowspotError, which was shown."""
-    folder = _written(files)
-    try:
+    with _written(files) as folder:
         placement = str(folder / "placement.yaml")
         if zlib.crc32(repr(files).encode("utf-8", "replace")) % _COMMAND == 0:
             _command(folder)
@@ -219,8 +218,6 @@ def _check(files: Files) -> object:
             str(error).encode()
             raise
         return _shown(plan)
-    finally:
-        shutil.rmtree(folder)
 
 
 def _shown(plan: Plan) -> Plan:
@@ -245,8 +242,7 @@ def _command(folder: Path) -> None:
 
 def _run(files: Files) -> object:
     """Run the files for a frame. Raises FollowspotError if refused, AssertionError if the run fails."""
-    folder = _written(files)
-    try:
+    with _written(files) as folder:
         plan = _shown(compile_graph(folder / "graph.yaml"))
         if any(stage.live for stage in plan.stages):
             return plan  # it would open a device, or wait for one
@@ -254,5 +250,3 @@ def _run(files: Files) -> object:
         if any("Traceback" in error for error in report.errors):
             raise AssertionError(report.errors[0][-400:])
         return report
-    finally:
-        shutil.rmtree(folder)

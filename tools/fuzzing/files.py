@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import random
-import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ import followspot_accuracy as accuracy
 from followspot import room_file
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
+from followspot.operating_system.temporary_folder import TemporaryFolder
 from followspot_accuracy.persons.tables import POSE_COLUMNS, TRUTH_COLUMNS
 from followspot_calibrate.points_file.reading import read_points
 from followspot_room.calibration import read_calibration
@@ -29,10 +29,10 @@ def _file_target(
     samples: Sequence[bytes], name: str, read: Callable[[Path], object], broken: Mutation = broken_text
 ) -> Target:
     """Files with this name, broken, each read from the disk as a user's would be."""
-    folder = Path(tempfile.mkdtemp(prefix="followspot-fuzz-"))
+    folder = TemporaryFolder("fuzz")
 
     def take(data: bytes) -> object:
-        path = folder / name
+        path = folder.path / name
         path.write_bytes(data)
         return read(path)
 
@@ -114,7 +114,7 @@ def tables_target() -> Target:
         lambda path: read_points(path, size=(320, 240)),
     ]
     samples = [TRACKS, TRUTH, _table(POSE_COLUMNS), _table(TRUTH_COLUMNS), POINTS]
-    folder = Path(tempfile.mkdtemp(prefix="followspot-fuzz-"))
+    folder = TemporaryFolder("fuzz")
 
     def make(rng: random.Random) -> tuple[int, bytes]:
         number = rng.randrange(len(readers))
@@ -122,7 +122,7 @@ def tables_target() -> Target:
         return number, broken_text(sample, rng, samples)
 
     def take(made: tuple[int, bytes]) -> object:
-        path = folder / "table.csv"
+        path = folder.path / "table.csv"
         path.write_bytes(made[1])
         return readers[made[0]](path)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import contextlib
 import io
 import random
-import tempfile
 import warnings
+from functools import cache
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ import numpy as np
 from followspot.errors import FollowspotError, InputError, Mistake, Place
 from followspot.graph.parameters import validated
 from followspot.library.sink import SINK
+from followspot.operating_system.temporary_folder import TemporaryFolder
 from followspot.plugins.catalogue import catalogue
 from followspot.plugins.registry import load_stage
 from followspot.testing.samples import Content
@@ -29,11 +30,17 @@ _FRAMES = 2
 _CONTENTS: tuple[Content, ...] = ("plausible", "empty")
 
 
+@cache
+def _pictures() -> TemporaryFolder:
+    """A folder with a frame, for as long as the process."""
+    made = TemporaryFolder("fuzz")
+    cv2.imwrite(str(made.path / "frame0.png"), np.zeros((48, 64, 3), np.uint8))
+    return made
+
+
 def parameters_target() -> Target:
     """Stages that need no device and no reader elsewhere, each with one to three extreme parameters."""
-    pictures = Path(tempfile.mkdtemp(prefix="followspot-fuzz-"))
-    cv2.imwrite(str(pictures / "frame0.png"), np.zeros((48, 64, 3), np.uint8))
-    given = {"cameras.images": {"path": pictures}}
+    given = {"cameras.images": {"path": _pictures().path}}
     trials = [Trial(load_stage(name), given.get(name, {})) for name in catalogue() if name != SINK]
     usable = [trial for trial in trials if trial.complete and not (trial.stage.live or trial.stage.tap)]
 

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import random
-import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import cv2
@@ -15,6 +13,7 @@ import numpy as np
 
 from followspot.context import Context
 from followspot.errors import FollowspotError
+from followspot.operating_system.temporary_folder import TemporaryFolder
 from followspot.room import Camera
 from followspot_cameras.images import Images
 from followspot_cameras.video.stage import Video
@@ -77,10 +76,10 @@ def _played(stage: Video | Images) -> int:
 
 def video_target() -> Target:
     """Video files of several containers and codecs."""
-    folder = Path(tempfile.mkdtemp(prefix="followspot-fuzz-"))
+    folder = TemporaryFolder("fuzz")
     samples = []
     for suffix, codec in _CODECS:
-        path = folder / f"whole.{suffix}"
+        path = folder.path / f"whole.{suffix}"
         writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*codec), 30.0, _SIZE)
         if not writer.isOpened():
             continue
@@ -91,7 +90,7 @@ def video_target() -> Target:
     context = Context.serving(_camera(), name="camera/cam0")
 
     def take(made: tuple[str, bytes]) -> object:
-        path = folder / f"broken.{made[0]}"
+        path = folder.path / f"broken.{made[0]}"
         path.write_bytes(made[1])
         return _played(Video(context, path=path))
 
@@ -100,7 +99,7 @@ def video_target() -> Target:
 
 def images_target() -> Target:
     """Folders with a damaged picture."""
-    folder = Path(tempfile.mkdtemp(prefix="followspot-fuzz-"))
+    folder = TemporaryFolder("fuzz")
     samples = []
     for suffix in ("png", "jpg", "bmp", "tiff", "webp", "ppm"):
         _, data = cv2.imencode(f".{suffix}", _pictures()[0])
@@ -108,10 +107,10 @@ def images_target() -> Target:
     context = Context.serving(_camera(), name="camera/cam0")
 
     def take(made: tuple[str, bytes]) -> object:
-        path = folder / f"frame.{made[0]}"
+        path = folder.path / f"frame.{made[0]}"
         path.write_bytes(made[1])
         warnings: list[str] = []
-        stage = Images(replace(context, warn=warnings.append), path=folder)
+        stage = Images(replace(context, warn=warnings.append), path=folder.path)
         try:
             count = sum(1 for _ in _frames(stage))
         finally:

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from io import TextIOWrapper
 
 from followspot.cli import completion
+from followspot.cli.ending_signals import ending_as_on_ctrl_c
 from followspot.cli.parser import build_parser
 from followspot.errors import FollowspotError, InputError
 from followspot.notes import show_notes
@@ -39,7 +40,8 @@ def run(argv: Sequence[str] | None) -> int:
     if isinstance(sys.stdout, TextIOWrapper):  # a terminal without UTF-8, or a file name that is none
         sys.stdout.reconfigure(errors="backslashreplace")
     show_notes(not args.quiet)
-    return _exit_code(args)
+    with ending_as_on_ctrl_c():
+        return _exit_code(args)
 
 
 def _parsed(words: Sequence[str]) -> argparse.Namespace | None:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from threading import Event, Thread, current_thread, main_thread
+from threading import Event, Thread
 
 from followspot.cli.agent_options import network_of
 from followspot.errors import FollowspotError
@@ -28,10 +27,9 @@ _FAULTS = 3
 def run_with_notices(args: argparse.Namespace) -> Iterator[RunHandle]:
     """The run that the options name, as `connected_run` finds it, with notices while the block waits.
 
-    A signal that ends the command, or its terminal, is a Ctrl-C for it: under agents the command leads the
-    change itself, and undoes it then. Raises FollowspotError if there is no such run, or several.
+    Under agents the command leads the change itself, and undoes it on KeyboardInterrupt. Raises
+    FollowspotError if there is no such run, or several.
     """
-    _end_as_on_ctrl_c()
     found: list[RunHandle] = []
 
     def what() -> str:
@@ -46,13 +44,6 @@ def run_with_notices(args: argparse.Namespace) -> Iterator[RunHandle]:
                 line = f"{run.label} still does what it was asked to; followspot top shows it"
                 print(f"\nfollowspot: {line}", file=sys.stderr)
             raise
-
-
-def _end_as_on_ctrl_c() -> None:
-    """Take SIGTERM and the end of the terminal for Ctrl-C, unless they are ignored, as below nohup."""
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(number) == signal.SIG_DFL and current_thread() is main_thread():
-            signal.signal(number, signal.default_int_handler)
 
 
 @contextmanager

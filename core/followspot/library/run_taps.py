@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Collection
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 from followspot.control.tapping import Tapping
 from followspot.errors import FollowspotError
+from followspot.operating_system.temporary_folder import TemporaryFolder
 from followspot.operator.run_handle import RunHandle
 from followspot.taps.receivers import Consume, LocalReceiver, RemoteReceiver, tap_key
 
@@ -30,8 +29,8 @@ class RunTaps:
         self._metadata = run.metadata()
         self._homes: dict[str, str] = {}
         self._taps: list[Tapping] = []
-        self._folder = TemporaryDirectory(prefix="followspot-tap-")
-        self._path = Path(self._folder.name) / "taps"
+        self._folder = TemporaryFolder("tap")
+        self._path = self._folder.path / "taps"
         self._local = LocalReceiver(self._path, consume)
         self._remote: list[RemoteReceiver] = []
         self._closed = False
@@ -78,7 +77,7 @@ class RunTaps:
         for receiver in self._remote:  # also those of hosts that a stage has left: some was under way
             receiver.close()
         self._local.close(timeout)
-        self._folder.cleanup()
+        self._folder.close()
         return True
 
     def _receive(self, homes: dict[str, str]) -> None:

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from followspot.cli import wait_notice
+from followspot.cli.ending_signals import ending_as_on_ctrl_c
 from followspot.cli.wait_notice import pending_of, wait_notices
 from followspot.control.dispatch import NoAnswer, Request
 from followspot.control.host import HostLost, HostStatus, RunOrder, WorkerStatus
@@ -116,7 +117,11 @@ def test_a_command_that_gives_up_a_change_says_whether_the_run_makes_it_all_the_
     }  # the tests may have been started below nohup, or in the background
     before = {each: signal.signal(each, handler) for each, handler in usual.items()}
     try:
-        with pytest.raises(KeyboardInterrupt), wait_notice.run_with_notices(Namespace(run=None)):
+        with (
+            pytest.raises(KeyboardInterrupt),
+            ending_as_on_ctrl_c(),
+            wait_notice.run_with_notices(Namespace(run=None)),
+        ):
             signal.raise_signal(number)
     finally:
         for each, handler in before.items():

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from followspot.graph.plan import Plan
 from followspot.library.execute import OnProgress, RunOptions, run_plan, scored_file
 from followspot.messages import Array
 from followspot.operating_system.standard_output import printed_to_stderr
+from followspot.operating_system.temporary_folder import TemporaryFolder
 from followspot.plugins.registry import load_stage
 from followspot.ports.signature import ports
 from followspot.tracking import TRACKED, Blobs, Tracks
@@ -108,12 +108,12 @@ def track_recording(graph: str, room: Path, frames: int | None) -> Tracked:
     """
     with (
         printed_to_stderr(True),
-        TemporaryDirectory(prefix="followspot-track-") as folder,
+        TemporaryFolder("track") as folder,
         closing(ProgressBar()) as bar,
     ):
-        plan = tracking_plan(graph, room, (), (), Path(folder))
+        plan = tracking_plan(graph, room, (), (), folder.path)
         require_end(plan, room, frames)
-        return track(plan, Path(folder), frames, bar.show if bar.terminal else None)
+        return track(plan, folder.path, frames, bar.show if bar.terminal else None)
 
 
 def require_end(plan: Plan, room: Path, frames: int | None) -> None:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
+from followspot.operating_system.temporary_folder import TemporaryFolder
 from followspot_dashboard.gate import make_gate
 from followspot_page.http.routes import input_over, listening_socket, server_of
 from followspot_page.page import Page
@@ -19,12 +18,12 @@ from followspot_recording.recording import Recording
 async def serve_recording(order: PageOrder) -> None:
     """Serve the page of a recording. Raises OSError, FollowspotError if the recording cannot be shown."""
     with (
-        TemporaryDirectory(prefix="followspot-page-") as made,
+        TemporaryFolder("page") as made,
         Recording(order.recording) as recording,
     ):
         plan = recorded_plan(recording, order.plugin_files)
         endpoint = listening_socket(order.host, order.port, firm=order.firm)
-        page = Page(plan, make_gate(Path(made)), Path(made))
+        page = Page(plan, make_gate(made.path), made.path)
         scrub = Scrub(recording, shown_ports(plan), page.previews.take, page.send_position, order.rate)
         page.show_recording(scrub)
         endpoint.listen()

@@ -6,13 +6,12 @@ import asyncio
 import logging
 import sys
 from contextlib import ExitStack
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import pydantic
 
 from followspot.errors import FollowspotError
 from followspot.library.handle import RunHandle, connected_run
+from followspot.operating_system.temporary_folder import TemporaryFolder
 from followspot.plugins.registry import use_plugin_files
 from followspot.taps.receivers import LocalReceiver
 from followspot_dashboard.gate import SOCKET, make_gate
@@ -31,8 +30,8 @@ async def serve(order: PageOrder) -> None:
 
     Raises OSError if the address cannot be bound, FollowspotError if the run refuses taps.
     """
-    with TemporaryDirectory(prefix="followspot-page-") as made, ExitStack() as connection:
-        folder = Path(made)
+    with TemporaryFolder("page") as made, ExitStack() as connection:
+        folder = made.path
         endpoint = listening_socket(order.host, order.port, firm=order.firm)
         endpoint.listen()  # browsers that connect before the run has begun wait
         print(endpoint.getsockname()[1], flush=True)

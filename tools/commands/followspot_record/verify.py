@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import tempfile
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import asdict
@@ -19,6 +18,7 @@ from followspot.graph.output_ports import output_ports
 from followspot.graph.plan import Plan
 from followspot.library.execute import RunOptions, run_plan
 from followspot.operating_system.standard_output import printed_to_stderr
+from followspot.operating_system.temporary_folder import TemporaryFolder
 from followspot.tables.terminal import table
 from followspot_record.comparison import Compared, compare
 from followspot_record.embedded import recorded_plan
@@ -37,15 +37,15 @@ def verify_command(args: argparse.Namespace) -> int:
     with (
         printed_to_stderr(args.json),
         Recording(args.recording) as old,
-        tempfile.TemporaryDirectory(prefix="followspot-verify-") as folder,
+        TemporaryFolder("verify") as folder,
     ):
         old.examine()
         plan = recorded_plan(old, args.plugin_files)
         if old.firings or old.metadata.get(MOMENT) == "true":
-            rows, notes = repeated(old, plan, Path(folder))
+            rows, notes = repeated(old, plan, folder.path)
             early = ""
         else:
-            rows, early = _run_again(old, plan, Path(folder), quiet=args.quiet)
+            rows, early = _run_again(old, plan, folder.path, quiet=args.quiet)
             live = old.metadata.get("live") == "true" and any(row.difference for row in rows)
             notes = [_LIVE] * live
         notes = [note for note in (old.problem, early) if note] + notes

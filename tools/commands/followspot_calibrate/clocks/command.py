@@ -8,7 +8,6 @@ import sys
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from followspot.graph.plan import Plan
 from followspot.messages import Array
 from followspot.notes import progress_is_shown
 from followspot.operating_system.standard_output import printed_to_stderr
+from followspot.operating_system.temporary_folder import TemporaryFolder
 from followspot.tables.terminal import table
 from followspot_calibrate.clocks.estimation import Offsets, estimated
 from followspot_calibrate.clocks.moments import moments
@@ -44,10 +44,10 @@ def calibrate_clocks(args: argparse.Namespace) -> int:
         raise InputError.of(f"--limit {args.limit:g} is not positive", "give milliseconds, for example 2")
     room = room_file.load(args.room)
     reference = camera_number(room, args.reference)
-    with printed_to_stderr(True), TemporaryDirectory(prefix="followspot-clocks-") as folder:
-        plan = tracking_plan(args.graph, args.room, args.overrides, args.plugin_files, Path(folder))
+    with printed_to_stderr(True), TemporaryFolder("clocks") as folder:
+        plan = tracking_plan(args.graph, args.room, args.overrides, args.plugin_files, folder.path)
         require_end(plan, args.room, args.frames)
-        found = found_in_rounds(plan, Path(folder), args)
+        found = found_in_rounds(plan, folder.path, args)
     if reference is not None:
         found = found.relative_to(reference)
     found = replace(found, offset=np.round(found.offset, DECIMALS))
