@@ -87,10 +87,29 @@ def test_verify_says_up_to_where_a_damaged_recording_is_good(
     cut = tmp_path / "cut.mcap"
     last = max(chunks_of(show))
     cut.write_bytes(show.read_bytes()[: last + 100])
-    assert main(["verify", str(cut)]) == 0
+    assert main(["verify", str(cut)]) == 1
     told = capsys.readouterr().out
     assert "read up to there" in told
-    assert "the same, byte for byte" in told
+    assert told.endswith("the same as far as the damaged file can be read\n")
+    assert main(["verify", str(cut), "--up-to-damage", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["same"]
+    assert "read up to there" in found["damage"]
+
+
+def test_a_difference_counts_whatever_is_damaged(
+    show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with Recording(show) as recording:
+        plan = json.loads(recording.attachment("plan.json"))
+    track = next(stage for stage in plan["stages"] if stage["name"] == "track")
+    track["params"]["acceleration_sigma"] *= 2
+    changed = altered(show, tmp_path / "b.mcap", stages=plan["stages"])
+    changed.write_bytes(changed.read_bytes()[:-100])
+    assert main(["verify", str(changed), "--up-to-damage"]) == 1
+    told = capsys.readouterr().out
+    assert "its index is damaged" in told
+    assert told.endswith("different\n")
 
 
 def test_verify_says_that_a_recording_was_cut_before_its_sources(

@@ -136,6 +136,11 @@ def configure_verify(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("recording", metavar="FILE.mcap", help="the recording")
     add_plugin_option(parser, "load the stages of a Python file that the recorded run had loaded; repeatable")
+    parser.add_argument(
+        "--up-to-damage",
+        action="store_true",
+        help="end with 0 although the file is damaged, if all that can be read is the same",
+    )
     parser.add_argument("--json", action="store_true", help="end with one JSON object")
 
 
@@ -197,10 +202,12 @@ def replay(args: argparse.Namespace) -> int:
 def verify(args: argparse.Namespace) -> int:
     """Run a recorded graph again on its recorded sources and compare every recorded port, byte for byte.
 
-    The exit code is 0 if all ports are equal, else 1; the command names the first difference.
+    The exit code is 0 if the file is whole and all ports are equal, else 1; the command names the damage and
+    the first difference.
 
-    Example:
+    Examples:
       followspot verify show.mcap
+      followspot verify show.mcap --up-to-damage     of a recorder that was killed
     """
     _need_mcap()
     from followspot_record.verify import verify_command

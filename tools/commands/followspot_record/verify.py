@@ -49,9 +49,11 @@ def verify_command(args: argparse.Namespace) -> int:
             live = old.metadata.get("live") == "true" and any(row.difference for row in rows)
             notes = [_LIVE] * live
         notes = [note for note in (old.problem, early) if note] + notes
+        damage = old.problem
     # a stage that sends more now leaves the same file as a worker that died: neither is a proof of sameness
-    same = not early and not any(row.difference for row in rows) and any(row.messages for row in rows)
-    print(_json(same, rows, notes) if args.json else text(same, rows, notes))
+    equal = not early and not any(row.difference for row in rows) and any(row.messages for row in rows)
+    same = equal and (args.up_to_damage or not damage)
+    print(_json(same, rows, notes, damage) if args.json else text(equal, rows, notes, damage))
     return 0 if same else 1
 
 
@@ -128,13 +130,17 @@ def _end(recording: Recording, port: str) -> int:
     return max((message.time for message in recording.messages(port)), default=-1)
 
 
-def text(same: bool, rows: Sequence[Compared], notes: Sequence[str]) -> str:
-    """The result for people. Its last line counts the recorded ports that are not repeated."""
+def text(equal: bool, rows: Sequence[Compared], notes: Sequence[str], damage: str = "") -> str:
+    """The result for people. Its last line counts the recorded ports that are not repeated.
+
+    equal: whether all that was read is the same to the end; damage: what was not read, and why.
+    """
     cells = [(row.port, str(row.messages), _said(row)) for row in rows]
     lines = [table(("port", "messages", ""), cells), *notes]
     count = sum(row.messages for row in rows)
     repeated = sum(not row.unrepeated for row in rows)
-    result = "the same, byte for byte" if same else _unproved(rows)
+    same = "the same as far as the damaged file can be read" if damage else "the same, byte for byte"
+    result = same if equal else _unproved(rows)
     left = len(rows) - repeated
     besides = f"; {left} of {len(rows)} recorded ports not repeated" * bool(left)
     lines.append(f"{repeated} ports, {count} messages: {result}{besides}")
@@ -152,6 +158,6 @@ def _said(row: Compared) -> str:
     return f"not repeated: {row.unrepeated}" if row.unrepeated else row.difference or "the same"
 
 
-def _json(same: bool, rows: Sequence[Compared], notes: Sequence[str]) -> str:
+def _json(same: bool, rows: Sequence[Compared], notes: Sequence[str], damage: str) -> str:
     ports = [{name: value for name, value in asdict(row).items() if name != "lacks"} for row in rows]
-    return json.dumps({"same": same, "ports": ports, "notes": list(notes)})
+    return json.dumps({"same": same, "ports": ports, "notes": list(notes), "damage": damage})
