@@ -86,7 +86,8 @@ def test_a_cameras_certificate_cannot_stop_a_run_and_its_attempt_is_logged(
     with session(certs / "pc-left", connect=endpoint) as camera:
         assert met(camera)
         answers = agent.ask(camera, request_key("pc-right", "stop", "camera", "pc-left"))
-        assert answers == [{"refused": "camera pc-left may not stop; operators may"}]
+        refused = {"refused": "camera pc-left may not stop; operators may", "reason": "role"}
+        assert answers == [refused]
     assert agent.answers.guard.refused["role"] == 1
     assert any("pc-left" in line and "refused (role" in line for line in agent.lines)
     assert agent.stopped == []

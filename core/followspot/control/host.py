@@ -131,6 +131,10 @@ class HostRefused(FollowspotError):
     """The host refuses a request; the text names the host and the reason."""
 
 
+class HostRefusedTime(HostRefused):
+    """The host refuses a request because it says another time than the host's clock."""
+
+
 class Host(Protocol):
     """One host in one run, local or remote."""
 

@@ -10,7 +10,7 @@ import json
 import threading
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import pydantic
@@ -18,10 +18,11 @@ import zenoh
 from zenoh.handlers import Callback
 
 from followspot.control.dispatch import Dispatcher, Request, answer_from_wire, fields, verb
-from followspot.control.host import HostLost, HostRefused
+from followspot.control.host import HostLost, HostRefused, HostRefusedTime
 from followspot.control.observation import ReadClock
 from followspot.errors import FollowspotError
-from followspot.security.request_guard import MAX_REQUEST, Asked, Rejected, RequestGuard, envelope
+from followspot.security.request_clock import RequestClock
+from followspot.security.request_guard import MAX_REQUEST, STALE, Asked, Rejected, RequestGuard, envelope
 from followspot.transport.keys import agent_key, request_key
 from followspot.transport.zenoh.network import Own
 
@@ -50,6 +51,8 @@ class RpcClient:
 
     session: zenoh.Session
     own: Own
+    _clocks: dict[str, RequestClock] = field(default_factory=dict, init=False, compare=False)
+    """The clock that requests to an agent go by."""
 
     def ask(self, agent: str, request: Request, timeout: float = 2.0) -> Any:
         """An agent's answer to a request. timeout: s.
@@ -57,9 +60,22 @@ class RpcClient:
         Raises HostLost after the timeout, HostRefused if the agent refuses, InvalidAnswer or another
         FollowspotError if the answer is invalid.
         """
+        clock = self._clocks.setdefault(agent, RequestClock())
+        try:
+            return self._ask(agent, request, timeout, clock.now())
+        except HostRefusedTime:
+            other = clock.other()
+            if other is None:
+                raise
+        answer = self._ask(agent, request, timeout, other.now())
+        self._clocks[agent] = other
+        return answer
+
+    def _ask(self, agent: str, request: Request, timeout: float, now: float) -> Any:
+        """The answer to a request that says this time, s since 1970. Raises as `ask`."""
         kind = type(request)
         asked = Asked(agent, verb(kind), *self.own)
-        payload = envelope(asked, fields(request))
+        payload = envelope(asked, fields(request), now)
         for reply in self.session.get(request_key(*asked), payload=payload, timeout=timeout):
             if reply.ok is None:
                 continue
@@ -92,7 +108,8 @@ def _answer(agent: str, payload: zenoh.ZBytes, most: int) -> Any:
     if not isinstance(said, dict) or not said.keys() & {"answer", "refused"}:
         raise FollowspotError(f"host {agent}: it sent neither an answer nor a refusal: {str(said)[:200]}")
     if "refused" in said:
-        raise HostRefused(f"host {agent}: {str(said['refused'])[:MAX_REASON]}")
+        refused = HostRefusedTime if said.get("reason") == STALE else HostRefused
+        raise refused(f"host {agent}: {str(said['refused'])[:MAX_REASON]}")
     return said["answer"]
 
 
@@ -143,7 +160,7 @@ class RpcServer:
                 said = {"answer": self._answer_to(Asked.of(key), payload)}
             except Rejected as error:
                 self.guard.count(key, error)
-                said = {"refused": str(error)}
+                said = {"refused": str(error), "reason": error.reason}
             _reply(query, said)
         with self._lock:
             dropped, self._dropped = self._dropped, 0

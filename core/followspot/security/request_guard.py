@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, Literal, NamedTuple
+from typing import Any, Final, Literal, NamedTuple
 from uuid import uuid4
 
 from followspot.errors import FollowspotError
@@ -27,6 +27,8 @@ WINDOW = 120.0
 MAX_REMEMBERED = 1 << 16
 """Most requests within the window; more are rejected."""
 _MAX_ID = 64
+STALE: Final = "stale"
+"""Reason of a request whose time is too far from that of the agent."""
 
 Reason = Literal[
     "size", "form", "version", "stale", "replayed", "flood", "verb", "role", "address", "content"
@@ -58,9 +60,13 @@ class Asked(NamedTuple):
         return cls(*chunks[1:])
 
 
-def envelope(asked: Asked, data: dict[str, Any]) -> bytes:
-    """A request with these arguments, as it is sent: valid once, now, for one agent and one sender."""
-    fields = {"format": FORMAT, "id": uuid4().hex, "time": time.time(), "asked": asked, "data": data}
+def envelope(asked: Asked, data: dict[str, Any], now: float | None = None) -> bytes:
+    """A request with these arguments, as it is sent: valid once, now, for one agent and one sender.
+
+    now: seconds since 1970, by the wall clock if None.
+    """
+    sent = time.time() if now is None else now
+    fields = {"format": FORMAT, "id": uuid4().hex, "time": sent, "asked": asked, "data": data}
     return json.dumps(fields).encode()
 
 
@@ -133,7 +139,7 @@ class RequestGuard:
         fresh = abs(now - sent) <= WINDOW
         if not (fresh or abs(before - sent) <= WINDOW):
             raise Rejected(
-                "stale",
+                STALE,
                 f"the request is {now - sent:.0f} s old by the clock here, {WINDOW:.0f} s are allowed; "
                 "set the clocks of both hosts",
             )
