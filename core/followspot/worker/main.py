@@ -9,6 +9,7 @@ from __future__ import annotations
 import signal
 import socket
 import sys
+import threading
 from pathlib import Path
 
 from followspot.control.lifecycle import StartRun, StopRun
@@ -29,6 +30,7 @@ from followspot.worker.orders import Orders
 from followspot.worker.os_scheduling import apply_scheduling
 from followspot.worker.process_end import STAGES_CANNOT_EXIT
 from followspot.worker.reporting.host_reporter import HostReporter
+from followspot.worker.reporting.late_threads import late_threads
 from followspot.worker.reporting.rejections import Rejections
 from followspot.worker.reporting.report import Warnings, missing, worker_report
 from followspot.worker.runners.shared_state import begin_with_default_errors
@@ -51,6 +53,7 @@ class WorkerMain:
     def __init__(self, channel: Channel, *, in_process: bool = False) -> None:
         self.channel = channel
         self._in_process = in_process
+        self._threads_before = frozenset(threading.enumerate())
         self.log = LogCollector("")
         self.warnings = Warnings(lambda stage, text: self.log.say("warning", stage, text))
         self.reporter = HostReporter(channel, self.log, self.warnings)
@@ -80,6 +83,8 @@ class WorkerMain:
                 self.worker.close()
             if edge_factory is not None:
                 edge_factory.zenoh.close()
+        if self.worker is not None:
+            self._warn_of_threads(self.worker)
         if self._rejections is not None:
             self._rejections.warn(self.warnings)
         self.reporter.send_log()
@@ -188,6 +193,13 @@ class WorkerMain:
             signal.signal(signal.SIGTERM, lambda *_: scheduler.stop())
         self.reporter.start(scheduler, orders.leave_soon, rejections.tell_new)
         worker.run()
+
+    def _warn_of_threads(self, worker: BuiltWorker) -> None:
+        """Warn of threads that stages have left, for which the process waits before it ends."""
+        stages = [(runner.name, runner.stage) for runner in worker.scheduler.runners]
+        late = late_threads(self._threads_before, stages, own_process=not self._in_process)
+        for stage, text in late:
+            self.warnings.add(stage or f"worker {worker.name}", text)
 
     def _report(self, worker: BuiltWorker, error: str, *, restart: bool) -> None:
         """Send the last status and the report of a worker that has ended. Raises ChannelClosed."""

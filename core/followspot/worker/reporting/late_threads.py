@@ -1,0 +1,68 @@
+"""Threads of stages that go on after their stages were closed, and so hold up the end of the process."""
+
+from __future__ import annotations
+
+import inspect
+import sys
+import threading
+import time
+from collections.abc import Collection, Iterable, Iterator
+from concurrent.futures import thread as thread_pool
+from contextlib import suppress
+from pathlib import Path
+from types import FrameType
+
+from followspot.stage import Stage
+
+_PATIENCE = 1.0
+"""Seconds that threads have to end after the close of their stage."""
+_LIBRARY = Path(threading.__file__).parent
+_REMEDY = "end it in close(), or start it with daemon=True"
+
+
+def late_threads(
+    before: Collection[threading.Thread], stages: Iterable[tuple[str, Stage]], *, own_process: bool
+) -> Iterator[tuple[str, str]]:
+    """The stage, "" if that is not known, and a warning for each thread that a process waits for at its end.
+
+    before: threads that other code had started; stages: by name, all closed; own_process: whether nothing but
+    the stages can have started a thread since.
+    """
+    limit = time.monotonic() + _PATIENCE
+    by_file = {file: name for name, stage in stages if (file := _file_of(stage))}
+    for thread in threading.enumerate():
+        if thread.daemon or thread in before or thread is threading.current_thread():
+            continue
+        thread.join(max(0.0, limit - time.monotonic()))
+        calls = _calls(thread)
+        frames = [frame for frame in calls if not _in_library(frame)]
+        stage = next((by_file[file] for frame in frames if (file := frame.f_code.co_filename) in by_file), "")
+        idle = not frames and any(frame.f_code.co_filename == thread_pool.__file__ for frame in calls)
+        if (
+            idle or not thread.is_alive() or not (stage or own_process)
+        ):  # the end of the process ends idle ones
+            continue
+        place = f" at {frames[0].f_code.co_filename}:{frames[0].f_lineno}" if frames else ""
+        yield stage, f'its thread "{thread.name}" goes on{place} after close(): {_REMEDY}'
+
+
+def _file_of(stage: Stage) -> str:
+    with suppress(OSError, TypeError):
+        return inspect.getfile(type(stage))
+    return ""
+
+
+def _calls(thread: threading.Thread) -> list[FrameType]:
+    """The calls of a thread, the outermost one first."""
+    frames = []
+    frame = sys._current_frames().get(thread.ident or 0)
+    while frame is not None:
+        frames.append(frame)
+        frame = frame.f_back
+    return frames[::-1]
+
+
+def _in_library(frame: FrameType) -> bool:
+    """Whether a call is of a module of Python itself."""
+    path = Path(frame.f_code.co_filename)
+    return path.is_relative_to(_LIBRARY) and "site-packages" not in path.parts

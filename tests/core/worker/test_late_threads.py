@@ -1,0 +1,89 @@
+"""Threads of stages that hold up the end of a process are named."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+import followspot as fs
+from followspot.context import Context
+from followspot.worker.reporting.late_threads import late_threads
+
+
+class Count(fs.Message):
+    """A number."""
+
+    number: int
+
+
+class Once(fs.Stage):
+    """One number."""
+
+    def process(self) -> fs.Source[Count]:
+        yield fs.at(0, Count(1))
+
+
+class Device(fs.Stage):
+    """Reads in a thread, which `close` forgets."""
+
+    class Params(fs.StageParams):
+        daemon: bool = fs.Field(False, description="whether the process ends without waiting for it")
+
+    params: Params
+    over = threading.Event()
+
+    def setup(self) -> None:
+        threading.Thread(target=self.read, name="my reader", daemon=self.params.daemon).start()
+
+    def read(self) -> None:
+        self.over.wait()
+
+    def process(self, count: Count) -> None:
+        """Nothing."""
+
+
+@pytest.fixture(autouse=True)
+def over() -> Iterator[threading.Event]:
+    Device.over.clear()
+    yield Device.over
+    Device.over.set()
+
+
+def run(out: Path, *, daemon: bool) -> fs.Report:
+    graph = fs.Graph("g")
+    graph.add("device", Device, count=graph.add("once", Once), daemon=daemon)
+    with fs.run(graph, out=out) as run:
+        return run.wait()
+
+
+def test_the_report_names_the_stage_the_thread_and_its_place(tmp_path: Path) -> None:
+    with pytest.warns(UserWarning, match='"my reader"'):
+        (said,) = run(tmp_path, daemon=False).warnings
+    assert said.startswith('device: its thread "my reader" goes on at ')
+    assert f"{__file__}:" in said
+    assert said.endswith("after close(): end it in close(), or start it with daemon=True")
+
+
+def test_threads_that_hold_nothing_up_are_not_named(tmp_path: Path, over: threading.Event) -> None:
+    assert not run(tmp_path, daemon=True).warnings
+    over.set()
+    assert not run(tmp_path, daemon=False).warnings
+
+
+def test_what_no_stage_has_started_is_named_in_a_process_of_its_own_alone(over: threading.Event) -> None:
+    before = threading.enumerate()
+    threading.Thread(target=over.wait, name="of a library").start()
+    pool = ThreadPoolExecutor(1)  # idle: the end of the process ends it
+    pool.submit(int).result()
+    stages = [("once", Once(Context("once")))]
+    try:
+        assert list(late_threads(before, stages, own_process=False)) == []
+        ((stage, text),) = late_threads(before, stages, own_process=True)
+    finally:
+        pool.shutdown()
+    assert stage == ""
+    assert text.startswith('its thread "of a library" goes on after close()')
