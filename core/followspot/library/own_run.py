@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import os
 import threading
 import time
 import warnings
@@ -67,6 +69,8 @@ class OwnRun(ScriptHandle):
         """Not the thread's own end: `Thread.join` takes a thread for ended when Ctrl-C interrupts it."""
         sinks.failure = self._failure
         self._abandoned = False
+        self._pid = os.getpid()
+        atexit.register(self._end_at_exit)
         threading.Thread(target=self._run, args=(prepared, recorder), name="run", daemon=True).start()
         try:
             self._begun.wait(_BEGIN)
@@ -148,6 +152,16 @@ class OwnRun(ScriptHandle):
         if self._dispatcher is not None:
             self.stop()
 
+    def _end_at_exit(self) -> None:
+        """End a run that goes on when the script has ended; its outputs would be cut off anywhere."""
+        if os.getpid() != self._pid:  # a copy of the process, without the thread of the run
+            return
+        remedy = 'use it in a "with" block, or wait() for its end'
+        warnings.warn(
+            f"{self.label} goes on at the end of the script, and is stopped: {remedy}", stacklevel=1
+        )
+        self.close()
+
     def _run(self, prepared: AbstractContextManager[PreparedRun], recorder: StartRecorder) -> None:
         """Prepare and execute the run, in a thread; then wake all that wait for its end."""
         try:
@@ -169,6 +183,7 @@ class OwnRun(ScriptHandle):
             self._sinks.end()
             self._taps.end()
             self._ended.set()
+            atexit.unregister(self._end_at_exit)
 
     def _asked(self, request: Request, timeout: float) -> Any:
         if self._dispatcher is None or self._ended.is_set():
