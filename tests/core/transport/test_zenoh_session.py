@@ -16,10 +16,12 @@ from followspot.transport.zenoh.edge import locators, open_session
 
 
 def test_a_session_on_an_endpoint_that_is_taken_or_nonsense_says_so(pair: Pair) -> None:
-    for endpoint in (*locators(pair.session), "carrier-pigeon/roof"):
+    for endpoint in locators(pair.session):
         with pytest.raises(FollowspotError, match="Zenoh cannot use") as told:
             open_session([endpoint])
         assert ".rs:" not in str(told.value)
+    with pytest.raises(FollowspotError, match="'carrier-pigeon/roof' is no endpoint; .* with tcp or tls"):
+        open_session(["carrier-pigeon/roof"])
 
 
 def test_by_default_only_this_host_is_reached(pair: Pair) -> None:

@@ -18,9 +18,8 @@ AGENT = ("tcp/127.0.0.1:7450",)
 """Default port of agents."""
 _SECURE = "tls/"
 _EVERYWHERE = "0.0.0.0:0"
-_FORM = re.compile(
-    r"(?:tcp|tls|udp|quic|ws)/[^/?#]+:(?P<port>[0-9]{1,5})(?:[?#].*)?|(?!(?:tcp|tls|udp|quic|ws)/)[a-z][a-z0-9_-]*/.+"
-)
+_FORM = re.compile(r"(?:tcp|tls)/(?:\[[^/?#\[\]]+\]|[^/?#:\[\]]+):(?P<port>[0-9]{1,5})(?:[?#].*)?")
+"""Zenoh's other protocols lose messages, cannot carry a run, or have no certificates here."""
 _LARGEST_PORT = (1 << 16) - 1
 
 
@@ -120,8 +119,6 @@ def everywhere(certificates: str) -> tuple[str, ...]:
 
 def _near(endpoint: str) -> bool:
     """Whether only this host reaches the endpoint; False if it is no address: Zenoh refuses that."""
-    if endpoint.startswith("unixsock-stream/"):
-        return True
     host = endpoint.partition("/")[2].partition("#")[0].rpartition(":")[0].strip("[]")
     try:
         return ipaddress.ip_address(host).is_loopback
@@ -132,7 +129,7 @@ def _near(endpoint: str) -> bool:
 def _port(endpoint: str) -> int:
     """The port of an endpoint; 0 if it has none."""
     found = _FORM.fullmatch(endpoint)
-    return int(found["port"] or 0) if found else 0
+    return int(found["port"]) if found else 0
 
 
 def _any_port(endpoint: str) -> str:

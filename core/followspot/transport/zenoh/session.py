@@ -43,7 +43,7 @@ def config_of(network: Network, *, routes: bool = False) -> zenoh.Config:
     """
     if network.malformed:
         raise FollowspotError(
-            f"{network.malformed[0]!r} is no endpoint; write PROTOCOL/HOST:PORT, for example "
+            f"{network.malformed[0]!r} is no endpoint; write PROTOCOL/HOST:PORT with tcp or tls, for example "
             "tcp/127.0.0.1:7450 or tls/192.168.0.7:7450"
         )
     if network.exposed and not network.insecure:
