@@ -5,7 +5,11 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
 from typing import TYPE_CHECKING
+
+from followspot.errors import FollowspotError
 
 if TYPE_CHECKING:
     from followspot.transport.zenoh.network import Network
@@ -63,7 +67,8 @@ def add_network_options(
 def network_of(
     args: argparse.Namespace, listen: Sequence[str] | None = None, connect: Sequence[str] | None = None
 ) -> Network:
-    """The network that the options describe; prints a warning about endpoints that nothing protects.
+    """The network that the options describe; prints a warning about endpoints that nothing protects, and of
+    a certificate that ends soon.
 
     listen, connect: endpoints if the options name none; by default a free port of this host, and its agent.
     """
@@ -78,4 +83,15 @@ def network_of(
     network = Network(listen, connect, args.certificates or "", args.insecure, router, discover)
     if network.insecure and network.exposed:
         print(_INSECURE.format(", ".join(network.exposed)), file=sys.stderr, flush=True)
+    if network.certificates:
+        _warn_of_end(Path(network.certificates))
     return network
+
+
+def _warn_of_end(folder: Path) -> None:
+    """Print that the certificate of this host ends soon; what is wrong with the folder is said later."""
+    from followspot.transport.host_registry import expiring_soon
+
+    with suppress(FollowspotError):
+        if ending := expiring_soon(folder):
+            print(f"warning: {ending}", file=sys.stderr, flush=True)

@@ -40,6 +40,7 @@ from followspot.operating_system.limits import limit_remedy
 from followspot.plugins.code_digest import other_code
 from followspot.plugins.registry import use_plugin_files
 from followspot.transport import wire
+from followspot.transport.host_registry import expiring_soon
 from followspot.transport.wakeup_event import WakeupEvent
 from followspot.transport.zenoh.connections import Connections
 from followspot.transport.zenoh.session import close_session, connected_in_the_end, locators
@@ -183,6 +184,9 @@ class Agent:
         if other:
             line = f"its code of {', '.join(other)} is not the operator's, so results may differ"
             run.report_event("warning", f"{line}: install the same on both hosts")
+        folder = self.options.network.certificates
+        if folder and (ending := expiring_soon(Path(folder))):
+            run.report_event("warning", ending)
         self.agent_runs.add(AgentRun(graph, order, run, self.options.operator_timeout))
         try:
             run.prepare(order.here(plan, str(out)), out / ".ledger")

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -24,6 +24,8 @@ change runs; router: passes on what others send."""
 ROLES: tuple[HostRole, ...] = get_args(HostRole)
 REGISTRY = "hosts.json"
 FORMAT = 1
+SOON = timedelta(days=30)
+"""Remaining validity below which a certificate is reported."""
 _FILES = ("ca.pem", "cert.pem", "key.pem", REGISTRY)
 
 
@@ -75,6 +77,22 @@ def read_certificates(folder: Path, now: datetime | None = None) -> Certificates
 
     check_own_certificate(folder, own)
     return Certificates(folder, found, members)
+
+
+def expiring_soon(folder: Path, now: datetime | None = None) -> str:
+    """That the certificate of a host ends soon, with the remedy; "" if it does not, or has ended.
+
+    folder: of the host's certificates. Raises FollowspotError if it has no registry.
+    """
+    own, members = read_host_registry(folder / REGISTRY)
+    now = now or datetime.now(UTC)
+    for member in members:
+        if member.name == own and now < member.expires < now + SOON:
+            return (
+                f"the certificate of {own} ends on {member.expires:%Y-%m-%d}, and no other host connects to "
+                f"this one then; make a new one where the authority is: followspot certs host {own} --renew"
+            )
+    return ""
 
 
 def read_host_registry(path: Path) -> tuple[str, tuple[RegisteredHost, ...]]:

@@ -17,6 +17,7 @@ from followspot.graph.compile import compile_graph
 from followspot.host.agent import Agent
 from followspot.host.agent_options import AgentOptions
 from followspot.operator.new_order import new_order
+from followspot.security.authority import create_authority
 from followspot.transport.zenoh.edge import open_session
 from followspot.transport.zenoh.network import LOOPBACK, UNPROVEN, Network
 from followspot.worker.wiring import RunOptions
@@ -53,6 +54,19 @@ def test_a_run_whose_messages_the_host_cannot_read_is_refused(agent: Agent, orde
         with pytest.raises(HostRefused, match=r"messages of format 2, this host reads 1: install the same"):
             client.ask("left", PrepareRun(order=other), 30.0)
         assert client.ask("left", ListRuns(), 30.0) == []
+
+
+def test_a_run_is_told_that_the_certificate_of_a_host_ends_soon(order: RunOrder, tmp_path: Path) -> None:
+    certificates = create_authority(tmp_path / "certs").add("left", "camera", ["127.0.0.1"], days=5)
+    network = Network(listen=("tls/127.0.0.1:0",), certificates=str(certificates))
+    agent = Agent(AgentOptions("left", network, runs=tmp_path / "runs", plugin_files=(str(TICKS),)))
+    try:
+        agent.prepare(order)
+        news = agent.agent_runs.agent_run(order.run).run.status().news
+    finally:
+        agent.stop()
+        agent.serve()
+    assert any(line.startswith("the certificate of left ends on ") for line in news), news
 
 
 def test_a_run_that_cannot_be_prepared_does_not_end_the_agent(

@@ -20,7 +20,7 @@ def test_a_session_on_an_endpoint_that_is_taken_or_nonsense_says_so(pair: Pair) 
         with pytest.raises(FollowspotError, match="Zenoh cannot use") as told:
             open_session([endpoint])
         assert ".rs:" not in str(told.value)
-    with pytest.raises(FollowspotError, match="'carrier-pigeon/roof' is no endpoint; .* with tcp or tls"):
+    with pytest.raises(FollowspotError, match=r"'carrier-pigeon/roof' is no endpoint; .* with tcp or tls"):
         open_session(["carrier-pigeon/roof"])
 
 

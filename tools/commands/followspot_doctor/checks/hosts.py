@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from followspot.errors import FollowspotError
-from followspot.transport.host_registry import read_certificates
+from followspot.transport.host_registry import SOON, read_certificates
 from followspot_doctor.finding import Finding, doubtful, fine, wrong
 
 if TYPE_CHECKING:
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 TIMEOUT = 3.0
 """Seconds to find agents, and to read the clock of each."""
 _REMEDY = "times are corrected while a graph runs; install chrony or ptp4l on both hosts all the same"
-SOON = timedelta(days=30)
-"""Remaining validity below which a certificate is reported."""
 
 
 def certificates(folder: Path) -> Iterator[Finding]:
