@@ -28,7 +28,7 @@ from followspot.worker.clock import Clock
 from followspot.worker.ledger import Ledger
 from followspot.worker.orders import Orders
 from followspot.worker.os_scheduling import apply_scheduling
-from followspot.worker.process_end import STAGES_CANNOT_EXIT
+from followspot.worker.process_end import STAGES_CANNOT_EXIT, end_process
 from followspot.worker.reporting.host_reporter import HostReporter
 from followspot.worker.reporting.late_threads import late_threads
 from followspot.worker.reporting.rejections import Rejections
@@ -57,6 +57,8 @@ class WorkerMain:
         self.log = LogCollector("")
         self.warnings = Warnings(lambda stage, text: self.log.say("warning", stage, text))
         self.reporter = HostReporter(channel, self.log, self.warnings)
+        self.has_late_threads = False
+        """Whether threads of stages go on, which would hold up the end of a process."""
         self.worker: BuiltWorker | None = None
         """The stages, once they are built."""
         self._rejections: Rejections | None = None
@@ -78,13 +80,12 @@ class WorkerMain:
         except FollowspotError as failure:
             error = str(failure)
         finally:
-            self.reporter.stop()
             if self.worker is not None:
                 self.worker.close()
+                self._await_threads(self.worker)
+            self.reporter.stop()  # until now the host hears of this worker
             if edge_factory is not None:
                 edge_factory.zenoh.close()
-        if self.worker is not None:
-            self._warn_of_threads(self.worker)
         if self._rejections is not None:
             self._rejections.warn(self.warnings)
         self.reporter.send_log()
@@ -194,12 +195,13 @@ class WorkerMain:
         self.reporter.start(scheduler, orders.leave_soon, rejections.tell_new)
         worker.run()
 
-    def _warn_of_threads(self, worker: BuiltWorker) -> None:
-        """Warn of threads that stages have left, for which the process waits before it ends."""
+    def _await_threads(self, worker: BuiltWorker) -> None:
+        """Wait some seconds for threads that stages have left, and warn of those that go on."""
         stages = [(runner.name, runner.stage) for runner in worker.scheduler.runners]
         late = late_threads(self._threads_before, stages, own_process=not self._in_process)
         for stage, text in late:
             self.warnings.add(stage or f"worker {worker.name}", text)
+            self.has_late_threads = True
 
     def _report(self, worker: BuiltWorker, error: str, *, restart: bool) -> None:
         """Send the last status and the report of a worker that has ended. Raises ChannelClosed."""
@@ -231,6 +233,10 @@ def run_worker(descriptor: int) -> int:
     except Exception:
         worker.reporter.send_crash()
         raise
+    if worker.has_late_threads:  # the host would wait, and hear no other worker or operator meanwhile
+        sys.stdout.flush()
+        sys.stderr.flush()
+        end_process(0)
     return 0
 
 

@@ -14,8 +14,9 @@ from types import FrameType
 
 from followspot.stage import Stage
 
-_PATIENCE = 1.0
-"""Seconds that threads have to end after the close of their stage."""
+_PATIENCE, _PATIENCE_BESIDE = 5.0, 1.0
+"""Seconds that threads have to end after the close of their stage, in a process of their own and beside other
+threads."""
 _LIBRARY = Path(threading.__file__).parent
 _REMEDY = "end it in close(), or start it with daemon=True"
 
@@ -28,7 +29,7 @@ def late_threads(
     before: threads that other code had started; stages: by name, all closed; own_process: whether nothing but
     the stages can have started a thread since.
     """
-    limit = time.monotonic() + _PATIENCE
+    limit = time.monotonic() + (_PATIENCE if own_process else _PATIENCE_BESIDE)
     by_file = {file: name for name, stage in stages if (file := _file_of(stage))}
     for thread in threading.enumerate():
         if thread.daemon or thread in before or thread is threading.current_thread():
