@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from followspot import Array
-from followspot_sim.rounds import BAG, BALL_FROM_HAND, ROUND, SWITCH, WALK, Round, smoothstep
+from followspot_sim.holding import holding
+from followspot_sim.rounds import BAG, ROUND, SWITCH, WALK, Round, smoothstep
 
 PARTS = (
     "leg", "leg", "torso", "bag", "head", "arm", "arm", "forearm", "forearm", "badge",
@@ -30,7 +31,8 @@ about its centre: m."""
 class Pose:
     """How P people stand.
 
-    base: (P, 2) m; heading: (P,) rad; bow: (P,) 0 to 1; stride: (P,) m; hands: (P, 2, 3) m.
+    base: (P, 2) m; heading: (P,) rad; bow: (P,) 0 to 1; stride: (P,) m; hands: (P, 2, 3) m;
+    ball_from_hand: (P, 2, 3) m, in the frames of the people.
     """
 
     base: Array
@@ -38,6 +40,7 @@ class Pose:
     bow: Array
     stride: Array
     hands: Array
+    ball_from_hand: Array
 
     def in_room(self, local: Array) -> Array:
         """Points in the frames of the people, (P, ..., 3) forward, left, up in m, in the room."""
@@ -52,7 +55,7 @@ class Pose:
     def held(self, person: int, hand: int) -> Array:
         """Centre of a ball in that hand, (3,) m."""
         c, s = np.cos(self.heading[person]), np.sin(self.heading[person])
-        x, y, z = BALL_FROM_HAND
+        x, y, z = self.ball_from_hand[person, hand]
         return np.asarray(self.hands[person, hand] + [c * x - s * y, s * x + c * y, z])
 
     def bags(self) -> Array:
@@ -72,17 +75,19 @@ def pose(act: Round, u: float, time: float) -> Pose:
         weight = 1.0 - float(smoothstep((u - SWITCH - 0.05) / (ROUND - SWITCH - 0.05)))
     walk = act.end[:, :2] - act.start[:, :2]
     pace = np.hypot(walk[:, 0], walk[:, 1]) * float(4 * s * (1 - s))
+    carried, ball_from_hand = holding(_carry(people, time), act, u)
     at_rest = Pose(
         base=act.start[:, :2] + s * walk,
         heading=act.start[:, 2] + s * turn,
         bow=act.bow * weight,
         stride=0.22 * np.minimum(pace, 1) * np.sin(2 * np.pi * 1.4 * time + np.arange(people)),
         hands=np.zeros((people, 2, 3)),
+        ball_from_hand=ball_from_hand,
     )
-    carried = at_rest.in_room(_carry(people, time))
+    carried = at_rest.in_room(carried)
     reached = np.where(np.isnan(act.reach), carried, act.reach)
     hands = carried + weight * (reached - carried)
-    return Pose(at_rest.base, at_rest.heading, at_rest.bow, at_rest.stride, hands)
+    return replace(at_rest, hands=hands)
 
 
 def _carry(people: int, time: float) -> Array:
@@ -95,12 +100,18 @@ def _carry(people: int, time: float) -> Array:
     return local
 
 
+def trunk(bow: Array) -> tuple[Array, Array]:
+    """Hips of the people and directions of their backs, (P, 3) m and unit vectors in their own frames."""
+    lean = 1.1 * bow
+    hip, up = np.zeros((2, len(bow), 3))
+    hip[:, 0], hip[:, 2] = -0.1 * bow, 0.92 - 0.3 * bow
+    up[:, 0], up[:, 2] = np.sin(lean), np.cos(lean)
+    return hip, up
+
+
 def limbs(p: Pose) -> Array:
     """End points of all capsules, person by person in the order of PARTS: (P * 10, 2, 3) m."""
-    lean = 1.1 * p.bow
-    hip, up = np.zeros((2, len(p.base), 3))
-    hip[:, 0], hip[:, 2] = -0.1 * p.bow, 0.92 - 0.3 * p.bow
-    up[:, 0], up[:, 2] = np.sin(lean), np.cos(lean)
+    hip, up = trunk(p.bow)
     neck = hip + 0.5 * up
     ends = np.zeros((len(p.base), len(PARTS), 2, 3))
     ends[:, LEGS, 0] = hip[:, None] + 0.09 * ASIDE

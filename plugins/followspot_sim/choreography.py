@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from followspot import Array
+from followspot_sim.holding import HOLDS
 from followspot_sim.rounds import (
     BAG,
     BALL_FROM_HAND,
@@ -35,11 +36,14 @@ LAST_RADIUS = 1.6
 
 
 class Planner:
-    """Plans one round. `hide`: whether balls may vanish into bags."""
+    """Plans one round. hide: whether balls may vanish into bags; cover: whether bodies may cover them."""
 
-    def __init__(self, rng: np.random.Generator, last: Round, rest_height: Array, hide: bool) -> None:
+    def __init__(
+        self, rng: np.random.Generator, last: Round, rest_height: Array, hide: bool, cover: bool = False
+    ) -> None:
         self.rng, self.start, self.rest_height, self.hide = rng, last.end, rest_height, hide
         people = len(last.end)
+        self.held, self.cover = last.held[1], cover
         self.places = [move.after for move in last.moves]
         self.end = np.full((people, 3), np.nan)
         self.reach = np.full((people, 2, 3), np.nan)
@@ -60,7 +64,9 @@ class Planner:
         for ball in order:
             if ball not in fetched:
                 self._act(ball)
-        return Round(self.start, self.end, self.reach, self.bow, tuple(self.moves))
+        held = self.rng.integers(len(HOLDS), size=self.held.shape) if self.cover else self.held
+        moves = tuple(self.moves)
+        return Round(self.start, self.end, self.reach, self.bow, moves, np.stack([self.held, held]))
 
     def _act(self, ball: int) -> None:
         kind = self.places[ball].kind

@@ -38,6 +38,11 @@ class SimParams(StageParams):
         1.0, ge=0, le=20, unit="grey levels", description="standard deviation of the sensor noise"
     )
     hide_balls: bool = Field(True, description="whether people put balls into their bags for a while")
+    cover_balls: bool = Field(
+        False,
+        description="whether people hold balls against their bodies, and wear reflectors and patches in the "
+        "colours of the balls",
+    )
     only_target: str = Field(
         "",
         description="the only target to show, without people and projections, to learn its template; empty: "

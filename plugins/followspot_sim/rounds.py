@@ -47,7 +47,7 @@ class Round:
 
     start, end: (P, 3) station of each person, x and y in m and heading in rad; reach: (P, 2, 3) m,
     the point that a hand goes to and comes back from, NaN for a hand that stays; bow: (P,) whether
-    the person bends down for it.
+    the person bends down for it; held: (2, P, 2) index in `holding.HOLDS` of each hand at start and end.
     """
 
     start: Array
@@ -55,6 +55,16 @@ class Round:
     reach: Array
     bow: Array
     moves: tuple[Move, ...]
+    held: Array
+
+    def acting(self) -> Array:
+        """Who passes, throws, fetches or stows a ball in this round, (P,) bool."""
+        busy = np.zeros(len(self.start), bool)
+        for move in self.moves:
+            for place in (move.before, move.after):
+                if place.kind != "floor" and move.before != move.after:
+                    busy[place.person] = True
+        return busy
 
 
 def opening(people: int, balls: int, rest_height: Array) -> Round:
@@ -73,7 +83,8 @@ def opening(people: int, balls: int, rest_height: Array) -> Round:
             x, y = -1.0 + 0.7 * (ball % 4), -0.8 + 0.8 * (ball // 4)
             places.append(Place("floor", xyz=(x, y, float(rest_height[ball]))))
     still = np.full((people, 2, 3), np.nan)
-    return Round(stations, stations, still, np.zeros(people), tuple(Move(p, p) for p in places))
+    held = np.zeros((2, people, 2), int)
+    return Round(stations, stations, still, np.zeros(people), tuple(Move(p, p) for p in places), held)
 
 
 def in_room(station: Array, local: Array) -> Array:

@@ -12,6 +12,7 @@ from followspot import Array, InputError, Room
 from followspot.errors import Mistake, did_you_mean
 from followspot_sim.body import PARTS, RADII, Pose, limbs, pose
 from followspot_sim.choreography import Planner
+from followspot_sim.marks import MARK_RADII, MARKS, marks
 from followspot_sim.parameters import SimParams
 from followspot_sim.recent import Recent
 from followspot_sim.rounds import ROUND, Move, Place, Round, opening, smoothstep
@@ -38,13 +39,15 @@ class Setting:
     floor: tuple[float, float, float, float]
     clock_offset: float = 0.0
     """By how much its scenes are later than their frames, s; the performance does not depend on it."""
+    cover: bool = False
+    """Whether people hold balls against their bodies and wear marks."""
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
     """One time: balls (T, 3) m, NaN for those not shown; limbs (K, 2, 3) m with radius (K,) m, part (K,).
 
-    `part` indexes PARTS; limbs are ordered by person.
+    `part` indexes PARTS and the MARKS after them; the limbs of all people come before their marks.
     """
 
     time: float
@@ -86,6 +89,7 @@ def setting(params: SimParams, room: Room, clock_offset: float = 0.0) -> Setting
         radii=tuple(t.radius for t in room.targets.values()),
         floor=(a, b, c, d),
         clock_offset=clock_offset,
+        cover=params.cover_balls,
     )
 
 
@@ -121,14 +125,13 @@ class World:
             return Scene(time, self._alone(frame), np.empty((0, 2, 3)), np.empty(0), np.empty(0, int))
         act, u = self._round(time)
         now = pose(act, u, time)
-        people = self.setting.people
-        return Scene(
-            time,
-            self._balls(act, u, time, now),
-            limbs(now),
-            np.tile(RADII, people),
-            np.tile(np.arange(len(PARTS)), people),
-        )
+        people, body = self.setting.people, limbs(now)
+        radius, part = np.tile(RADII, people), np.tile(np.arange(len(PARTS)), people)
+        if self.setting.cover:
+            body = np.concatenate([body, marks(now, body)])
+            radius = np.concatenate([radius, np.tile(MARK_RADII, people)])
+            part = np.concatenate([part, np.tile(len(PARTS) + np.arange(len(MARKS)), people)])
+        return Scene(time, self._balls(act, u, time, now), body, radius, part)
 
     def _round(self, time: float) -> tuple[Round, float]:
         """The round at a time and the seconds since it began."""
@@ -143,7 +146,8 @@ class World:
         best, widest = self._rounds[-1], -1.0
         for attempt in range(12):
             rng = np.random.default_rng([self.setting.seed, len(self._rounds), attempt])
-            plan = Planner(rng, self._rounds[-1], self._rest, self.setting.hide).plan()
+            choice = self.setting
+            plan = Planner(rng, self._rounds[-1], self._rest, choice.hide, choice.cover).plan()
             gap = self._gap(plan, (len(self._rounds) - 1) * ROUND)
             if gap > widest:
                 best, widest = plan, gap

@@ -15,12 +15,13 @@ WALL = 2.3
 """Distance of the wall from the middle of the room, m."""
 
 
-def random_room(seed: int, frames: int) -> Room:
+def random_room(seed: int, frames: int, covered: bool = False) -> Room:
     """A room without templates; equal numbers give equal rooms.
 
     Four to eight cameras, half of them infrared or nearly so, stand along a square that the balls stay
     within, 2.5 to 4.5 m up, and look at its middle. Three to six balls of 10 to 18 cm, two to six people, up
-    to twelve projections a ball, as bright as it at most; 20 to 60 pictures a second.
+    to twelve projections a ball, as bright as it at most; 20 to 60 pictures a second. Covered: people hold
+    the balls against their bodies, with reflectors and patches beside them; at least five cameras, two balls.
     """
     rng = np.random.default_rng(seed)
     performance = {
@@ -32,11 +33,13 @@ def random_room(seed: int, frames: int) -> Room:
         "projection_brightness": round(float(rng.uniform(0.4, 1.0)), 2),
         "noise_sigma": round(float(rng.uniform(0.5, 5.0)), 2),
     }
-    cameras = int(rng.integers(4, 9))
+    if covered:
+        performance["cover_balls"] = True
+    cameras = int(rng.integers(5 if covered else 4, 9))
     color = int(rng.integers(cameras // 2, (cameras + 1) // 2 + 1))
     kinds = ["color"] * color + ["infrared"] * (cameras - color)
     radius = round(float(rng.uniform(0.05, 0.09)), 4)
-    names = rng.permutation(COLORS)[: rng.integers(3, 7)].tolist()
+    names = rng.permutation(COLORS)[: rng.integers(2 if covered else 3, 7)].tolist()
     return Room(
         name=f"random{seed}",
         cameras=_cameras(rng, kinds, performance),

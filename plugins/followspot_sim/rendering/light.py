@@ -15,6 +15,7 @@ import numpy as np
 
 from followspot import Array
 from followspot_sim.body import PARTS
+from followspot_sim.marks import MARKS
 from followspot_sim.recent import Recent
 from followspot_sim.rendering.outline import stadiums
 from followspot_sim.rendering.ray_casting import closest_approach, half_chord, unit
@@ -24,7 +25,7 @@ from followspot_sim.world import Scene, Setting, world_of
 
 LAG = 0.25
 """By how much a trailing spot is behind its ball, s."""
-SOLID = np.isin(PARTS, ("leg", "torso", "head"))
+SOLID = np.isin(PARTS + MARKS, ("leg", "torso", "head"))
 """Which parts of a body stop light (the others are too thin to matter)."""
 SLOT, FLASH = 1.5, 0.08
 """A flash comes once in each slot and lasts that long, s."""

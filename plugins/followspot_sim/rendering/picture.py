@@ -10,6 +10,7 @@ import numpy as np
 from followspot import Array, Camera, Room
 from followspot.geometry import project
 from followspot_sim.body import PARTS
+from followspot_sim.marks import MARKS
 from followspot_sim.parameters import SimParams
 from followspot_sim.rendering.ball_image import Stamps, color_light, compose, infrared_light
 from followspot_sim.rendering.camera_rays import camera_rays
@@ -27,6 +28,8 @@ SHIRTS = np.array([[4, 4, 16], [10, 12, 14], [3, 9, 4], [14, 6, 3], [5, 12, 13],
 TROUSERS, SKIN, BAG_CLOTH = [3.0, 3.0, 4.0], [6.0, 8.0, 13.0], [6.0, 6.0, 5.0]
 GRAY = {"leg": 7.0, "torso": 16.0, "bag": 5.0, "head": 21.0, "arm": 14.0, "forearm": 20.0, "badge": 150.0}
 """Infrared light that each part of a body reflects."""
+REFLECTOR, CLOTH, PATCH = 230.0, [5.0, 5.0, 5.0], 0.6
+"""Infrared light and colour of what reflects on clothes; colour of a patch over that of a ball."""
 INFRARED_BALL, INFRARED_RANGE = 175.0, 5.5
 """Infrared light of a ball's patches at that distance (m); reflectors fall off slowly with distance."""
 
@@ -76,6 +79,8 @@ class Picture:
         self._unlit = _dark_room(number, infrared, rng).reshape(self.shape[: 2 if infrared else 3])
         self._dark = self._unlit if infrared else cv2.LUT(self._unlit, DISPLAYED)
         self._tones = _tones(self._people, infrared)
+        if params.cover_balls:
+            self._tones += _mark_tones(self._people, infrared, light * self._balance)
         self._bright = [max(tone) > FAINT for tone in self._tones]
         self._sensor = Sensor(self.shape, params.noise_sigma * (1 if infrared else GRAIN), rng)
         self._clouds = lru_cache(maxsize=2)(self._look_at_clouds)
@@ -156,3 +161,19 @@ def _tones(people: int, infrared: bool) -> list[list[float]]:
     cloth = {"leg": TROUSERS, "bag": BAG_CLOTH, "head": SKIN, "forearm": SKIN}
     light = [cloth.get(part, SHIRTS[p % len(SHIRTS)]) for p in range(people) for part in PARTS]
     return [displayed(tone).tolist() for tone in light]
+
+
+def _mark_tones(people: int, infrared: bool, balls: Array) -> list[list[float]]:
+    """Colours of every mark of every person, likewise; every second person wears reflectors.
+
+    balls: (T, 3) linear BGR of the balls.
+    """
+    if infrared:
+        shining = [[REFLECTOR if p % 2 == 0 else GRAY["arm"]] for p in range(people)]
+        return [[GRAY["arm"]] if mark == "patch" else tone for tone in shining for mark in MARKS]
+    found = []
+    for number, mark in enumerate(MARKS * people):
+        is_patch = mark == "patch" and len(balls) > 0
+        tone = PATCH * balls[number % len(balls)] if is_patch else np.array(CLOTH)
+        found.append(displayed(tone).tolist())
+    return found

@@ -92,8 +92,7 @@ class Case:
             room_file.save(performed(room_file.load(self.of), self.seed, frames), path)
             return path
         room_file.save(random_room(self.seed, frames), path)
-        _followspot("simulate", "--templates", "--room", path, "--out", folder / "templates")
-        _followspot("calibrate", "targets", "--room", path, "--clips", folder / "templates", "--keep-cameras")
+        templates_learnt(path)
         return path
 
 
@@ -107,6 +106,13 @@ def measured(case: Case, frames: int, graph: str, settings: Mapping[str, str]) -
             for fusion in FUSIONS
             for score in _scores(graph, room, {"fuse.uses": fusion, **settings}, folder / fusion)
         ]
+
+
+def templates_learnt(room: Path) -> None:
+    """Add the templates of its targets to a simulated room, with clips beside it. Raises SystemExit."""
+    clips = room.parent / "templates"
+    _followspot("simulate", "--templates", "--room", room, "--out", clips)
+    _followspot("calibrate", "targets", "--room", room, "--clips", clips, "--keep-cameras")
 
 
 def _followspot(*words: Any) -> None:
