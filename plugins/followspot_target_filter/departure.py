@@ -1,4 +1,4 @@
-"""Doubts tracks that few candidates have shown for long: they may have left their targets."""
+"""Doubts tracks that few candidates, or cameras of one kind, have shown for long: they may be astray."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ doubt."""
 class DepartureTest:
     """Doubts tracks of targets that several cameras have in their pictures; targets with a mark excepted.
 
-    doubt_frames: number of successive frames with few candidates after which a target is doubted; 0: never.
+    doubt_frames: number of successive frames without enough candidates, or with those of cameras of one kind
+    alone, after which a target is doubted; 0: never.
     If no camera sees colours, no target is doubted, because nothing would tell it from other things.
     """
 

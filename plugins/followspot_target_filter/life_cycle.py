@@ -31,8 +31,8 @@ class LifeCycle(NamedTuple):
     candidate: Array
     """(T, 3) m, the candidate in the last of these frames."""
     weak: Array
-    """(T,) frames in a row with a position that fewer candidates show than confirm a target, from the first
-    measurement of that kind on."""
+    """(T,) frames in a row with a position that fewer candidates show than confirm a target, or only those of
+    cameras of one kind, from the first measurement of that kind on."""
 
     @classmethod
     def lost(cls, count: int) -> Self:

@@ -126,7 +126,8 @@ class TargetFilter(Stage, ABC):
             old = ~new
         self.motion.update(target[old], xyz[old], noise[old], sure[old], self.period)
         measured, agreed, bridged = np.zeros((3, len(life.status)), bool)
-        measured[target], agreed[target] = ~positions.predicted, positions.support >= p.minimum_support
+        measured[target] = ~positions.predicted
+        agreed[target] = (positions.support >= p.minimum_support) & positions.confirmed
         bridged[target] = positions.predicted
         bridged |= doubt & ~measured
         if np.count_nonzero(bridged):

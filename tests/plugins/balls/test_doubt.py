@@ -31,6 +31,20 @@ def test_a_target_that_few_candidates_show_is_also_sought_elsewhere_in_every_fif
     assert poor(stage, 9, first=59) == [TRACKED] * 8 + [LOST]
 
 
+def test_a_target_that_cameras_of_one_kind_alone_show_is_doubted() -> None:
+    """A patch in its colour beside reflectors: colour cameras agree on it, infrared ones do not."""
+    stage = kalman()
+    before = watch(stage, 40)[-1].tracks.sigma.max()
+    states = []
+    for number in range(40, 49):
+        states.append(int(stage.forecast().state[0]))
+        tracks = watch(stage, 1, first=number, support=6, confirmed=False)[0].tracks
+    assert states == [TRACKED] * 8 + [LOST]
+    assert tracks.sigma.max() > 0.03 > before
+    watch(stage, 1, first=49, support=6, confirmed=True)
+    assert poor(stage, 5, first=50) == [TRACKED] * 5
+
+
 def test_a_target_is_doubted_only_where_three_cameras_have_it_in_view_and_one_sees_colours() -> None:
     room = make_room()
     two = replace(room, cameras={name: room.cameras[name] for name in ("cam0", "cam1")})
