@@ -185,11 +185,16 @@ class _Legs:
         return goes_on_below(self._unlike(colors, rows, columns) & self._free(columns), strip, gap)
 
     def _on(self, colors: Array, low: int) -> bool:
-        """Whether the floor goes on above the feet, at both sides of the legs."""
+        """Whether the floor goes on above the feet, at both sides of the legs, or at the one that is seen.
+
+        What nearer people hide, or the picture does not show, may be floor as well.
+        """
         rows = np.arange(max(0, low - round(ABOVE * self.axis.tall)), low + 1)
         columns = self._beside(rows)
-        floor = ~self._unlike(colors, rows, columns) & self._free(columns)
-        return all(bool(side.mean() >= GOES_ON) for side in np.split(floor, 2, axis=1))
+        floor, free = ~self._unlike(colors, rows, columns), self._free(columns)
+        sides = zip(np.split(floor, 2, axis=1), np.split(free, 2, axis=1), strict=True)
+        seen = [float(side[shown].mean()) for side, shown in sides if shown.mean() >= SEEN]
+        return bool(seen) and min(seen) >= GOES_ON
 
     def _beside(self, rows: Array, reach: tuple[float, float] = (BESIDE, ASIDE)) -> Array:
         """Columns beside the legs at these rows (R,), left ones first, (R, C) px."""

@@ -91,6 +91,21 @@ def test_furniture_that_hides_feet_is_no_floor():
     assert contact_beside(camera, pixels, true, NOBODY) is None
 
 
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_nearer_person_hides_the_floor_at_one_side_and_no_feet(side):
+    """The floor at the other side tells them; it does not if furniture stands there, or at both sides."""
+    true = standing(4.0)
+    camera, pixels = of_person(true)
+    nearer = view(camera, read_shape(), standing(1.8, 0.44 * side)[None]).box
+    assert contact_beside(camera, pixels, true, nearer).distance == pytest.approx(4.0, abs=0.15)
+    both = view(camera, read_shape(), np.stack([standing(1.8, 0.44), standing(1.8, -0.44)])).box
+    assert contact_beside(camera, pixels, true, both) is None
+    middle = int(project(camera, true[None, :3])[0, 0])
+    away = slice(0, middle - 8) if side == -1 else slice(middle + 8, None)
+    pixels[: int(project(camera, np.array([[3.82, 0, 0.02]]))[0, 1]), away] = BLACK
+    assert contact_beside(camera, pixels, true, nearer) is None
+
+
 def test_a_shank_beside_the_middle_is_a_step_and_no_foot():
     """Both shanks go on aside below the knees, where the middle is floor."""
     true = standing(3.0)
