@@ -3,55 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple, Self
+from typing import Self
 
 import numpy as np
 
-from followspot import Array, Camera, Field, Latest, Mistake, Room, Stage
+from followspot import Camera, Latest, Mistake, Room, Stage
 from followspot.tracking import Blobs, Forecast, Frame
-from followspot_balls.detection.color_mask import Limits, Sought, in_pictures, in_windows
-from followspot_balls.detection.components import Components, above_local_peak, clipped, components, of_size
-from followspot_balls.detection.detector import (
-    DetectionParams,
-    Detections,
-    blobs_by_view,
-    of_one_color,
-    without_template,
-)
-from followspot_balls.detection.hough import disc_centers, own_area
-from followspot_balls.detection.hue import BINS, bhattacharyya, hue_bits, normalised
-from followspot_balls.detection.rival_colors import best_fitting, rivals
-from followspot_balls.detection.search_circles import Circles, Regions, search_regions
-from followspot_balls.detection.strip import Windows, abreast, row_and_column
-
-SMALL = 12.0
-"""Area up to which a blob is never too large for its forecast, px: pixels are coarse."""
-
-
-class Found(NamedTuple):
-    """Blobs of some targets."""
-
-    pixel: Array
-    area: Array
-    similarity: Array
-    owner: Array
-    """(N,) row of the target among those of all views."""
-
-
-NOTHING = Found(np.empty((0, 2)), np.empty(0), np.empty(0), np.empty(0, int))
-
-
-class Templates(NamedTuple):
-    """Templates of the targets in some views: a row for each target of each view in turn."""
-
-    histograms: Array
-    """(rows, 16) hue, normalised."""
-    hues: Array
-    """(rows,) u16, bits of the hues of the target."""
-    area: Array
-    """(rows, 2) smallest and largest, px."""
-    rival: Array
-    """(rows, T) bool, the targets whose blobs are taken for those of the target, and the other way round."""
+from followspot_balls.detection.color_params import ColorParams
+from followspot_balls.detection.color_search import Templates, blobs_of
+from followspot_balls.detection.detector import Detections, blobs_by_view, of_one_color, without_template
+from followspot_balls.detection.hue import BINS, hue_bits
+from followspot_balls.detection.rival_colors import rivals
+from followspot_balls.detection.search_circles import search_regions
+from followspot_balls.detection.strip import row_and_column
 
 
 class ColorBlobs(Stage):
@@ -66,63 +30,8 @@ class ColorBlobs(Stage):
         "minimum_saturation and minimum_brightness"
     )
 
-    class Params(DetectionParams):
-        similarity: float = Field(
-            0.8,
-            ge=0,
-            le=1,
-            unit="1",
-            description="smallest Bhattacharyya coefficient with the template; raising it rejects more "
-            "projections, and balls lit by other colours",
-        )
-        minimum_saturation: int = Field(
-            80,
-            ge=0,
-            le=255,
-            unit="grey levels",
-            description="smallest saturation of a coloured pixel; raising it ignores pale light",
-        )
-        minimum_brightness: int = Field(
-            70,
-            ge=1,
-            le=255,
-            unit="grey levels",
-            description="smallest brightness of a pixel; raising it ignores dim balls",
-        )
-        overexposed_brightness: int = Field(
-            245,
-            ge=1,
-            le=256,
-            unit="grey levels",
-            description="brightness of an overexposed core; 256: none; lowering it accepts more white light",
-        )
-        minimum_hue_share: float = Field(
-            0.02,
-            gt=0,
-            lt=1,
-            unit="1",
-            description="smallest histogram share of a target's hue; raising it narrows the colour",
-        )
-        edge_level: float = Field(
-            0.7,
-            gt=0,
-            lt=1,
-            unit="1",
-            description="brightness of a blob's edge over its peak; raising it shrinks blobs and separates "
-            "them",
-        )
-        radius_offset: float = Field(
-            0.0,
-            unit="px",
-            description="measured minus true radius of a ball; raising it suits overexposed balls",
-        )
-        maximum_expected_area: float = Field(
-            1.8,
-            gt=0,
-            unit="1",
-            description="largest blob area over the area expected at the forecast; larger blobs are kept "
-            "only if a rim tells the ball from other light; raising it keeps biased blobs",
-        )
+    class Params(ColorParams):
+        """Which pixels are coloured, which blobs are a ball, and how far from a forecast they are sought."""
 
     params: Params
 
@@ -170,82 +79,6 @@ class ColorBlobs(Stage):
         return self.joint[1]
 
 
-def blobs_of(
-    pictures: Sequence[Array], regions: Regions, templates: Templates, p: ColorBlobs.Params
-) -> Found:
-    """Blobs of targets in their windows, for all views at once; lost targets are sought in whole pictures."""
-    limits = Limits(p.minimum_saturation, p.minimum_brightness, p.overexposed_brightness)
-    count = len(regions.circles.lost) // len(pictures)
-    found = [NOTHING]
-    if len(regions.near):
-        shown = [pictures[number] for number in (regions.near // count).tolist()]
-        windows = abreast(regions.corners, regions.sides)
-        sought = in_windows(shown, windows, regions.near, templates.hues, limits)
-        found.append(measured(sought, templates, p, count, (regions.circles, windows)))
-    lost = regions.circles.lost.reshape(len(pictures), count)
-    target = np.asarray(lost.any(axis=0)).nonzero()[0]
-    if len(target):
-        rows = np.arange(len(pictures))[:, None] * count + target
-        bits = templates.hues.take(rows) * lost.take(target, axis=1)
-        owner = rows.reshape(-1)
-        smallest = templates.area[:, 0].take(owner)
-        sought = in_pictures(pictures, owner, bits, limits, smallest)
-        found.append(measured(sought, templates, p, count))
-    blobs = found[-1] if len(found) < 3 else Found(*map(np.concatenate, zip(*found, strict=True)))
-    if not np.count_nonzero(templates.rival):
-        return blobs
-    return Found(*(column[best_fitting(*blobs, templates.rival)] for column in blobs))
-
-
 def joint_templates(stages: tuple[ColorBlobs, ...]) -> Templates:
     """Templates of the views of several stages."""
     return Templates(*map(np.concatenate, zip(*(stage.templates for stage in stages), strict=True)))
-
-
-def measured(
-    sought: Sought,
-    templates: Templates,
-    p: ColorBlobs.Params,
-    count: int,
-    near: tuple[Circles, Windows] | None = None,
-) -> Found:
-    """Blobs of the targets in the parts of a strip.
-
-    count: targets of each view; near: search regions, if the parts are their windows.
-    """
-    level, strip = sought.level, sought.strip
-    blobs = components(above_local_peak(level, p.edge_level), level, strip)
-    owner = sought.owner.take(blobs.part)
-    smallest, largest = templates.area.take(owner, axis=0).T
-    area = blobs.area
-    keep = of_size(area, smallest, largest if near is None else np.inf, owner // max(count, 1))
-    histograms = component_histograms(blobs, sought.hue)
-    similarity = bhattacharyya(histograms, templates.histograms.take(owner, axis=0))
-    keep &= similarity > p.similarity
-    pixel = blobs.center
-    if near is not None:
-        circles, windows = near
-        ball = circles.ball.take(owner)
-        keep &= ~clipped(blobs, strip, windows)
-        radius = np.where(keep, ball + p.radius_offset, np.nan)
-        expected = circles.center.take(owner, axis=0)
-        beside = circles.beside.take(owner)
-        pixel, rim = disc_centers(level, strip, blobs, radius, p.edge_level, expected, beside)
-        bound = np.minimum(largest, np.maximum(p.maximum_expected_area * np.pi * ball * ball, SMALL))
-        area = own_area(area, bound, radius, rim)
-        keep &= area <= bound
-        right, down = (pixel - expected).T
-        keep &= np.hypot(right, down) <= circles.radius.take(owner)
-    rows = keep.nonzero()[0]
-    return Found(pixel.take(rows, axis=0), area.take(rows), similarity.take(rows), owner.take(rows))
-
-
-def component_histograms(blobs: Components, hue: Array) -> Array:
-    """Normalised hue histogram (eq. 1) of each component over its coloured pixels: (N, 16).
-
-    hue: (H, W) u8 of the strip, bins; `BINS` in an overexposed core.
-    """
-    count = len(blobs.area)
-    cells = blobs.label * (BINS + 1) + hue.take(blobs.pixels)
-    counts = np.bincount(cells, minlength=count * (BINS + 1)).reshape(count, BINS + 1)
-    return normalised(counts[:, :BINS])

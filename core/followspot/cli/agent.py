@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from followspot.cli.agent_options import add_network_options, network_of
+from followspot.cli.graph_options import add_plugin_option
 from followspot.host.operator_timeout import OPERATOR_TIMEOUT
 from followspot.plugins.hooks import Command
 
@@ -15,14 +16,7 @@ from followspot.plugins.hooks import Command
 def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--name", required=True, help="name of this host in rooms and placements")
     _add_grants(parser)
-    parser.add_argument(
-        "--plugin",
-        dest="plugin_files",
-        action="append",
-        default=[],
-        metavar="FILE.py",
-        help="load the stages of a Python file; repeatable",
-    )
+    add_plugin_option(parser)
     parser.add_argument(
         "--clock-offset",
         type=float,

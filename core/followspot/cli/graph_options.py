@@ -49,7 +49,9 @@ def add_cameras_option(parser: argparse.ArgumentParser, meaning: str) -> None:
     parser.add_argument("--cameras", type=_names, default=(), metavar="NAME,...", help=meaning)
 
 
-def add_plugin_option(parser: argparse.ArgumentParser, meaning: str) -> None:
+def add_plugin_option(
+    parser: argparse.ArgumentParser, meaning: str = "load the stages of a Python file; repeatable"
+) -> None:
     """Add --plugin. meaning: its help in this command."""
     parser.add_argument(
         "--plugin", dest="plugin_files", action="append", default=[], metavar="FILE.py", help=meaning
@@ -70,7 +72,7 @@ def add_change_options(
         metavar=f"STAGE.KEY={value}",
         help=meaning,
     )
-    add_plugin_option(parser, "load the stages of a Python file; repeatable")
+    add_plugin_option(parser)
     parser.add_argument(
         "--seed",
         type=seed_number,

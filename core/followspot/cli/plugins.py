@@ -7,14 +7,14 @@ import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from followspot.cli.graph_options import add_plugin_option
 from followspot.plugins.hooks import Command
-
-_WIDEST_RANGE = 60
-"""Characters of a range in a table; the names of many choices are listed below it."""
 
 if TYPE_CHECKING:
     from followspot.plugins.catalogue import StageEntry
 
+_WIDEST_RANGE = 60
+"""Characters of a range in a table; the names of many choices are listed below it."""
 KINDS = {
     "plain": "",
     "joined": " (joined: one per edge)",
@@ -36,14 +36,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "name", nargs="?", metavar="PLUGIN.STAGE", help="one stage, for example balls.mean_shift"
     )
-    parser.add_argument(
-        "--plugin",
-        dest="plugin_files",
-        action="append",
-        default=[],
-        metavar="FILE.py",
-        help="load the stages of a Python file; repeatable",
-    )
+    add_plugin_option(parser)
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
