@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from followspot import Field, Joined, Message, OutputPath, StageParams
+from followspot import Field, Joined, Message, OutputPath, Room, StageParams
 from followspot.message_table import as_json
 from followspot_sinks.line_sink import LineSink
 
@@ -21,7 +21,9 @@ class JsonLines(LineSink):
 
     def process(self, messages: Joined[Message]) -> None:
         """Add a line for each message."""
-        self.write(
-            json.dumps(as_json(one, self.room), allow_nan=False, separators=(",", ":")) + "\n"
-            for one in messages
-        )
+        self.write(json_text(message, self.room) + "\n" for message in messages)
+
+
+def json_text(message: Message, room: Room) -> str:
+    """A message as one line of JSON without its end."""
+    return json.dumps(as_json(message, room), allow_nan=False, separators=(",", ":"))

@@ -16,6 +16,7 @@ from followspot.files import removed
 from followspot.operating_system.limits import limit_remedy
 
 FLUSH_BYTES = 1 << 13
+"""Size of the lines that are written together, B."""
 
 
 class LineSink(Stage):
@@ -39,7 +40,7 @@ class LineSink(Stage):
         except OSError as error:
             raise FollowspotError(f"{path} cannot be written: {error.strerror}") from None
         self.due = False
-        self.pending: list[str] = []
+        self.pending: list[bytes] = []
         self.pending_bytes = 0
 
     def begin(self, line: str) -> None:
@@ -51,7 +52,7 @@ class LineSink(Stage):
 
     def write(self, lines: Iterable[str]) -> None:
         """Add lines, each with its line end. Raises FollowspotError if the disk does not take them."""
-        for line in lines:
+        for line in map(str.encode, lines):
             self.pending.append(line)
             self.pending_bytes += len(line)
         if self.due or self.pending_bytes >= FLUSH_BYTES:
@@ -65,8 +66,7 @@ class LineSink(Stage):
         """Hand all lines to the operating system. Raises FollowspotError."""
         if self.file is None:
             return
-        lines = [line.encode() for line in self.pending]
-        self.pending.clear()
+        lines, self.pending = self.pending, []
         self.due, self.pending_bytes = False, 0
         if removed(self.file.fileno()):
             raise FollowspotError(f"{self.file.name} was removed while the run wrote it: its lines are lost")

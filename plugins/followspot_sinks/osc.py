@@ -16,7 +16,10 @@ from followspot.people import Poses, Skeletons
 from followspot.plain_values import from_plain, to_plain
 from followspot.tracking import Tracks
 from followspot_sinks.datagrams import DatagramSink
-from followspot_sinks.slots import FARTHEST, KeepsSlots, PersonSlotParams, PersonSlots, Slots, TargetSlots
+from followspot_sinks.slots.kept import KeepsSlots
+from followspot_sinks.slots.persons import PersonSlotParams, PersonSlots
+from followspot_sinks.slots.slots import Slots, sendable
+from followspot_sinks.slots.targets import TargetSlots
 
 _NOT_IN_ADDRESS = re.compile(r"[^\w.-]")
 _UNTRACKED_TIME = 3 * SECOND
@@ -93,7 +96,7 @@ class OscSkeletons(OscSink):
     def process(self, skeletons: Skeletons) -> None:
         """Send one frame."""
         time = skeletons.header.time
-        known = skeletons.where(np.asarray((np.abs(skeletons.xyz) <= FARTHEST).all(axis=1)))
+        known = skeletons.where(sendable(skeletons.xyz))
         lately = {person: seen for person, seen in self.seen.items() if time - seen <= _UNTRACKED_TIME}
         self.seen = lately | dict.fromkeys(np.unique(known.person).tolist(), time)
         if self.network is not None:

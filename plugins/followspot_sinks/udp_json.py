@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
-
 from followspot import Field, Message
-from followspot.message_table import as_json
 from followspot_sinks.datagrams import DatagramSink
+from followspot_sinks.json_lines import json_text
 
 MOST_BYTES = 65_507
 """Longest UDP datagram."""
@@ -29,7 +27,7 @@ class UdpJson(DatagramSink):
         """Send one message; warn once of messages that do not fit into a datagram."""
         if self.network is None:
             return
-        packet = json.dumps(as_json(message, self.room), allow_nan=False, separators=(",", ":")).encode()
+        packet = json_text(message, self.room).encode()
         if len(packet) <= MOST_BYTES:
             self.network.send(packet)
         elif not self.too_long:

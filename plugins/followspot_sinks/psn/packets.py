@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from followspot.messages import Array
-from followspot_sinks.slots import Slots
+from followspot_sinks.slots.slots import Slots
 
 DATA_PACKET, INFO_PACKET = 0x6755, 0x6756
 HEADER = 0x0000
@@ -26,8 +26,8 @@ def data_packets(slots: Slots, axes: Array, time: int, frame: int) -> list[bytes
 
     axes: (3, 3), PSN's x, y, z from the room's; time: capture time, ns; frame: 0 to 255, repeating.
     """
-    turned = np.linalg.det(axes) * slots.rotation @ axes.T  # a mirror reverses the sense of a rotation
-    columns = (slots.position @ axes.T, slots.velocity @ axes.T, turned, slots.known)
+    rotation = np.linalg.det(axes) * slots.rotation @ axes.T  # a mirror reverses the sense of a rotation
+    columns = (slots.position @ axes.T, slots.velocity @ axes.T, rotation, slots.known)
     stamp = _chunk(TIMESTAMP, struct.pack("<Q", max(0, time) // 1000))
     trackers = [
         _chunk(

@@ -11,7 +11,10 @@ from followspot.rotation import signed_axes
 from followspot.tracking import Tracks
 from followspot_sinks.datagrams import DatagramSink
 from followspot_sinks.psn.packets import data_packets, info_packets
-from followspot_sinks.slots import KeepsSlots, PersonSlotParams, PersonSlots, Slots, TargetSlots
+from followspot_sinks.slots.kept import KeepsSlots
+from followspot_sinks.slots.persons import PersonSlotParams, PersonSlots
+from followspot_sinks.slots.slots import Slots
+from followspot_sinks.slots.targets import TargetSlots
 
 
 class PsnSink(DatagramSink):

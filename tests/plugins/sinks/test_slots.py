@@ -15,7 +15,7 @@ from followspot.control.checkpoint import state_from_data, state_to_data
 from followspot.messages import stamped
 from followspot_sinks.osc import Osc
 from followspot_sinks.psn.stage import Psn
-from followspot_sinks.slots import PersonSlots
+from followspot_sinks.slots.persons import PersonSlots
 
 
 def test_nobody_whose_place_is_unknown_takes_a_slot() -> None:

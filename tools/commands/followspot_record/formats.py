@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain
@@ -11,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from followspot import Context, Room
-from followspot.message_table import as_json
 from followspot.messages import Message
 from followspot_record.recorded_rows import TEXT, headings, rows
+from followspot_sinks.json_lines import json_text
 from followspot_sinks.rerun.viewer import Rerun
 
 _GROUP = 1 << 14
@@ -61,7 +60,7 @@ def write_jsonl(path: Path, port: Port) -> int:
     count = 0
     with path.open("w", encoding="utf-8") as file:
         for message in port.messages:
-            file.write(json.dumps(as_json(message, port.room), allow_nan=False, separators=(",", ":")) + "\n")
+            file.write(json_text(message, port.room) + "\n")
             count += 1
     return count
 

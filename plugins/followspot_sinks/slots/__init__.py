@@ -1,0 +1,1 @@
+"""Numbered slots for shows, which keep their object: lights, sound and pictures are patched to numbers."""
