@@ -23,9 +23,9 @@ def options_of(description: str | None) -> argparse.ArgumentParser:
 
 
 def table_options(description: str | None) -> argparse.ArgumentParser:
-    """The same for a script whose tables stand in docs/speed.md: with --markdown, see `shown`."""
+    """The same for a script whose tables stand on the pages about speed: with --markdown, see `shown`."""
     parser = options_of(description)
-    parser.add_argument("--markdown", action="store_true", help="print the tables as docs/speed.md has them")
+    parser.add_argument("--markdown", action="store_true", help="print the tables as those pages have them")
     return parser
 
 

@@ -1,11 +1,11 @@
-"""Rewrites the tables of docs/speed.md: each that stands right below a command is what that command prints.
+"""Rewrites the tables of docs/speed.md and docs/speed_causes.md: each is what the command above it prints.
 
     python tools/speed_page.py --rooms FOLDER                # all of them, on a machine that rests
     python tools/speed_page.py --only bench/runtime/edges bench/runtime/live_latency
     python tools/speed_page.py --list
     python tools/speed_page.py --aims
 
-The page shows a command in a block of its own, and then its tables; this runs it with --markdown and puts
+A page shows a command in a block of its own, and then its tables; this runs it with --markdown and puts
 what it prints in their place. FOLDER has dev1.yaml to dev6.yaml, rooms of the development recordings with
 their targets; without it the tables of commands that name them stay. The table of --machine names the
 machine; that of the aims is made of all others whenever one of them is.
@@ -29,7 +29,7 @@ from benching import speed_aims
 from scripting import markdown, options_of
 
 ROOT = Path(__file__).parent.parent
-PAGE = ROOT / "docs/speed.md"
+PAGES = (ROOT / "docs/speed.md", ROOT / "docs/speed_causes.md")
 ROOM = re.compile(r"dev\d\.yaml")
 """A room of the folder that --rooms names."""
 AIMS = "python tools/speed_page.py --aims"
@@ -56,21 +56,21 @@ class Block:
 
 
 def main() -> None:
-    """Run the commands and rewrite the page after each, so that nothing is lost if one fails."""
+    """Run the commands and rewrite their page after each, so that nothing is lost if one fails."""
     args = parser().parse_args()
     if args.machine:
         print(machine())
         return
     if args.aims:
-        print(aims(PAGE.read_text(encoding="utf-8")))
+        print(aims(pages()))
         return
-    chosen = [block.command for block in blocks(PAGE.read_text(encoding="utf-8")) if wanted(block, args)]
+    chosen = [block.command for block in blocks(pages()) if wanted(block, args)]
     for command in chosen:
         print(command, file=sys.stderr)
         if not args.list:
             rewrite(command, printed(command, args.rooms))
     if not args.list:
-        rewrite(AIMS, aims(PAGE.read_text(encoding="utf-8")))
+        rewrite(AIMS, aims(pages()))
 
 
 def parser() -> argparse.ArgumentParser:
@@ -82,9 +82,14 @@ def parser() -> argparse.ArgumentParser:
     )
     options.add_argument("--list", action="store_true", help="name the commands, run none")
     options.add_argument("--machine", action="store_true", help="print the table of this machine")
-    options.add_argument("--aims", action="store_true", help="print the aims beside the figures of the page")
+    options.add_argument("--aims", action="store_true", help="print the aims beside the figures of the pages")
     options.add_argument("--markdown", action="store_true", help="as it is printed in any case")
     return options
+
+
+def pages() -> str:
+    """The text of all pages, one after the other."""
+    return "\n".join(page.read_text(encoding="utf-8") for page in PAGES)
 
 
 def blocks(text: str) -> Iterator[Block]:
@@ -101,12 +106,15 @@ def wanted(block: Block, args: argparse.Namespace) -> bool:
 
 
 def rewrite(command: str, tables: str) -> None:
-    """Put tables below a command of the page."""
-    PAGE.write_text(rewritten(PAGE.read_text(encoding="utf-8"), command, tables), encoding="utf-8")
+    """Put tables below a command, on the page that has it."""
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        if any(block.command == command for block in blocks(text)):
+            page.write_text(rewritten(text, command, tables), encoding="utf-8")
 
 
 def printed(command: str, rooms: Path | None) -> str:
-    """What a command of the page prints."""
+    """What a command of a page prints."""
     words = shlex.split(command, comments=True)
     if rooms is not None:
         words = [str((rooms / word).resolve()) if ROOM.fullmatch(word) else word for word in words]
@@ -121,7 +129,7 @@ def rewritten(text: str, command: str, tables: str) -> str:
 
 
 def aims(text: str) -> str:
-    """The aims beside what the tables of a page tell. Raises LookupError if they lack a figure."""
+    """The aims beside what the tables of the pages tell. Raises LookupError if they lack a figure."""
     found: dict[str, list[speed_aims.Table]] = defaultdict(list)
     for block in blocks(text):
         if block.command != AIMS:

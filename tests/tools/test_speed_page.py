@@ -1,4 +1,4 @@
-"""Each table of docs/speed.md below a command is what a tool prints that exists and takes its options."""
+"""Each table below a command of the pages about speed is what a tool prints that takes these options."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import pytest
 
 import speed_page
 
-PAGE = speed_page.PAGE.read_text()
-BLOCKS = list(speed_page.blocks(PAGE))
+PAGES = speed_page.pages()
+BLOCKS = list(speed_page.blocks(PAGES))
 RUNTIME = ("busy_machine", "edges", "forecast_delay", "hop_code", "live_latency", "peers", "scaling", "start")
 TOOLS = {
     *("bench_tracker", "bench/runtime/tracker_calls", "speed_page"),
@@ -26,7 +26,7 @@ def test_the_command_of_each_table_takes_its_options(block: speed_page.Block) ->
     importlib.import_module(block.tool.replace("/", ".")).parser().parse_args([*block.options, "--markdown"])
 
 
-def test_all_tools_of_the_page_print_tables_there() -> None:
+def test_all_tools_of_the_pages_print_tables_there() -> None:
     assert {block.tool for block in BLOCKS} == TOOLS
     assert len({block.command for block in BLOCKS}) == len(BLOCKS)
 
@@ -38,6 +38,17 @@ def test_only_the_tables_below_a_command_are_replaced() -> None:
     made = speed_page.rewritten(page, block.command, "\n| d |\n| --- |\n\n")
     assert made == "a\n\n```sh\npython tools/x.py --n 1    # why\n```\n\n| d |\n| --- |\n\nb\n| c |\n"
     assert list(speed_page.blocks("```sh\npython tools/x.py\n```\n\nwords\n\n| a |\n")) == []
+
+
+def test_tables_are_replaced_on_the_page_that_has_their_command(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    both = [tmp_path / "first.md", tmp_path / "second.md"]
+    for page, tool in zip(both, "xy", strict=True):
+        page.write_text(f"```sh\npython tools/{tool}.py\n```\n\n| old |\n")
+    monkeypatch.setattr(speed_page, "PAGES", both)
+    speed_page.rewrite("python tools/y.py", "| new |")
+    assert [page.read_text().splitlines()[-1] for page in both] == ["| old |", "| new |"]
 
 
 def test_commands_with_a_room_of_the_reader_wait_for_one() -> None:
@@ -60,24 +71,24 @@ def test_rooms_of_the_page_are_those_of_the_folder(monkeypatch: pytest.MonkeyPat
     assert ran[0][3::2] == [str(tmp_path / "dev1.yaml"), str(tmp_path / "dev6.yaml")]
 
 
-def test_the_aims_are_held_against_the_tables_of_the_page() -> None:
+def test_the_aims_are_held_against_the_tables_of_the_pages() -> None:
     (block,) = (block for block in BLOCKS if block.command == speed_page.AIMS)
-    assert PAGE[block.begin : block.end].strip() == speed_page.aims(PAGE)
+    assert PAGES[block.begin : block.end].strip() == speed_page.aims(PAGES)
 
 
 def test_an_aim_is_held_or_missed_by_its_figure() -> None:
     (block,) = (block for block in BLOCKS if block.tool == "bench_tracker")
-    rate = PAGE[block.begin : block.end].split("\n")[2].split("|")[2]
-    faster = PAGE.replace(f"| tracked |{rate}|", "| tracked | 801 |")
+    rate = PAGES[block.begin : block.end].split("\n")[2].split("|")[2]
+    faster = PAGES.replace(f"| tracked |{rate}|", "| tracked | 801 |")
     assert "| frame sets/s tracked | at least 800 | 801 | yes |" in speed_page.aims(faster)
-    assert "| frame sets/s tracked | at least 800 | 801 | yes |" not in speed_page.aims(PAGE)
+    assert "| frame sets/s tracked | at least 800 | 801 | yes |" not in speed_page.aims(PAGES)
     with pytest.raises(LookupError, match="bench/runtime/start printed no a worker more of forked"):
-        speed_page.aims(PAGE.replace("| forked |", "| spooned |"))
+        speed_page.aims(PAGES.replace("| forked |", "| spooned |"))
 
 
-def test_the_words_of_the_page_repeat_no_figure_that_was_measured() -> None:
+def test_the_words_of_the_pages_repeat_no_figure_that_was_measured() -> None:
     """Those of the tables change whenever these are printed anew."""
-    words = re.sub(r"```.*?```|`[^`]*`|^\|[^\n]*$", "", PAGE, flags=re.MULTILINE | re.DOTALL)
+    words = re.sub(r"```.*?```|`[^`]*`|^\|[^\n]*$", "", PAGES, flags=re.MULTILINE | re.DOTALL)
     allowed = {"0.5 ms", "2.2 GB", "2 %"}  # an aim; bytes of the pictures; width of a histogram's bin
     found = set(re.findall(r"\d[\d.,]*(?: to \d[\d.,]*)? (?:us|ms|s|%|MB|GB|times|frame sets)\b|\d %", words))
     assert found - allowed == set()

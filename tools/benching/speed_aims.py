@@ -1,4 +1,4 @@
-"""The aims of docs/speed.md beside what its tables tell, so that no figure is copied by hand."""
+"""The aims of docs/speed_causes.md beside what the tables tell, so that no figure is copied by hand."""
 
 from __future__ import annotations
 
