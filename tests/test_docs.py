@@ -124,7 +124,7 @@ def test_the_graph_and_the_sensors_shown_fit_the_simulated_room(tmp_path: Path) 
 def test_no_page_shows_python_that_no_test_runs() -> None:
     """Here, in tests of the README, the tutorial, the notebook, sources, and in test_page.py of pose nets."""
     shown = {page for page in PAGES if blocks(page, "python")}
-    beside = {"README.md", "calibration.md", "notebook.md", "plugins.md"}
+    beside = {"README.md", "calibration.md", "inputs_and_outputs.md", "notebook.md", "plugins.md"}
     assert shown == beside | {"pose_nets.md", "sources.md", "tutorial.md", "wire.md"}
 
 
@@ -159,10 +159,13 @@ def test_the_tests_shown_to_authors_of_plugins_are_green(tmp_path: Path) -> None
     package = tmp_path / "followspot_mine"
     package.mkdir()
     (package / "__init__.py").touch()
-    (package / "low.py").write_text(f'"""Keep what is low."""\n\n{blocks("README.md", "python")[0]}')
+    stage, *rest = blocks("plugins.md", "python")
+    assert stage == blocks("README.md", "python")[0]
+    (package / "low.py").write_text(f'"""Keep what is low."""\n\n{stage}')
     (offered,) = tomllib.loads(blocks("plugins.md", "toml")[0])["project"]["entry-points"].values()
     assert offered == {"mine.low": "followspot_mine.low:Low"}
-    (tmp_path / "test_low.py").write_text("\n\n".join(blocks("plugins.md", "python")))
+    shown = [*blocks("inputs_and_outputs.md", "python"), *rest]
+    (tmp_path / "test_low.py").write_text("\n\n".join(shown))
     words = [sys.executable, "-m", "pytest", "-q", "--import-mode=prepend", tmp_path]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert "2 passed" in done.stdout, done.stdout + done.stderr

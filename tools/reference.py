@@ -22,7 +22,7 @@ PAGE = Path(__file__).parent.parent / "docs" / "reference.md"
 HEAD = """# Stages
 
 Every stage that comes with followspot, as it describes itself: `followspot plugins NAME` prints the same.
-[Writing a plugin](plugins.md#inputs-and-outputs) says what `Joined`, `Latest` and the other marks mean. This
+[Inputs and outputs](inputs_and_outputs.md) says what `Joined`, `Latest` and the other marks mean. This
 page is written by `python tools/reference.py`.
 
 Units: `1` is a number or a ratio, `sigma` a number of standard deviations. In a description, sigma is one
