@@ -1,24 +1,24 @@
 // The page: takes what the run tells over one WebSocket and hands each thing to the part that draws it.
-import { Faults } from "./faults.ts";
-import { Header } from "./header.ts";
-import { Legend } from "./legend.ts";
-import { make } from "./make.ts";
-import { Marker } from "./marker.ts";
-import type { Drawn, View } from "./message_views.ts";
-import type { Answer, PageRequest, Run, Scene, ServerMessage } from "./messages.ts";
-import { part } from "./part.ts";
-import { Picker } from "./picker.ts";
-import { Pipeline } from "./pipeline.ts";
-import { Player } from "./player.ts";
-import { Recorder } from "./recorder.ts";
-import { Room } from "./room.ts";
-import { Runs } from "./runs.ts";
-import { Scrubber } from "./scrubber.ts";
-import { Sensors } from "./sensors.ts";
-import { Tiles } from "./tiles.ts";
-import { Timeline } from "./timeline.ts";
-import { Together } from "./together.ts";
-import { Views } from "./views.ts";
+import { Faults } from "./controls/faults.ts";
+import { Header } from "./controls/header.ts";
+import { Marker } from "./controls/marker.ts";
+import { Player } from "./controls/player.ts";
+import { Recorder } from "./controls/recorder.ts";
+import { Runs } from "./controls/runs.ts";
+import { Scrubber } from "./controls/scrubber.ts";
+import { make } from "./elements/make.ts";
+import { part } from "./elements/part.ts";
+import { Pipeline } from "./graph/pipeline.ts";
+import { MergedTracks } from "./messages/merged_tracks.ts";
+import type { Drawn, View } from "./messages/message_views.ts";
+import type { Answer, PageRequest, Run, Scene, ServerMessage } from "./messages/messages.ts";
+import { Views } from "./messages/views.ts";
+import { Timeline } from "./plots/timeline.ts";
+import { Legend } from "./room/legend.ts";
+import { Room } from "./room/room.ts";
+import { Picker } from "./tiles/picker.ts";
+import { Sensors } from "./tiles/sensors.ts";
+import { Tiles } from "./tiles/tiles.ts";
 
 const RETRY_MS = 3000;
 const LOOK_MS = 500; // between two looks at how old everything is
@@ -81,7 +81,7 @@ const runs = new Runs(
 );
 const timeline = new Timeline(part("time", HTMLElement), part("over", HTMLButtonElement), ask);
 const legend = new Legend(part("legend", HTMLElement));
-const together = new Together();
+const merged = new MergedTracks();
 const faults = new Faults(part("faults", HTMLElement));
 const news = part("news", HTMLElement);
 const canvas = part("view", HTMLCanvasElement);
@@ -152,7 +152,7 @@ function takeView(view: View): void {
   if (sensors.take(view)) return;
   views.take(view);
   if (view.kind === "Tracks") {
-    const tracks = together.take(view);
+    const tracks = merged.take(view);
     legend.tracks(tracks);
     timeline.tracks(tracks);
     room?.tracks(tracks);

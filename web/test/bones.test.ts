@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Bones } from "../src/bones.ts";
+import { Bones } from "../src/room/bones.ts";
 
 const places = (bones: Bones) => [...bones.lines.geometry.getAttribute("position").array];
 

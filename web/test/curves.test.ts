@@ -1,10 +1,10 @@
 // Figures of messages that are plotted: chosen by port, row and field, and held in bounded memory.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { linesOf, precise } from "../src/chart.ts";
-import { Curves, MOST, MOST_POINTS, nameOf, unitOf } from "../src/curves.ts";
-import { KEPT_MS } from "../src/history.ts";
-import type { CurveValues } from "../src/messages.ts";
+import type { CurveValues } from "../src/messages/messages.ts";
+import { linesOf, precise } from "../src/plots/chart.ts";
+import { Curves, MOST, MOST_POINTS, nameOf, unitOf } from "../src/plots/curves.ts";
+import { KEPT_MS } from "../src/plots/history.ts";
 
 const Z = { port: "track.tracks", row: "red", field: "z" };
 const values = (value: number | null, field = "z"): CurveValues => ({

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { doing, largest, lossOf, slowest, span } from "../src/figures.ts";
-import { latenciesOf, rateOf } from "../src/subgraph_card.ts";
+import { latenciesOf, rateOf } from "../src/graph/subgraph_card.ts";
+import { doing, largest, lossOf, slowest, span } from "../src/words/figures.ts";
 import { edge, stage } from "./run.ts";
 
 const WITHIN = new Set(["z/a", "z/b"]);

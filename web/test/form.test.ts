@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Undo } from "../src/form.ts";
-import { limitsOf, rangeText, sliderOf } from "../src/limits.ts";
-import type { Change } from "../src/messages.ts";
+import { limitsOf, rangeText, sliderOf } from "../src/elements/limits.ts";
+import { Undo } from "../src/graph/form.ts";
+import type { Change } from "../src/messages/messages.ts";
 
 const parameter = (type: string, range: string, usual: number) => ({
   name: "n",

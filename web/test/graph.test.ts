@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { labelOf, linksOf } from "../src/links.ts";
-import { standings, steps } from "../src/ranks.ts";
-import { type Box, routed } from "../src/routes.ts";
+import { labelOf, linksOf } from "../src/graph/links.ts";
+import { standings, steps } from "../src/graph/ranks.ts";
+import { type Box, routed } from "../src/graph/routes.ts";
 import { edge } from "./run.ts";
 
 const BOX = { kind: "reference", delay: false };

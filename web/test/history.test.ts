@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { linesOf, spanOf } from "../src/chart.ts";
-import { History, KEPT_MS, targetKey } from "../src/history.ts";
-import { columnsOf } from "../src/tiles.ts";
+import { linesOf, spanOf } from "../src/plots/chart.ts";
+import { History, KEPT_MS, targetKey } from "../src/plots/history.ts";
+import { columnsOf } from "../src/tiles/tiles.ts";
 import { edge } from "./run.ts";
 
 const run = (lost: number, but: object = {}) => ({

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { lifts } from "../src/labels.ts";
+import { lifts } from "../src/room/labels.ts";
 
 const box = (x: number, y: number) => ({ x, y, width: 1, height: 0.5 });
 

@@ -1,8 +1,8 @@
 // What the page says of a flight recorder and of the files of marks.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { held, said } from "../src/marker.ts";
-import type { Kept, Moment } from "../src/messages.ts";
+import { held, said } from "../src/controls/marker.ts";
+import type { Kept, Moment } from "../src/messages/messages.ts";
 
 const MOMENT: Moment = {
   file: "/runs/demo/moment-20261123-200000.mcap",

@@ -1,8 +1,8 @@
 // A target by a click or a rectangle in a still picture.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { LearntData } from "../src/messages.ts";
-import { boxOf, learnRequestOf, learntWords } from "../src/pick.ts";
+import type { LearntData } from "../src/messages/messages.ts";
+import { boxOf, learnRequestOf, learntWords } from "../src/tiles/pick.ts";
 
 const KNOWN = { red: 0.05 };
 const LEARNT: LearntData = {

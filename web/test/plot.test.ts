@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { rangeOf, unbroken } from "../src/plot.ts";
+import { rangeOf, unbroken } from "../src/plots/plot.ts";
 
 function parts(times: number[]): number[][] {
   return unbroken(times.map((time) => ({ time }))).map((part) => part.map(({ time }) => time));

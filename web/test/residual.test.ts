@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Images } from "../src/message_views.ts";
-import { residualOf, residualsOf } from "../src/residual.ts";
+import type { Images } from "../src/messages/message_views.ts";
+import { residualOf, residualsOf } from "../src/plots/residual.ts";
 
 const blobs = (camera: string, time: number, pixel: [number, number][], target: number[]) => ({
   type: "view" as const,

@@ -1,8 +1,8 @@
 // What the page says of the runs in reach.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { ListedRun } from "../src/messages.ts";
-import { about } from "../src/runs.ts";
+import { about } from "../src/controls/runs.ts";
+import type { ListedRun } from "../src/messages/messages.ts";
 
 const RUN: ListedRun = {
   run: "0123456789abcdef",

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Axes } from "../src/axes.ts";
-import { shellOf } from "../src/target.ts";
+import { Axes } from "../src/room/axes.ts";
+import { shellOf } from "../src/room/target.ts";
 
 function near(found: number[], expected: number[]): void {
   assert.equal(found.length, expected.length);

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Views } from "../src/views.ts";
+import { Views } from "../src/messages/views.ts";
 
 test("a picture is shown with the views nearest to its moment, and with none that are far from it", () => {
   const views = new Views();
