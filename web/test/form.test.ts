@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { limitsOf, rangeText, sliderOf } from "../src/elements/limits.ts";
 import { Undo } from "../src/graph/form.ts";
-import type { Change } from "../src/messages/messages.ts";
+import type { Change } from "../src/messages/requests.ts";
 
 const parameter = (type: string, range: string, usual: number) => ({
   name: "n",

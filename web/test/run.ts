@@ -1,5 +1,5 @@
 // Stages and edges of a run for tests, as the server tells them when all is well.
-import type { EdgeStatus, StageStatus } from "../src/messages/messages.ts";
+import type { EdgeStatus, StageStatus } from "../src/messages/run.ts";
 
 export function stage(name: string, but: Partial<StageStatus> = {}): StageStatus {
   const counts = { fired: 9, skipped: 0, restarts: 0 };

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { about } from "../src/controls/runs.ts";
-import type { ListedRun } from "../src/messages/messages.ts";
+import type { ListedRun } from "../src/messages/run.ts";
 
 const RUN: ListedRun = {
   run: "0123456789abcdef",

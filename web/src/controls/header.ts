@@ -1,7 +1,8 @@
 // The first line of the page: which run it is, whether it lives, and its main figures.
 
 import { part } from "../elements/part.ts";
-import type { Run, Scene } from "../messages/messages.ts";
+import type { Run } from "../messages/run.ts";
+import type { Scene } from "../messages/scene.ts";
 import { lossOf, slowest, span } from "../words/figures.ts";
 
 export type Life = "running" | "paused" | "waiting" | "fault" | "ended" | "gone";

@@ -1,6 +1,7 @@
 // The button that saves the last seconds of a run that keeps them, and what it holds.
 
-import type { Answer, Ask, Kept, MarkRequest, Moment } from "../messages/messages.ts";
+import type { Answer, Kept, Moment } from "../messages/messages.ts";
+import type { Ask, MarkRequest } from "../messages/requests.ts";
 import { size } from "../words/amounts.ts";
 
 export interface MarkerParts {

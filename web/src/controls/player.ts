@@ -1,5 +1,7 @@
 // The buttons that pause a replay, let it go on, and let it take one step.
-import type { Answer, Ask, Hold, StageStatus } from "../messages/messages.ts";
+import type { Answer } from "../messages/messages.ts";
+import type { Ask, Hold } from "../messages/requests.ts";
+import type { StageStatus } from "../messages/run.ts";
 
 const STEP = 1; // capture times of the first camera
 

@@ -1,7 +1,8 @@
 // The record button: which ports, and how the recording is.
 
 import { make } from "../elements/make.ts";
-import type { Answer, Ask, Recording, RecordRequest } from "../messages/messages.ts";
+import type { Answer, Recording } from "../messages/messages.ts";
+import type { Ask, RecordRequest } from "../messages/requests.ts";
 import { clock, size } from "../words/amounts.ts";
 
 export interface RecorderParts {

@@ -1,7 +1,9 @@
 // The list of the runs in reach: each with a link to its page, or a button that begins one.
 
 import { make } from "../elements/make.ts";
-import type { Answer, Ask, ListedRun, OpenRequest } from "../messages/messages.ts";
+import type { Answer } from "../messages/messages.ts";
+import type { Ask, OpenRequest } from "../messages/requests.ts";
+import type { ListedRun } from "../messages/run.ts";
 import { clock } from "../words/amounts.ts";
 
 const LOOK_MS = 3000; // between two looks while the list is open

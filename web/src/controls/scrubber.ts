@@ -1,6 +1,8 @@
 // The time line of a recording: where it stands, a button that plays it, and any moment by a drag.
 
-import type { Ask, Position, SeekRequest, Span } from "../messages/messages.ts";
+import type { Position } from "../messages/messages.ts";
+import type { Ask, SeekRequest } from "../messages/requests.ts";
+import type { Span } from "../messages/scene.ts";
 import { clock } from "../words/amounts.ts";
 
 export interface ScrubberParts {

@@ -1,6 +1,6 @@
 // A parameter: its value, typed or dragged, what it does, its limits and default, and what became of a change.
 
-import type { ParameterData, Value } from "../messages/messages.ts";
+import type { ParameterData, Value } from "../messages/scene.ts";
 import { limitsOf, rangeText, sliderOf } from "./limits.ts";
 import { make } from "./make.ts";
 

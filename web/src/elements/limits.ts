@@ -1,5 +1,5 @@
 // The range of a parameter, as the server writes it (">= 0, < 1"), and what a slider makes of it.
-import type { ParameterData, Value } from "../messages/messages.ts";
+import type { ParameterData, Value } from "../messages/scene.ts";
 
 export interface Limits {
   low: number | null; // null: none

@@ -1,7 +1,7 @@
 // The card of a stage with all its instances.
 
 import { make } from "../elements/make.ts";
-import type { EdgeStatus, Run, StageStatus } from "../messages/messages.ts";
+import type { EdgeStatus, Run, StageStatus } from "../messages/run.ts";
 import { doing, isFault, largest, lossOf, number, stageOf, worstOf } from "../words/figures.ts";
 import type { Standing, Step } from "./ranks.ts";
 

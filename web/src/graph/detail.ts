@@ -1,7 +1,10 @@
 // An open card: its parameters, its instances and its edges. Beside the cameras, on a phone below the card.
 
 import { make } from "../elements/make.ts";
-import type { Answer, Ask, Change, FormData, Run, SaveRequest, StageAbout } from "../messages/messages.ts";
+import type { Answer } from "../messages/messages.ts";
+import type { Ask, Change, SaveRequest } from "../messages/requests.ts";
+import type { Run } from "../messages/run.ts";
+import type { FormData, StageAbout } from "../messages/scene.ts";
 import { stageOf } from "../words/figures.ts";
 import { Form, Undo } from "./form.ts";
 import { edgeTable, stageTable } from "./tables.ts";

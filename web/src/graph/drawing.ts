@@ -1,7 +1,8 @@
 // The cards of the whole graph, or of those within one sub-graph, and the lines between them.
 
 import { make } from "../elements/make.ts";
-import type { EdgePlan, EdgeStatus } from "../messages/messages.ts";
+import type { EdgeStatus } from "../messages/run.ts";
+import type { EdgePlan } from "../messages/scene.ts";
 import type { Card } from "./card.ts";
 import { linksOf } from "./links.ts";
 import { standings, steps } from "./ranks.ts";

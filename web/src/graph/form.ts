@@ -1,7 +1,8 @@
 // What can be changed of a stage while it works: its parameters, and which stage it is.
 import { choice, Field, parameterField, textOf } from "../elements/field.ts";
 import { make } from "../elements/make.ts";
-import type { Ask, Change, FormData, StageAbout } from "../messages/messages.ts";
+import type { Ask, Change } from "../messages/requests.ts";
+import type { FormData, StageAbout } from "../messages/scene.ts";
 
 export class Form {
   readonly element = make("form", "", { onsubmit: (event) => event.preventDefault() });

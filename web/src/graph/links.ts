@@ -1,6 +1,7 @@
 // The edges between cards that are seen: all edges between the instances of two cards are one link.
 
-import type { EdgePlan, EdgeStatus } from "../messages/messages.ts";
+import type { EdgeStatus } from "../messages/run.ts";
+import type { EdgePlan } from "../messages/scene.ts";
 import { largest, lossOf, number, stageOf } from "../words/figures.ts";
 
 export interface Link {

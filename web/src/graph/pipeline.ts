@@ -1,6 +1,8 @@
 // The running graph: cards for the stages of the graph file and for its sub-graphs, with lines between them.
 
-import type { Ask, Change, EdgePlan, Run, SaveRequest, Scene, StageAbout } from "../messages/messages.ts";
+import type { Ask, Change, SaveRequest } from "../messages/requests.ts";
+import type { Run } from "../messages/run.ts";
+import type { EdgePlan, Scene, StageAbout } from "../messages/scene.ts";
 import { Card } from "./card.ts";
 import { Detail } from "./detail.ts";
 import { Drawing } from "./drawing.ts";

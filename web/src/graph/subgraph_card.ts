@@ -1,7 +1,7 @@
 // The card of a sub-graph with all its stages.
 
 import { make } from "../elements/make.ts";
-import type { EdgeStatus, Latency, Run, StageStatus } from "../messages/messages.ts";
+import type { EdgeStatus, Latency, Run, StageStatus } from "../messages/run.ts";
 import { largest, slowest, span, stageOf } from "../words/figures.ts";
 import { Card, type Figures } from "./card.ts";
 import { Drawing } from "./drawing.ts";

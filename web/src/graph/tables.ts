@@ -1,7 +1,7 @@
 // The instances of an open card, and its edges, as tables.
 
 import { make } from "../elements/make.ts";
-import type { EdgeStatus, StageStatus } from "../messages/messages.ts";
+import type { EdgeStatus, StageStatus } from "../messages/run.ts";
 import { isFault, LOSSES, lasting, number } from "../words/figures.ts";
 
 type Cell = string | number | HTMLElement;

@@ -2,7 +2,8 @@
 
 import { choice } from "../elements/field.ts";
 import { make } from "../elements/make.ts";
-import type { Curve, FiguresData } from "../messages/messages.ts";
+import type { Curve } from "../messages/requests.ts";
+import type { FiguresData } from "../messages/scene.ts";
 import { stageOf } from "../words/figures.ts";
 import { MOST, ROWS } from "./curves.ts";
 

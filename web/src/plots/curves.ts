@@ -1,6 +1,8 @@
 // The figures of messages that are plotted beside those of the run: chosen by port, row and field.
 
-import type { Curve, CurveValues, FiguresData } from "../messages/messages.ts";
+import type { CurveValues } from "../messages/messages.ts";
+import type { Curve } from "../messages/requests.ts";
+import type { FiguresData } from "../messages/scene.ts";
 import type { Point } from "./history.ts";
 import { KEPT_MS } from "./history.ts";
 

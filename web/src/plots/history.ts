@@ -1,7 +1,7 @@
 // The figures of the last minutes, of the run and of each stage, and what happened in them.
 
 import type { TrackColumns } from "../messages/message_views.ts";
-import type { Run } from "../messages/messages.ts";
+import type { Run } from "../messages/run.ts";
 import { largest, lossOf, slowest, stageOf } from "../words/figures.ts";
 
 export const KEPT_MS = 5 * 60_000;

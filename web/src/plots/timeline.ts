@@ -2,17 +2,10 @@
 
 import { make } from "../elements/make.ts";
 import type { Drawn, TrackColumns } from "../messages/message_views.ts";
-import type {
-  Answer,
-  Ask,
-  Curve,
-  CurveValues,
-  FiguresData,
-  PlotRequest,
-  Run,
-  StageAbout,
-  TargetData,
-} from "../messages/messages.ts";
+import type { Answer, CurveValues } from "../messages/messages.ts";
+import type { Ask, Curve, PlotRequest } from "../messages/requests.ts";
+import type { Run } from "../messages/run.ts";
+import type { FiguresData, StageAbout, TargetData } from "../messages/scene.ts";
 import { type Chart, chartOf } from "./chart.ts";
 import { CurveForm } from "./curve_form.ts";
 import { Curves, MOST, nameOf, unitOf } from "./curves.ts";

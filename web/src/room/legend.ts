@@ -1,7 +1,7 @@
 // Each target by name and colour, where it is and how well that is known.
 import { make } from "../elements/make.ts";
 import type { TrackColumns } from "../messages/message_views.ts";
-import type { TargetData } from "../messages/messages.ts";
+import type { TargetData } from "../messages/scene.ts";
 import type { Triple } from "../messages/triple.ts";
 
 const SILENT_MS = 2000; // longer without a word, the places that are shown are old

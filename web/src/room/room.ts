@@ -2,7 +2,7 @@
 import { Color, Fog, HemisphereLight, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
 import type { Tracked } from "../messages/merged_tracks.ts";
 import type { PosesView, SkeletonsView } from "../messages/message_views.ts";
-import type { RoomData } from "../messages/messages.ts";
+import type { RoomData } from "../messages/scene.ts";
 import { Bones } from "./bones.ts";
 import { freeOf } from "./free_area.ts";
 import { arrange } from "./labels.ts";

@@ -12,7 +12,7 @@ import {
   type Object3D,
   Vector3,
 } from "three";
-import type { CameraData, PlaneData } from "../messages/messages.ts";
+import type { CameraData, PlaneData } from "../messages/scene.ts";
 import type { Triple } from "../messages/triple.ts";
 import { words } from "./light.ts";
 

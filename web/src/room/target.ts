@@ -16,7 +16,7 @@ import {
   Vector3,
   WireframeGeometry,
 } from "three";
-import type { TargetData } from "../messages/messages.ts";
+import type { TargetData } from "../messages/scene.ts";
 import type { Triple } from "../messages/triple.ts";
 import { Axes } from "./axes.ts";
 import { glow, words } from "./light.ts";

@@ -1,5 +1,6 @@
 // A target by a click or a rectangle in a still picture: what is asked for, and what was learnt in words.
-import type { LearnRequest, LearntData } from "../messages/messages.ts";
+import type { LearntData } from "../messages/messages.ts";
+import type { LearnRequest } from "../messages/requests.ts";
 
 type Place = [number, number];
 const LARGEST_M = 10; // radius of a target

@@ -1,6 +1,7 @@
 // Learns a target from a still picture of a camera, in a dialog: click, look at what was learnt, write it.
 import { make } from "../elements/make.ts";
-import type { Answer, Ask, LearntData, PickRequest, StillData } from "../messages/messages.ts";
+import type { Answer, LearntData, StillData } from "../messages/messages.ts";
+import type { Ask, PickRequest } from "../messages/requests.ts";
 import { boxOf, learnRequestOf, learntWords } from "./pick.ts";
 import { penOf } from "./tile.ts";
 

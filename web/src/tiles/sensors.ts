@@ -3,7 +3,8 @@
 import { make } from "../elements/make.ts";
 import { table } from "../graph/tables.ts";
 import type { InertialView, Reading, View } from "../messages/message_views.ts";
-import type { SensorData, StageStatus } from "../messages/messages.ts";
+import type { StageStatus } from "../messages/run.ts";
+import type { SensorData } from "../messages/scene.ts";
 import { plot, WINDOW_MS } from "../plots/plot.ts";
 import { number, stageOf } from "../words/figures.ts";
 import { penOf, Tile } from "./tile.ts";

@@ -1,6 +1,6 @@
 // A tile with a name, that says how old what it shows is.
 import { make } from "../elements/make.ts";
-import type { StageStatus, State } from "../messages/messages.ts";
+import type { StageStatus, State } from "../messages/run.ts";
 
 const SILENT_MS = 2000; // longer without anything new, what is shown is old
 

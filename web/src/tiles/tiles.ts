@@ -1,7 +1,8 @@
 // One tile for each camera: its picture, and over it what belongs to its moment.
 import { make } from "../elements/make.ts";
 import type { Drawn } from "../messages/message_views.ts";
-import type { CameraData, RoomData, StageAbout, StageStatus } from "../messages/messages.ts";
+import type { StageStatus } from "../messages/run.ts";
+import type { CameraData, RoomData, StageAbout } from "../messages/scene.ts";
 import type { Views } from "../messages/views.ts";
 import { overlay } from "./overlay.ts";
 import { penOf, Tile } from "./tile.ts";

@@ -1,5 +1,5 @@
 // Figures and states of stages and edges in words.
-import type { EdgeStatus, Latency, StageStatus, State } from "../messages/messages.ts";
+import type { EdgeStatus, Latency, StageStatus, State } from "../messages/run.ts";
 
 export const LOSSES = ["away", "dropped", "late", "unmatched", "invalid", "lost"] as const;
 type Losses = Pick<EdgeStatus, (typeof LOSSES)[number]>;
