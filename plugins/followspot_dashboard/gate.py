@@ -62,7 +62,7 @@ class Gate:
         words = self.words
         return now >= words[NEXT] and (time >= words[MOMENT] or time + _BACKWARDS < words[MOMENT])
 
-    def name(self, moment: int, next_at: int) -> None:
+    def choose(self, moment: int, next_at: int) -> None:
         """Choose a capture time, ns; the next one is due at `next_at`, ns of the monotonic clock."""
         self.words[NEXT] = next_at
         self.words[BEFORE] = self.words[MOMENT]

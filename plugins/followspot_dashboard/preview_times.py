@@ -41,7 +41,7 @@ class SharedTimes:
         pace.add(captured)
         now = time.monotonic_ns()
         if self._gate.due(now, captured):
-            self._gate.name(captured + pace.ahead(now, self._period), now + self._period)
+            self._gate.choose(captured + pace.ahead(now, self._period), now + self._period)
 
 
 class PeriodicTimes:

@@ -50,8 +50,13 @@ def is_of(contract: str, kind: type[Message]) -> bool:
     return (
         made.__name__ == kind.__name__
         and made.scalars == kind.scalars
-        and [c[:4] for c in made.columns] == [c[:4] for c in kind.columns]
+        and list(map(_layout, made.columns)) == list(map(_layout, kind.columns))
     )
+
+
+def _layout(c: Column) -> tuple[str, tuple[int | str, ...], np.dtype[Any], str]:
+    """What the arrays of a column are, without how tables show them."""
+    return c.name, c.shape, c.dtype, c.unit
 
 
 def message_type(contract: str) -> type[Message]:

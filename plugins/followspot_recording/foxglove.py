@@ -18,7 +18,7 @@ from followspot.messages import Array
 from followspot.people import Poses, PoseTruth
 from followspot.room import Camera
 from followspot.rotation import from_rotation_vector
-from followspot.tracking import Frame, Tracks, Truth
+from followspot.tracking import TRACKED, Frame, Tracks, Truth
 from followspot_recording.recorder import Schema
 from followspot_recording.schemas import (
     CAMERA_CALIBRATION,
@@ -34,11 +34,14 @@ from followspot_recording.schemas import (
 Pictures = Literal["jpeg", "png", "raw", "none"]
 ROOM_FRAME = "room"
 _INFO = 2
+"""Foxglove's number of the level of a log line."""
 _JPEG_QUALITY = 90
 _LIFETIME = {"sec": 0, "nsec": 250_000_000}
 """A sphere that is not renewed in this time vanishes: the target is lost."""
-_LOOKS = {"tracked": (0.1, 0.8, 0.2, 1.0)}
-_OTHER_LOOK = (0.9, 0.6, 0.1, 0.5)
+_TRACKED_COLOR, _OTHER_COLOR = (0.1, 0.8, 0.2, 1.0), (0.9, 0.6, 0.1, 0.5)
+"""RGBA of a target that is tracked, and of one in another state."""
+_UNKNOWN_RADIUS = 0.05
+"""Radius of a target that the room does not have, m."""
 _POINTS, _FLOAT32 = 1, 7
 """Foxglove's numbers of points that stand alone, and of a type of number."""
 _MARK = {"r": 1.0, "g": 0.9, "b": 0.1, "a": 1.0}
@@ -129,14 +132,14 @@ def _spheres(tracks: Tracks, room: Room) -> bytes:
         known = 0 <= index < len(targets)
         name = targets[index].name if known else f"target {index}"
         if _finite(xyz):
-            size = 2.0 * (targets[index].radius if known else 0.05)
-            entities.append(_entity(tracks.header.time, name, xyz, size, state == 1))
+            size = 2.0 * (targets[index].radius if known else _UNKNOWN_RADIUS)
+            entities.append(_entity(tracks.header.time, name, xyz, size, state == TRACKED))
     return _json({"deletions": [], "entities": entities})
 
 
 def _entity(time: int, name: str, xyz: list[float], size: float, tracked: bool) -> dict[str, Any]:
     """A target as a sphere of its diameter, m, with its name above it."""
-    color = dict(zip("rgba", _LOOKS["tracked"] if tracked else _OTHER_LOOK, strict=True))
+    color = dict(zip("rgba", _TRACKED_COLOR if tracked else _OTHER_COLOR, strict=True))
     sphere = {"pose": _pose(xyz), "size": {"x": size, "y": size, "z": size}, "color": color}
     above = _pose([xyz[0], xyz[1], xyz[2] + size])
     label = {"pose": above, "billboard": True, "font_size": 12.0, "scale_invariant": True}

@@ -24,7 +24,7 @@ from followspot_imu.units import MOST, AxesParams, converted
 SILENCE = 3_000_000_000
 """Time without readings after which the user is told, ns."""
 TOGETHER = 200_000
-"""Readings without a time that arrive within this of each other were read apart, ns."""
+"""Readings without a time of their own that arrive sooner after each other were measured longer apart, ns."""
 LONGEST_WAIT = 0.2
 """Longest wait for a datagram before the stage looks whether the run ends, s."""
 
@@ -93,7 +93,7 @@ class NetworkSensor(Stage, ABC):
                 if self._pending.complete(datagram.arrival):
                     yield self._message()
                 heard = heard or datagram.arrival
-                silent = self._told(datagram.arrival - heard > SILENCE, silent)
+                silent = self._say_if_silent(datagram.arrival - heard > SILENCE, silent)
             if self._pending:
                 yield self._message()
         finally:
@@ -130,8 +130,8 @@ class NetworkSensor(Stage, ABC):
         self._pending.add(time, reading.values)
         return self._pending.complete(time)
 
-    def _told(self, silent: bool, before: bool) -> bool:
-        """Tell the user once that nothing comes, and once that it comes again."""
+    def _say_if_silent(self, silent: bool, before: bool) -> bool:
+        """Tell the user once that nothing comes, and once that it comes again. Returns `silent`."""
         if silent != before:
             where = f"{self.params.host}:{self.params.port}"
             self.context.warn(

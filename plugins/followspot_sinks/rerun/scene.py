@@ -12,7 +12,7 @@ from followspot.inertial import PosedTracks
 from followspot.messages import Array
 from followspot.people import Poses, PoseTruth, Skeletons, bones_of
 from followspot.rotation import matrix
-from followspot.tracking import STATES, Frame, Tracks, Truth
+from followspot.tracking import STATES, TRACKED, Frame, Tracks, Truth
 
 ROOT = "room"
 _JPEG_QUALITY = 85
@@ -91,7 +91,9 @@ def _targets(rerun: Any, tracks: Tracks, room: Room) -> Any:
         target = targets[index] if 0 <= index < len(targets) else None
         radii.append(target.radius if target else _RADIUS)
         name = target.name if target else f"target {index}"
-        labels.append(name if state == 1 else f"{name} ({STATES[state] if state < len(STATES) else state})")
+        labels.append(
+            name if state == TRACKED else f"{name} ({STATES[state] if state < len(STATES) else state})"
+        )
     return rerun.Points3D(tracks.xyz[known], radii=radii, labels=labels)
 
 

@@ -4,17 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from followspot.graph.compile import compile_graph
-from followspot.host.restart_policy import BackOff, may_get_messages
+from tests.core.host.chain import chain_plan
 
-TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
-CHAIN = """
-graph: g
-stages:
-  a: {uses: ticks.count}
-  b: {uses: ticks.add, in: {number: a}}
-  c: {uses: ticks.write, in: {number: b}}
-"""
+from followspot.host.restart_policy import BackOff, may_get_messages
 
 
 def test_the_wait_before_a_restart_grows_with_each_death() -> None:
@@ -33,8 +25,7 @@ def test_the_wait_is_short_again_after_a_long_life_and_separate_for_each_worker(
 
 
 def test_a_worker_is_restarted_as_long_as_messages_can_reach_it(tmp_path: Path) -> None:
-    (tmp_path / "g.yaml").write_text(CHAIN)
-    plan = compile_graph(tmp_path / "g.yaml", placement="stage", plugin_files=[TICKS])
+    plan = chain_plan(tmp_path)
     assert may_get_messages(plan, "a", over={"b", "c"}), "it has a source"
     assert may_get_messages(plan, "b", over={"c"})
     assert may_get_messages(plan, "c", over={"a"}), "b may still send"

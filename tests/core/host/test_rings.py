@@ -7,26 +7,16 @@ import socket
 from pathlib import Path
 
 import pytest
+from tests.core.host.chain import chain_plan
 
-from followspot.graph.compile import compile_graph
 from followspot.host.rings import RingEnd, Rings
-
-TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
-CHAIN = """
-graph: g
-stages:
-  a: {uses: ticks.count}
-  b: {uses: ticks.add, in: {number: a}}
-  c: {uses: ticks.write, in: {number: b}}
-"""
 
 
 class Host:
     """Workers that hold the newest end of each edge that they have got."""
 
     def __init__(self, folder: Path) -> None:
-        (folder / "g.yaml").write_text(CHAIN)
-        plan = compile_graph(folder / "g.yaml", placement="stage", plugin_files=[TICKS])
+        plan = chain_plan(folder)
         self.rings = Rings(plan, {"a", "b", "c"})
         self.held: dict[tuple[str, int], socket.socket] = {}
         self.running = {"a", "b", "c"}
@@ -93,8 +83,7 @@ def test_every_edge_gets_two_ends_whatever_the_order_of_restarts(tmp_path: Path,
 
 
 def test_a_reader_of_a_worker_that_will_not_start_sees_the_end_of_stream(tmp_path: Path) -> None:
-    (tmp_path / "g.yaml").write_text(CHAIN)
-    plan = compile_graph(tmp_path / "g.yaml", placement="stage", plugin_files=[TICKS])
+    plan = chain_plan(tmp_path)
     rings = Rings(plan, {"a", "b", "c"})
     rings.discard("a")
     ends = {end.side: end.socket for end in rings.take("b")}

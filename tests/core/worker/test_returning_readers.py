@@ -28,6 +28,20 @@ class Count(Stage):
             yield at(n, Note(n))
 
 
+def wait_for_each_other(writer: ZenohWriter, reader: ZenohReader, deadline: float) -> None:
+    while not all([writer.matched(), reader.matched()]) and time.monotonic() < deadline:
+        time.sleep(0.005)
+
+
+def counting(writer: ZenohWriter, output: OutputPort, ledger: Ledger) -> tuple[SourceRunner, Scheduler]:
+    """The source of three numbers, set up, which sends by the writer."""
+    output.attach(writer, ["count.out -> save.in"], [ledger.row(0)])
+    runner = SourceRunner("count", 0, lambda: Count(Context()), Join((), lateness=0), {"out": output})
+    scheduler = Scheduler([runner], [], [(writer, runner)], Pace())
+    scheduler.setup()
+    return runner, scheduler
+
+
 def test_a_writer_that_was_started_again_counts_what_it_sends_to_readers_that_it_found_at_the_barrier() -> (
     None
 ):
@@ -35,14 +49,10 @@ def test_a_writer_that_was_started_again_counts_what_it_sends_to_readers_that_it
     output = OutputPort(Note, ledger.words, lateness=0)
     with open_session() as session:
         writer = ZenohWriter(session, "test/out", {"0": ""}, 8, incarnation=1)
-        output.attach(writer, ["count.out -> save.in"], [ledger.row(0)])
         reader = ZenohReader(session, "test/out", "0", Note, 8)
         deadline = time.monotonic() + 60
-        while not all([writer.matched(), reader.matched()]) and time.monotonic() < deadline:
-            time.sleep(0.005)
-        runner = SourceRunner("count", 0, lambda: Count(Context()), Join((), lateness=0), {"out": output})
-        scheduler = Scheduler([runner], [], [(writer, runner)], Pace())
-        scheduler.setup()
+        wait_for_each_other(writer, reader, deadline)
+        _, scheduler = counting(writer, output, ledger)
         thread = threading.Thread(target=scheduler.run, daemon=True)
         thread.start()
         tokens: list[Token] = []
@@ -60,14 +70,10 @@ def test_what_was_on_its_way_to_a_reader_that_is_not_reached_again_is_lost_at_th
     output = OutputPort(Note, ledger.words, lateness=0)
     with open_session() as session:
         writer = ZenohWriter(session, "test/out", {"0": ""}, 8)
-        output.attach(writer, ["count.out -> save.in"], [ledger.row(0)])
         reader = ZenohReader(session, "test/out", "0", Note, 8)
         deadline = time.monotonic() + 60
-        while not all([writer.matched(), reader.matched()]) and time.monotonic() < deadline:
-            time.sleep(0.005)
-        runner = SourceRunner("count", 0, lambda: Count(Context()), Join((), lateness=0), {"out": output})
-        scheduler = Scheduler([runner], [], [(writer, runner)], Pace())
-        scheduler.setup()
+        wait_for_each_other(writer, reader, deadline)
+        runner, scheduler = counting(writer, output, ledger)
         while runner.pull():
             pass
         reader.close()

@@ -151,8 +151,8 @@ def test_taps_of_one_graph_show_the_same_moments(tmp_path: Path, gate: Gate, lis
 
 def test_a_recording_that_begins_anew_is_shown_again(tmp_path: Path, gate: Gate, listener: Listener) -> None:
     source = tap(tmp_path, sets_times=True)
-    gate.name(80_000 * MS, next_at=0)
-    gate.name(90_000 * MS, next_at=0)
+    gate.choose(80_000 * MS, next_at=0)
+    gate.choose(90_000 * MS, next_at=0)
     source.process(at(10, frame()))
     source.process(at(20, frame()))
     assert len(listener.heard(source)) == 1
@@ -174,7 +174,7 @@ def test_cameras_slower_than_the_page_are_all_shown(
 
 def test_tracks_are_shown_between_pictures_too(tmp_path: Path, gate: Gate, listener: Listener) -> None:
     tracks = tap(tmp_path, "track.tracks", message_rate=0.001)  # whatever pauses the machine makes
-    gate.name(10**15, next_at=2**62)  # no moment comes
+    gate.choose(10**15, next_at=2**62)  # no moment comes
     tracks.process(at(1, Tracks.empty()))
     tracks.process(at(2, Tracks.empty()))  # too soon after the first
     [(_, packed)] = listener.heard(tracks)
@@ -191,7 +191,7 @@ def test_a_page_that_does_not_listen_costs_previews_and_nothing_else(
         busy.listen()
         watched = tap(tmp_path)
         for number in range(2000):
-            gate.name(number * MS, next_at=0)
+            gate.choose(number * MS, next_at=0)
             watched.process(at(number, frame()))
         assert watched.number == 2000
         assert watched.sender is not None
