@@ -13,7 +13,7 @@ from followspot.geometry import wrap
 from followspot.people import Poses
 from followspot.plain_values import from_plain, to_plain
 from followspot.tracking import PREDICTED, TRACKED
-from followspot_persons.association import matched
+from followspot_persons.nearest_neighbours import matched
 from followspot_persons.pose_fusion.pose_table import PoseTable, fused_pose, pose_table
 from followspot_persons.pose_fusion.position_filter import PositionTrack
 

@@ -11,11 +11,11 @@ from followspot.frame_times import NANOSECOND
 from followspot.geometry import ray
 from followspot.people import Boxes, Gradients
 from followspot.tracking import Frame
-from followspot_persons.association import ARMS
 from followspot_persons.body.shape import SHIPPED as SHIPPED_SHAPE
 from followspot_persons.body.shape import read_shape
 from followspot_persons.body.stature import SPREAD, USUAL
 from followspot_persons.body.view import HEADING, HEIGHT, view
+from followspot_persons.box_geometry import ARMS
 from followspot_persons.gradients import FindGradients
 from followspot_persons.likelihood.fitness import Fitness, PosePrior, Weights, pictured
 from followspot_persons.panorama import short_way, turn_of

@@ -8,13 +8,14 @@ import numpy as np
 
 from followspot import Camera
 from followspot.people import Boxes
-from followspot_persons.association import box_distance, matched
 from followspot_persons.body.shape import ShapeModel
 from followspot_persons.body.view import view
+from followspot_persons.box_geometry import box_distance
 from followspot_persons.fast_instance.pose_history import propagated_detection
 from followspot_persons.fast_instance.slow_pose import SlowPose
 from followspot_persons.fast_instance.tracked_person import TrackedPerson
 from followspot_persons.likelihood.fitness import Detection
+from followspot_persons.nearest_neighbours import matched
 from followspot_persons.panorama import turn_of
 from followspot_persons.particles.track import coasted
 

@@ -9,14 +9,15 @@ import numpy as np
 from followspot import Array, Camera
 from followspot.frame_times import NANOSECOND
 from followspot.people import Boxes
-from followspot_persons.association import box_offsets, carried, matched, on_body
 from followspot_persons.body.shape import ShapeModel
 from followspot_persons.body.view import BodyView, view
+from followspot_persons.box_geometry import box_offsets, carried, on_body
 from followspot_persons.color.difference import ColorRelations, at_large, completed
 from followspot_persons.color.likelihood import color_likelihood, feature_responses
 from followspot_persons.color.model import ColorModel
 from followspot_persons.likelihood.certainty import certainties
 from followspot_persons.likelihood.fitness import Detection, Picture, sampled
+from followspot_persons.nearest_neighbours import matched
 from followspot_persons.panorama import turn_of
 from followspot_persons.slow_instance.known_person import KnownPerson
 from followspot_persons.slow_instance.validation_gate import GATE, ValidationGate
@@ -75,24 +76,32 @@ class BoxAssignment:
         for i, person in enumerate(people):
             age = (now - person.seen) * NANOSECOND
             seen = view(self.camera, self.shape, person.track.pose[None])
-            shift, size = box_offsets(seen.box, boxes, self.turn)
-            reach = NEAR + FAR * age
-            farther = NEAR + WALK * age / max(float(seen.bearing.distance[0]), 0.1)
-            change = np.abs(size[0]) / np.where(size[0] > 0, farther, reach)
-            change = np.fmax(change, gate.sigmas(person, age) / GATE)
-            cost[i] = np.hypot(shift[0] / reach, change)
-            none = (change >= 1) | (still & person.comparable) | gate.refused(person, age)
-            cost[i, none] = np.inf
+            cost[i] = self._distance(person, seen, boxes, gate, age)
+            cost[i, still & person.comparable] = np.inf
             for j in np.flatnonzero(cost[i] < limit):
                 cost[i, j] += COLOR_SHARE * self.color_mismatch(person, seen, boxes[j], picture)
-                if (self.specific or upright[j]) and self.fits_average_better(
-                    person, seen, boxes[j], picture
-                ):
+                specific = self.specific or bool(upright[j])
+                if specific and self.fits_average_better(person, seen, boxes[j], picture):
                     cost[i, j] = np.inf
         tentative = np.array([p.number == 0 for p in people])
         found = matched(np.where(tentative[:, None], np.inf, cost), limit)
         cost[:, [box for _, box in found]] = np.inf
         return found + matched(np.where(tentative[:, None], cost, np.inf), limit)
+
+    def _distance(
+        self, person: KnownPerson, seen: BodyView, boxes: Array, gate: ValidationGate, age: float
+    ) -> Array:
+        """Distances of boxes (N, 4) px from a person, (N,): 1 at the limit of place or of size alone.
+
+        They are infinite beyond the limit of size and outside the gate. age: since the person was seen, s.
+        """
+        shift, size = box_offsets(seen.box, boxes, self.turn)
+        reach = NEAR + FAR * age
+        farther = NEAR + WALK * age / max(float(seen.bearing.distance[0]), 0.1)
+        change = np.abs(size[0]) / np.where(size[0] > 0, farther, reach)
+        change = np.fmax(change, gate.sigmas(person, age) / GATE)
+        distance = np.hypot(shift[0] / reach, change)
+        return np.where((change >= 1) | gate.refused(person, age), np.inf, distance)
 
     def color_mismatch(self, person: KnownPerson, seen: BodyView, box: Array, picture: Picture) -> float:
         """Minus log F^C of a person, standing in a box as in the last picture; 0 if no colour is known."""

@@ -12,7 +12,6 @@ import numpy as np
 
 from followspot import Array
 from followspot.people import Boxes
-from followspot_persons.association import on_body
 from followspot_persons.background.background import foreground
 from followspot_persons.background.body_axis import BEFORE_AXIS
 from followspot_persons.background.existence import RIGID
@@ -20,6 +19,7 @@ from followspot_persons.background.ghost import is_ghost
 from followspot_persons.background.scene import Scene
 from followspot_persons.body.standing import knows_floor, rise
 from followspot_persons.body.stature import USUAL
+from followspot_persons.box_geometry import on_body
 from followspot_persons.panorama import turn_of
 from followspot_persons.slow_instance.foreground_box import LEVEL, STEP
 from followspot_persons.slow_instance.part_box import upper_body

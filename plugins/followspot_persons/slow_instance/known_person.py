@@ -21,34 +21,36 @@ AHEAD = 0.5
 
 @dataclass(frozen=True, eq=False)
 class KnownPerson:
-    """A person of the slow instance: tentative, with number 0, until enough boxes confirm it.
-
-    initiated, seen: ns, times of the first and of the last box; hits: number of boxes; trust: sum of their
-    scores minus the cost of missing boxes; absent: whether the person has left; boxed: ns, time of the
-    detector's last box (the foreground alone may move `seen` beyond it); foreground: mean share of the
-    upper body that differs from the background, None while there is no background; comparable: whether the
-    person came after the background, or once differed from it, and so is no part of it; left: whether the
-    last picture shows the background where the person would be; distance: where the person stood at the last
-    update; stirring: how much has changed against the background; first:
-    (H, W, 3) u1, picture of the first box, as long as nothing about the person has changed since, then None.
-    """
+    """A person of the slow instance: tentative, with number 0, until enough boxes confirm it."""
 
     number: int
     track: Track
     colors: ColorModel
     initiated: int
+    """Time of the first box, ns."""
     seen: int
+    """Time of the last box, or of the foreground that took its place, ns."""
     hits: int
+    """Number of boxes."""
     trust: float
+    """Sum of the boxes' scores minus the cost of missing boxes."""
     absent: bool = False
+    """Whether the person has left the view."""
     boxed: int = 0
+    """Time of the detector's last box, ns."""
     foreground: float | None = None
+    """Mean share of the upper body that differs from the background; None while there is no background."""
     comparable: bool = False
+    """Whether the person came after the background, or once differed from it, and so is no part of it."""
     stature: Stature = field(default_factory=Stature)
     left: bool = False
+    """Whether the last picture shows the background where the person would be."""
     distance: FloorDistance = FloorDistance()
+    """Where the person stood at the last update."""
     stirring: Stirring = Stirring()
+    """How much has changed against the background."""
     first: Array | None = None
+    """Picture of the first box, (H, W, 3) u1; None as soon as anything about the person has changed."""
 
     @classmethod
     def tentative(

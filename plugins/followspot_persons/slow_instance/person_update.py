@@ -19,10 +19,10 @@ from followspot_persons.background.existence import (
     stirred,
 )
 from followspot_persons.background.floor_beside import body_before
-from followspot_persons.background.floor_contact import Contact, presence
+from followspot_persons.background.floor_contact import Contact, Presence, presence
 from followspot_persons.background.scene import Scene
 from followspot_persons.body.shape import ShapeModel, with_girth
-from followspot_persons.body.stature import USUAL, is_of_adult, sized
+from followspot_persons.body.stature import USUAL, Stature, is_of_adult, sized
 from followspot_persons.body.view import view
 from followspot_persons.color.model import ColorModel, learnt
 from followspot_persons.likelihood.fitness import Detection, Fitness, Picture, Weights, sampled
@@ -113,12 +113,8 @@ class PersonUpdate:
         if track.shown < MINIMUM_SHOWN:
             longest = self.params.maximum_missed_time
             return missed(replace(person, track=track), 0.0, seen.now, longest, left=False)
-        colors = self._learnt(person.colors, track, picture)
-        stature = person.stature
-        if not known.part:
-            stature = sized(stature, self.camera, detection.box, detection.certainty)
         shown = presence(seen.scene, track.pose, others)
-        stature = stature.stood(None if shown is None else shown.height)
+        stature = self._stature(person.stature, None if known.part else detection, shown)
         stirring = person.stirring.after(shown, seen.now)
         if stirring.furniture(seen.now):
             return replace(person, absent=True, left=True) if person.number else None
@@ -130,7 +126,7 @@ class PersonUpdate:
             stature=stature,
             foreground=share,
             comparable=comparable,
-            colors=colors,
+            colors=self._learnt(person.colors, track, picture),
             seen=seen.now,
             boxed=seen.now,
             left=False,
@@ -158,7 +154,7 @@ class PersonUpdate:
         known = self._stood(seen, detection, there.pose, person.stature.estimate[0], others)
         moved = self._updated(person, known, picture, seen, joined=known.part)
         shown = presence(seen.scene, moved.track.pose, others)
-        stature = person.stature.stood(None if shown is None else shown.height)
+        stature = self._stature(person.stature, None, shown)
         track = replace(moved.track, stature=stature.estimate)
         return replace(moved, track=track, stature=stature, seen=seen.now, left=False)
 
@@ -218,6 +214,12 @@ class PersonUpdate:
         visible = seen.visibility[0] * inside[0]
         weight = np.where(visible >= SHARP_VISIBILITY, visible, 0.0)
         return learnt(model, colors[0].astype(float), weight, self.params.color_averaging_frames)
+
+    def _stature(self, stature: Stature, detection: Detection | None, shown: Presence | None) -> Stature:
+        """The stature after a picture. detection: of the whole upper body, if any; shown: of `presence`."""
+        if detection is not None:
+            stature = sized(stature, self.camera, detection.box, detection.certainty)
+        return stature.stood(None if shown is None else shown.height)
 
     def _unchanged(
         self, person: KnownPerson, stirring: Stirring, pose: Array, others: Array, seen: Observation

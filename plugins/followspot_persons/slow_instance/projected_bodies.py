@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Array, Camera
-from followspot_persons.association import on_body
 from followspot_persons.body.shape import ShapeModel
 from followspot_persons.body.view import view
+from followspot_persons.box_geometry import on_body
 from followspot_persons.panorama import turn_of
 from followspot_persons.slow_instance.known_person import KnownPerson
 

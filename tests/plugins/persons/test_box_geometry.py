@@ -1,11 +1,11 @@
-"""Which box is whose: distances of boxes, boxes on bodies, greedy pairs."""
+"""Distances of boxes, boxes on bodies, and points carried between boxes."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from followspot_persons.association import ARMS, SHOULDERS, box_distance, carried, matched, on_body
+from followspot_persons.box_geometry import ARMS, SHOULDERS, box_distance, carried, on_body
 
 BOX = np.array([[100.0, 50.0, 140.0, 130.0]])
 
@@ -54,17 +54,6 @@ def test_what_surely_is_an_upper_body_is_no_arm_beside_another() -> None:
         near, far = (BOX + np.array([right, 0, right, 0]) for right in (80 * limit - 1, 80 * limit + 1))
         both = np.concatenate([near, far])
         assert on_body(both, BOX, certainty=np.full(2, certainty)).tolist() == [True, False]
-
-
-def test_the_surest_pairs_come_first_and_none_twice_or_beyond_the_limit() -> None:
-    cost = np.array([[0.5, 0.2, np.inf], [0.1, 0.3, 0.9], [np.nan, 2.0, 1.0]])
-    assert matched(cost, 1.0) == [(1, 0), (0, 1), (2, 2)]
-    assert matched(cost, 0.9) == [(1, 0), (0, 1)]
-    assert matched(np.zeros((0, 3)), 1.0) == []
-
-
-def test_a_pair_that_is_the_surest_gives_way_if_all_pairs_together_are_surer() -> None:
-    assert matched(np.array([[0.48, 1.17], [0.47, 0.54]]), 1.6) == [(0, 0), (1, 1)]
 
 
 def test_points_are_carried_by_the_heights_of_boxes_from_the_middle_of_the_upper_side() -> None:

@@ -1,27 +1,14 @@
-"""Association of observations with persons."""
+"""Distances of boxes, boxes on bodies, and points that are carried from one box to another."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from followspot import Array
-from followspot.assignment import assigned
 from followspot_persons.panorama import short_way
 
 ARMS, SHOULDERS = 0.5, 1 / 3
 """Largest distance of arms and of shoulders from the middle of a body, in heights of its box."""
-
-
-def matched(cost: Array, limit: float) -> list[tuple[int, int]]:
-    """Pairs (row, column) of least cost together, each row and column at most once, none above the limit.
-
-    Global nearest neighbours (Blackman & Popoli 1999, section 6.4): to stay apart costs the limit.
-    cost: (K, N), lower is better. Returns the pairs, the surest first.
-    """
-    gain = np.nextafter(limit, np.inf) - np.where(np.isfinite(cost), cost, np.inf).astype(float)
-    rows, columns = assigned(gain)
-    order = np.argsort(-gain[rows, columns], kind="stable")
-    return list(zip(rows[order].tolist(), columns[order].tolist(), strict=True))
 
 
 def box_distance(expected: Array, detected: Array, turn: int = 0) -> Array:
