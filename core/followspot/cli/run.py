@@ -82,9 +82,7 @@ def _run(args: argparse.Namespace) -> int:
 
 def execute(plan: Plan, args: argparse.Namespace) -> int:
     """Run a plan with the given options and print the summary. Returns the exit code."""
-    from followspot.cli.progress import ProgressBar
-    from followspot.cli.run_log import ShownLog
-    from followspot.library.execute import RunOptions, replaced_outputs, run_plan
+    from followspot.library.execute import replaced_outputs
     from followspot.library.report import Report
 
     plan = with_default_host(plan, args.host)
@@ -97,23 +95,8 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
         print(
             f"warning: an earlier run left {', '.join(old)} in {out}; this one replaces it", file=sys.stderr
         )
-    with printed_to_stderr(args.json), closing(ProgressBar()) as bar, ExitStack() as watchers:
-        if network.certificates:
-            from followspot.security.rejected_peers import RejectedPeers
-
-            watchers.enter_context(RejectedPeers(bar.say))
-        for options in load_plan_options():
-            watchers.enter_context(options.watch(args))
-        report = run_plan(
-            plan,
-            RunOptions(out, args.frames),
-            None if args.quiet else bar.show,
-            network=network,
-            media=media_folder(plan, args.media),
-            restart=args.restart,
-            on_log=ShownLog(out, bar.say, verbose=args.verbose).take,
-        )
     with printed_to_stderr(args.json):
+        report = _watched_run(plan, args, network, out)
         whole = Report(report, out, _scores(report, out, quiet=args.quiet))
     if args.json:
         print(json.dumps(whole.to_json()))
@@ -122,6 +105,30 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
         for host, folder in report.outs.items():
             print(f"outputs on {host}: {folder}")
     return 0 if report.ok else 1
+
+
+def _watched_run(plan: Plan, args: argparse.Namespace, network: Network, out: Path) -> RunReport:
+    """Run a plan to its end; meanwhile the terminal shows its progress and log, and plugins watch it."""
+    from followspot.cli.progress import ProgressBar
+    from followspot.cli.run_log import ShownLog
+    from followspot.library.execute import RunOptions, run_plan
+
+    with closing(ProgressBar()) as bar, ExitStack() as watchers:
+        if network.certificates:
+            from followspot.security.rejected_peers import RejectedPeers
+
+            watchers.enter_context(RejectedPeers(bar.say))
+        for options in load_plan_options():
+            watchers.enter_context(options.watch(args))
+        return run_plan(
+            plan,
+            RunOptions(out, args.frames),
+            None if args.quiet else bar.show,
+            network=network,
+            media=media_folder(plan, args.media),
+            restart=args.restart,
+            on_log=ShownLog(out, bar.say, verbose=args.verbose).take,
+        )
 
 
 def _print_notes(plan: Plan, args: argparse.Namespace) -> None:

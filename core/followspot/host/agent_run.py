@@ -1,29 +1,16 @@
-"""A run on the host of an agent, and the file from which a restarted agent resumes it if it is detached.
-
-The resumed workers have higher incarnation numbers than those of the earlier agent, and carry on from the
-checkpoints that it left.
-"""
+"""A run on the host of an agent, with the time since its operator was heard."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator
-from contextlib import suppress
 from dataclasses import replace
-from pathlib import Path
 
 from followspot.control.host import RunOrder
-from followspot.control.lifecycle import PrepareRun, StopRun
+from followspot.control.lifecycle import StopRun
 from followspot.control.move import MoveOrder
-from followspot.files import read_bytes
 from followspot.host.local_host import LocalHost
 from followspot.host.operator_timeout import OPERATOR_TIMEOUT, OperatorTimeout
 
-_FILE = ".order"
-_MAX_AGE = 600.0
-"""Age, s, above which a saved run is not resumed."""
-_SAVE_PERIOD = 2.0
-"""Seconds between two saves."""
 _RESTART_MARGIN = 4
 """Starts of a worker that may be missing in the saved order."""
 _LEAVE_TIMEOUT = 5.0
@@ -93,44 +80,3 @@ class AgentRun:
         return replace(
             self.order, incarnations=incarnations, fired=fired, age_s=age, over=tuple(sorted(over))
         )
-
-
-class KeptRuns:
-    """The saved orders of detached runs, each a file in the run's output folder."""
-
-    def __init__(self, runs: Path, host: str) -> None:
-        """runs: folder that contains the output folders; host: name of the agent's host."""
-        self._runs = runs
-        self._host = host
-        self._next = 0.0
-
-    def left(self) -> Iterator[RunOrder]:
-        """The orders of the runs that an earlier agent of this host had when it died, unless too old."""
-        for path in sorted(self._runs.glob(f"*-{self._host}/{_FILE}")):
-            with suppress(OSError, ValueError):  # incomplete, or of another version
-                away = time.time() - path.stat().st_mtime
-                if away > _MAX_AGE:
-                    continue
-                order = PrepareRun.model_validate_json(read_bytes(path)).order
-                if path.parent.name.endswith(f"-{order.run}-{self._host}"):
-                    yield replace(order, age_s=order.age_s + max(0.0, away))
-
-    def keep(self, agent_runs: Iterable[AgentRun], now: float) -> None:
-        """Save the detached runs if the last save is old enough; now: monotonic time, s."""
-        if now < self._next:
-            return
-        self._next = now + _SAVE_PERIOD
-        for agent_run in agent_runs:
-            if agent_run.over:
-                self.forget(agent_run)
-            elif agent_run.order.detached and agent_run.started:
-                path = Path(agent_run.run.out, _FILE)
-                with suppress(OSError):  # a full disk must not end the run
-                    new = path.with_suffix(".new")
-                    new.write_text(PrepareRun(order=agent_run.resume_order()).model_dump_json())
-                    new.replace(path)
-
-    def forget(self, agent_run: AgentRun) -> None:
-        """Remove the saved order of a run."""
-        with suppress(OSError):
-            Path(agent_run.run.out, _FILE).unlink(missing_ok=True)

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from followspot.control.lifecycle import Known, ListedRun
 from followspot.errors import FollowspotError
-from followspot.host.agent_run import AgentRun, KeptRuns
+from followspot.host.agent_run import AgentRun
+from followspot.host.kept_runs import KeptRuns
 
 MAX_RUNS = 16
 _KEEP_ENDED = 600.0

@@ -8,8 +8,9 @@ from pathlib import Path
 
 from followspot.control.host import RunOrder
 from followspot.control.lifecycle import PrepareRun
-from followspot.host.agent_run import AgentRun, KeptRuns
+from followspot.host.agent_run import AgentRun
 from followspot.host.agent_runs import AgentRuns
+from followspot.host.kept_runs import KeptRuns
 from followspot.host.local_host import LocalHost
 
 
