@@ -17,6 +17,7 @@ from followspot import Array
 from followspot_sim.body import PARTS
 from followspot_sim.marks import MARKS
 from followspot_sim.recent import Recent
+from followspot_sim.rendering.moving_spots import MovingSpots
 from followspot_sim.rendering.outline import stadiums
 from followspot_sim.rendering.ray_casting import closest_approach, half_chord, unit
 from followspot_sim.rendering.screen import atlas_size, screens_of
@@ -36,6 +37,12 @@ STRIPE_RADIUS, ON_FLOOR = np.full((BENDS, 2), 0.0675), np.zeros(BENDS, int)
 """Ends of the pieces, as a share of half its length; half its width, m; and its screen."""
 NO_STROKES = (np.empty((0, 2, 2)), np.empty((0, 2)), np.empty(0, int), np.empty((0, 3)))
 """Ends (N, 2, 2) m along the axes of the screen, radius at each end (N, 2) m, screen (N,), colour (N, 3)."""
+STRIPE_TURN, STRIPE_TIME = 0.4, 4.0
+"""Turn rate of the stripe, rad/s, and the time for which it has one colour, s."""
+STRIPE_LIGHT, FLASH_LIGHT, SPLASH_LIGHT = 0.12, 0.8, 0.7
+"""Light of the stripe, of flashes and of spots on bodies, over that of a spot on a screen."""
+FARTHEST_SHADOW = 30.0
+"""Distance along a screen from which a shadow is left out, m."""
 SHADE = 7.0
 """Colour of a shadowed screen in colour cameras."""
 Strokes = tuple[Array, Array, Array, Array]
@@ -101,15 +108,7 @@ class LightShow:
         self._spots = Recent(self._place_spots)
         rng = np.random.default_rng([lighting.setting.seed, 77])
         self._colors = colors * lighting.brightness
-        self._target = np.tile(np.arange(len(colors)), lighting.spots)
-        spots = len(self._target)
-        self._trailing = np.arange(spots) < len(colors)
-        self._screen = np.where(
-            self._trailing, 0, np.arange(spots) // max(len(colors), 1) % max(len(self.screens), 1)
-        )
-        self._radius = np.where(self._trailing, 0.085, rng.uniform(0.06, 0.15, spots))
-        self._rate = rng.uniform(0.15, 0.55, (2, spots, 2)) * rng.choice([-1, 1], (2, spots, 2))
-        self._phase = rng.uniform(0, 2 * np.pi, (2, spots, 2))
+        self._moving = MovingSpots.drawn(lighting.spots, len(colors), self.screens, rng)
         self._seed = lighting.setting.seed
         self._lag = round(LAG * lighting.setting.fps)
         self._flash = lru_cache(maxsize=8)(self._plan_flash)
@@ -129,22 +128,17 @@ class LightShow:
 
     def _place_spots(self, frame: int) -> Array:
         """Position of every spot on its screen, (N, 2) m along its axes."""
-        time = self.world.scene(frame).time
-        sway = np.sin(self._rate * time * np.pi + self._phase)
-        where = self._size[self._screen] / 2 * (1 + 0.62 * sway[0] + 0.3 * sway[1])
-        floor = self.screens[0]
-        below = (self.world.scene(max(frame - self._lag, 0)).balls - floor.corner) @ floor.axes.T
-        where[self._trailing] = below + 0.22 * np.sin(2.1 * time + np.arange(2) * 1.6)
-        return np.asarray(where)
+        balls = self.world.scene(max(frame - self._lag, 0)).balls
+        return self._moving.places(self.world.scene(frame).time, balls, self.screens)
 
     def _draw(self, frame: int) -> Shapes:
         """All strokes of a frame, clipped to their screens."""
         scene = self.world.scene(frame)
         spots = np.repeat(self._spots(frame)[:, None], 2, axis=1)
-        spot_radius = np.repeat(self._radius[:, None], 2, axis=1)
+        spot_radius = np.repeat(self._moving.radius[:, None], 2, axis=1)
         strokes = [
             self._stripe(scene.time),
-            (spots, spot_radius, self._screen, displayed(self._colors)[self._target]),
+            (spots, spot_radius, self._moving.screen, displayed(self._colors)[self._moving.target]),
             self._flashes(scene.time),
             self._shadows(scene),
         ]
@@ -156,9 +150,12 @@ class LightShow:
 
     def _stripe(self, time: float) -> Strokes:
         """A bar of light that turns about the middle of the first screen."""
-        middle, arm = self._size[0] / 2, np.array([math.cos(0.4 * time), math.sin(0.4 * time)])
+        middle, arm = (
+            self._size[0] / 2,
+            np.array([math.cos(STRIPE_TURN * time), math.sin(STRIPE_TURN * time)]),
+        )
         arm *= (middle / np.maximum(np.abs(arm), 1e-9)).min()
-        color = displayed(self._colors[int(time / 4) % len(self._colors)] * 0.12)
+        color = displayed(self._colors[int(time / STRIPE_TIME) % len(self._colors)] * STRIPE_LIGHT)
         return middle + PIECES * arm, STRIPE_RADIUS, ON_FLOOR, np.repeat(color[None], BENDS, axis=0)
 
     def _flashes(self, time: float) -> Strokes:
@@ -180,7 +177,7 @@ class LightShow:
     def _plan_flash(self, screen: int, slot: int) -> tuple[float, Array, float, Array]:
         """Flash of a slot: start (s), position (on the screen), radius (m), colour."""
         rng = np.random.default_rng([self._seed, 78, screen, slot])
-        color = displayed(self._colors[rng.integers(len(self._colors))] * 0.8)
+        color = displayed(self._colors[rng.integers(len(self._colors))] * FLASH_LIGHT)
         return rng.uniform(0, SLOT - FLASH), rng.uniform(0.2, 0.8, 2), rng.uniform(0.12, 0.6), color
 
     def _shadows(self, scene: Scene) -> Strokes:
@@ -190,7 +187,7 @@ class LightShow:
         for number, screen in enumerate(self.screens):
             shade, scale = screen.shadow(ends)
             where = screen.place(shade).reshape(-1, 2, 2)
-            near = np.abs(where).max(axis=(1, 2)) < 30.0  # also excludes NaN
+            near = np.abs(where).max(axis=(1, 2)) < FARTHEST_SHADOW  # also excludes NaN
             thick = radius * scale.reshape(-1, 2)
             count = int(near.sum())
             found.append((where[near], thick[near], np.full(count, number), np.full((count, 3), SHADE)))
@@ -202,9 +199,9 @@ class LightShow:
         solid = np.flatnonzero(SOLID[scene.part])
         if len(solid) == 0:
             return NO_SPLASHES
-        where = self._spots(frame)[:, None] @ self._axes[self._screen]
-        projector = np.array([s.projector for s in self.screens])[self._screen]
-        aim, _ = unit(self._corner[self._screen] + where[:, 0] - projector)
+        where = self._spots(frame)[:, None] @ self._axes[self._moving.screen]
+        projector = np.array([s.projector for s in self.screens])[self._moving.screen]
+        aim, _ = unit(self._corner[self._moving.screen] + where[:, 0] - projector)
         ends, thick = scene.limbs[solid], scene.radius[solid]
         distance, along = closest_approach(projector[:, None], aim[:, None], ends)
         entry = np.where(distance < thick, along - half_chord(thick, distance), np.inf)
@@ -214,7 +211,13 @@ class LightShow:
         axis, start = ends[limb, 1] - ends[limb, 0], ends[limb, 0]
         share = ((xyz - start) * axis).sum(axis=1) / np.maximum(np.square(axis).sum(axis=1), 1e-9)
         outward = xyz - start - np.clip(share, 0, 1)[:, None] * axis
-        return Splashes(xyz, outward, self._radius[spot], self._colors[self._target[spot]] * 0.7, solid[limb])
+        return Splashes(
+            xyz,
+            outward,
+            self._moving.radius[spot],
+            self._colors[self._moving.target[spot]] * SPLASH_LIGHT,
+            solid[limb],
+        )
 
 
 def _together(strokes: Sequence[Strokes]) -> Strokes:
