@@ -70,7 +70,7 @@ def _parts(trackers: Iterable[bytes]) -> Iterator[bytes]:
     """The trackers, as many together as fit into a packet; one empty part if there are none."""
     part = b""
     for tracker in trackers:
-        if part and len(part) + len(tracker) > MOST_BYTES:
+        if len(part) + len(tracker) > MOST_BYTES:
             yield part
             part = b""
         part += tracker

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.plugins.sinks.shows import ROOM, poses, received, tracks
+from tests.plugins.sinks.shows import ROOM, posed, poses, received, tracks
 
 from followspot import Context, Header
 from followspot.control.checkpoint import state_from_data, state_to_data
@@ -16,6 +16,7 @@ from followspot.messages import stamped
 from followspot_sinks.osc import Osc
 from followspot_sinks.psn.stage import Psn
 from followspot_sinks.slots.persons import PersonSlots
+from followspot_sinks.slots.targets import TargetSlots
 
 
 def test_nobody_whose_place_is_unknown_takes_a_slot() -> None:
@@ -32,6 +33,30 @@ def test_a_person_keeps_a_slot_until_gone_for_good() -> None:
     assert shown.position[0].tolist() == [4.0, 0.0, 1.75]  # where person 4 was last
     assert slots.after(poses(1.0, 9, 5)).known.tolist() == [False, True]  # no slot is free yet
     assert slots.after(poses(3.5, 9, 5)).names == ("person 5", "person 9")
+
+
+def test_a_slot_is_kept_for_the_whole_time_that_it_is_held() -> None:
+    slots = PersonSlots(1, hold=3.0)
+    slots.after(poses(0.0, 4))
+    assert slots.after(poses(3.0, 9)).names == ("person 4",)
+    assert slots.after(poses(3.1, 9)).names == ("person 9",)
+
+
+def test_who_was_not_seen_in_the_frame_before_has_no_velocity_yet() -> None:
+    slots = PersonSlots(1, hold=3.0)
+    slots.after(poses(0.0, 4))
+    slots.after(poses(0.5))
+    assert slots.after(poses(1.0, 4)).velocity.tolist() == [[0.0, 0.0, 0.0]]
+    assert slots.after(poses(1.5, 4)).velocity.tolist() == [[0.0, 1.0, 0.0]]
+
+
+def test_an_orientation_is_sent_as_a_unit_quaternion_and_one_of_no_size_keeps_the_last() -> None:
+    slots = TargetSlots(("red",))
+    message = posed(0, (0.0, 0.0, 0.0), 0)
+    far = stamped(replace(message, quaternion=np.array([[-2.0, 0.0, 0.0, 0.0]])), message.header)
+    assert slots.after(far).quaternion.tolist() == [[1.0, 0.0, 0.0, 0.0]]
+    none = stamped(replace(message, quaternion=np.full((1, 4), 1e-9)), message.header)
+    assert slots.after(none).quaternion.tolist() == [[1.0, 0.0, 0.0, 0.0]]
 
 
 def test_persons_keep_their_slots_when_the_worker_is_started_again() -> None:
