@@ -48,6 +48,21 @@ def test_a_limit_of_the_size_of_a_file_is_told_and_not_left_to_the_video(tmp_pat
                 step()
 
 
+def test_a_limit_of_the_size_of_a_file_counts_what_the_video_has_already(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file, rng = VideoFile(tmp_path / "left.mkv"), np.random.default_rng(1)
+    pictures = rng.integers(0, 255, (30, 240, 320, 3), "u1")
+    for number, picture in enumerate(pictures):
+        file.write(picture, number, number * 10**8)
+    size = file.path.stat().st_size
+    assert size > 1000
+    monkeypatch.setattr("followspot_sinks.picture_files.LEAST_SPACE", 1000)
+    monkeypatch.setattr("followspot_sinks.picture_files.getrlimit", lambda _: (size + 999, -1))
+    with pytest.raises(FollowspotError, match="ulimit -f"):
+        file.write(pictures[0], 30, 30 * 10**8)
+
+
 @pytest.mark.parametrize("gone", ["drawn/left.mp4", "drawn"])
 def test_a_video_that_is_gone_while_it_is_written_is_an_error(tmp_path: Path, gone: str) -> None:
     (tmp_path / "drawn").mkdir()

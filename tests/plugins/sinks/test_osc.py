@@ -100,6 +100,15 @@ def test_joints_of_a_person_have_an_address_each(receiver: socket.socket) -> Non
     ]
 
 
+def test_a_person_who_has_left_is_told_for_three_seconds(receiver: socket.socket) -> None:
+    sink = OscSkeletons(port=receiver.getsockname()[1])
+    left = [skeletons(0.0, 3), skeletons(3.0), skeletons(3.001)]
+    assert [told([packet])[0] for packet in received(sink, list(left), receiver)] == [
+        ("/followspot/3/tracked", [1.0]),
+        ("/followspot/3/tracked", [0.0]),
+    ]
+
+
 def test_it_is_told_for_a_while_that_a_person_has_left(receiver: socket.socket) -> None:
     """The network may lose a datagram, and the worker may be started again meanwhile."""
     sink = OscSkeletons(port=receiver.getsockname()[1])
