@@ -7,11 +7,12 @@ again. Balls on the floor may roll meanwhile. A person does one thing a round.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
 import numpy as np
 
 from followspot import Array
+from followspot_sim.floor_paths import clear, rolling, still
 from followspot_sim.holding import HOLDS
 from followspot_sim.rounds import (
     BAG,
@@ -19,13 +20,11 @@ from followspot_sim.rounds import (
     FLIGHT,
     MEETING,
     ROLL,
-    ROUND,
     SWITCH,
     Move,
     Place,
     Round,
     in_room,
-    smoothstep,
     turned,
 )
 
@@ -33,6 +32,26 @@ STAGE = 1.9
 """Balls stay within this distance of the room's centre along x and y, m."""
 LAST_RADIUS = 1.6
 """People stay within this circle unless they fetch a ball, m."""
+TRIES = 12
+"""Places that are tried for a person who walks or a ball that rolls."""
+ACTS = (0.32, 0.3, 0.16, 0.22)
+"""Probabilities that a held ball is put down, thrown, passed to the other hand, or put into the bag."""
+FETCHED, SHOWN = 0.7, 0.8
+"""Probabilities that a ball is fetched from the floor, and taken out of a bag again."""
+LONGEST_FETCH, LONGEST_WALK = 2.5, 2.2
+"""Longest ways to a ball that is fetched, and to another station, m."""
+AT_HAND = 0.5
+"""Distance of a person from a ball on the floor that it picks up or puts down, m."""
+ROOMY = 0.8
+"""Clearance of a walk at which no better one is sought, m."""
+LOOK_ASIDE = 0.8
+"""Largest angle by which people look past the middle of the room, rad."""
+PUT_ASIDE = 0.25
+"""Largest distance to the side at which a ball is put down, m."""
+ROLLS, THROWS = (0.5, 2.3), (1.0, 2.8)
+"""Shortest and longest distance over which balls roll, and are thrown, m."""
+ROLLING_GAP, PUT_GAP = 0.17, 0.2
+"""Smallest distance between the centres of balls of which one rolls, and is put down, m."""
 
 
 class Planner:
@@ -52,7 +71,7 @@ class Planner:
         self.idle = set(range(people))
         self.full = {(p.person, p.hand) for p in self.places if p.kind == "hand"}
         self.bags = {p.person for p in self.places if p.kind == "bag"}
-        self.lying = {b: _still(p.xyz) for b, p in enumerate(self.places) if p.kind == "floor"}
+        self.lying = {b: still(p.xyz) for b, p in enumerate(self.places) if p.kind == "floor"}
 
     def plan(self) -> Round:
         """The round: fetch balls from the floor, walk, then let every ball have its act."""
@@ -76,7 +95,7 @@ class Planner:
             self._show(ball)
         elif self.places[ball].person in self.idle:
             acts: list[Callable[[int], bool]] = [self._put, self._throw, self._switch, self._stow]
-            likely = np.array([0.32, 0.3, 0.16, 0.22 * self.hide])
+            likely = np.array(ACTS) * [1, 1, 1, self.hide]
             for k in self.rng.choice(4, size=4 - (not self.hide), replace=False, p=likely / likely.sum()):
                 if acts[k](ball):
                     break
@@ -85,15 +104,15 @@ class Planner:
         """The nearest idle person with a free hand walks to the ball and picks it up."""
         xy = np.array(self.places[ball].xyz[:2])
         able = [p for p in sorted(self.idle) if self._hand_for_more(p) is not None]
-        if not able or self.rng.random() > 0.7:
+        if not able or self.rng.random() > FETCHED:
             return False
         away = xy - self.start[able, :2]
         distance = np.hypot(away[:, 0], away[:, 1])
         nearest = int(distance.argmin())
-        if distance[nearest] > 2.5:
+        if distance[nearest] > LONGEST_FETCH:
             return False
         person, heading = able[nearest], float(np.arctan2(*away[nearest][::-1]))
-        self.end[person] = [*(xy - 0.5 * np.array([np.cos(heading), np.sin(heading)])), heading]
+        self.end[person] = [*(xy - AT_HAND * np.array([np.cos(heading), np.sin(heading)])), heading]
         hand = self._hand_for_more(person)
         assert hand is not None  # able says so
         self._reach_ball(person, hand, np.array(self.places[ball].xyz), bow=True)
@@ -103,14 +122,15 @@ class Planner:
     def _wander(self, person: int) -> None:
         """Walk to a station that is free, and face the others."""
         best, gap = self.start[person], -1.0
-        for _ in range(12):
+        for _ in range(TRIES):
             radius, angle = LAST_RADIUS * np.sqrt(self.rng.random()), self.rng.uniform(-np.pi, np.pi)
             xy = np.array([radius * np.cos(angle), radius * np.sin(angle)])
-            if np.hypot(*(xy - self.start[person, :2])) < 2.2:
-                clear = self._clearance(person, xy)
-                if clear > gap:
-                    best, gap = np.array([*xy, angle + np.pi + self.rng.uniform(-0.8, 0.8)]), clear
-                if clear > 0.8:
+            if np.hypot(*(xy - self.start[person, :2])) < LONGEST_WALK:
+                clearance = self._clearance(person, xy)
+                if clearance > gap:
+                    heading = angle + np.pi + self.rng.uniform(-LOOK_ASIDE, LOOK_ASIDE)
+                    best, gap = np.array([*xy, heading]), clearance
+                if gap > ROOMY:
                     break
         self.end[person] = best
 
@@ -129,16 +149,16 @@ class Planner:
         """Roll to a free place, past a neighbour if there is one."""
         start = np.array(self.places[ball].xyz)
         others = [track for b, track in self.lying.items() if b != ball]
-        for attempt in range(12):
+        for attempt in range(TRIES):
             if attempt < len(others):
                 ahead = others[attempt][0] - start[:2]
                 side = np.array([-ahead[1], ahead[0]]) / max(float(np.hypot(*ahead)), 0.1)
                 goal = start[:2] + 1.8 * ahead + 0.4 * side
             else:
                 goal = self.rng.uniform(-STAGE, STAGE, 2)
-            track = _rolling(start[:2], goal)
-            fair = np.abs(goal).max() < STAGE and 0.5 < np.hypot(*(goal - start[:2])) < 2.3
-            if fair and _clear(track, others, 0.17):
+            track = rolling(start[:2], goal)
+            fair = np.abs(goal).max() < STAGE and ROLLS[0] < np.hypot(*(goal - start[:2])) < ROLLS[1]
+            if fair and clear(track, others, ROLLING_GAP):
                 self.lying[ball] = track
                 goal_place = Place("floor", xyz=(float(goal[0]), float(goal[1]), float(start[2])))
                 self.moves[ball] = Move(self.places[ball], goal_place, *ROLL)
@@ -147,10 +167,10 @@ class Planner:
     def _put(self, ball: int) -> bool:
         """Put the ball on the floor ahead."""
         place = self.places[ball]
-        for side in self.rng.uniform(-0.25, 0.25, 4):
-            xyz = in_room(self.end[place.person], np.array([0.5, side, self.rest_height[ball]]))
-            track = _still(xyz)
-            if np.abs(xyz[:2]).max() < STAGE and _clear(track, self.lying.values(), 0.2):
+        for side in self.rng.uniform(-PUT_ASIDE, PUT_ASIDE, 4):
+            xyz = in_room(self.end[place.person], np.array([AT_HAND, side, self.rest_height[ball]]))
+            track = still(xyz)
+            if np.abs(xyz[:2]).max() < STAGE and clear(track, self.lying.values(), PUT_GAP):
                 self.lying[ball] = track
                 self._reach_ball(place.person, place.hand, xyz, bow=True)
                 self._hand_over(ball, Place("floor", xyz=(float(xyz[0]), float(xyz[1]), float(xyz[2]))))
@@ -163,7 +183,7 @@ class Planner:
         for other in sorted(self.idle - {place.person}):
             hand = self._hand_for_more(other)
             ahead = self.end[other, :2] - self.end[place.person, :2]
-            if hand is not None and 1.0 < np.hypot(*ahead) < 2.8:
+            if hand is not None and THROWS[0] < np.hypot(*ahead) < THROWS[1]:
                 heading = float(np.arctan2(ahead[1], ahead[0]))
                 self.end[place.person, 2], self.end[other, 2] = heading, heading + np.pi
                 self.idle.discard(other)
@@ -195,7 +215,7 @@ class Planner:
         """Take the ball out of the bag again."""
         person = self.places[ball].person
         hand = self._free_hand(person)
-        if person not in self.idle or hand is None or self.rng.random() > 0.8:
+        if person not in self.idle or hand is None or self.rng.random() > SHOWN:
             return False
         self._reach_ball(person, hand, in_room(self.end[person], BAG))
         self._hand_over(ball, Place("hand", person, hand))
@@ -223,19 +243,3 @@ class Planner:
 
     def _hands_full(self, person: int) -> bool:
         return any((person, hand) in self.full for hand in (0, 1))
-
-
-def _rolling(start: Array, goal: Array) -> Array:
-    """Positions of a rolling ball at 40 times of a round, (40, 2) m."""
-    u = np.linspace(0, ROUND, 40)[:, None]
-    return np.asarray(start + (goal - start) * smoothstep((u - ROLL[0]) / (ROLL[1] - ROLL[0])))
-
-
-def _still(xyz: Array | tuple[float, float, float]) -> Array:
-    """A ball that lies, as :func:`_rolling`."""
-    return np.tile(np.asarray(xyz)[:2], (40, 1))
-
-
-def _clear(track: Array, others: Iterable[Array], gap: float) -> bool:
-    """Whether a ball on the floor stays this far (m, between centres) from the others at all times."""
-    return all(np.hypot(*(track - other).T).min() > gap for other in others)
