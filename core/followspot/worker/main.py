@@ -225,19 +225,20 @@ def run_worker(descriptor: int) -> int:
     ignore_terminal()  # the host decides when the worker ends
     channel = Channel(socket.socket(fileno=descriptor), ORDERS)
     worker = WorkerMain(channel)
+    code = 0
     try:
         with collecting(worker.log), ONE_BLAS_THREAD, STAGES_CANNOT_EXIT:
             worker.live()
-    except ChannelClosed:
-        return 1
+    except ChannelClosed:  # the host has ended, and ends no worker any more
+        code = 1
     except Exception:
         worker.reporter.send_crash()
         raise
     if worker.has_late_threads:  # the host would wait, and hear no other worker or operator meanwhile
         sys.stdout.flush()
         sys.stderr.flush()
-        end_process(0)
-    return 0
+        end_process(code)
+    return code
 
 
 if __name__ == "__main__":

@@ -1,7 +1,9 @@
-"""A worker process whose stage leaves a thread ends by itself: its host has others to attend to."""
+"""A worker process whose stage leaves a thread ends by itself: its host waits for others, or has ended."""
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -36,6 +38,21 @@ class Device(fs.Stage):
         """Nothing."""
 '''
 
+WITHOUT_HOST = """
+import socket, sys, threading
+from followspot.control.pipe import ChannelClosed
+from followspot.worker import main
+
+class Worker(main.WorkerMain):
+    def live(self):
+        threading.Thread(target=threading.Event().wait).start()
+        self.has_late_threads = True
+        raise ChannelClosed
+
+main.WorkerMain = Worker
+sys.exit(main.run_worker(socket.socketpair()[0].detach()))
+"""
+
 
 def test_it_ends_with_a_warning_and_is_not_killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     plugin, graph = tmp_path / "leaves.py", tmp_path / "g.yaml"
@@ -58,3 +75,8 @@ def test_it_ends_with_a_warning_and_is_not_killed(tmp_path: Path, monkeypatch: p
     assert 'device: its thread "my reader" goes on at ' in told
     assert set(codes.values()) == {0}
     assert len(codes) == 2
+
+
+def test_it_ends_if_its_host_has_ended() -> None:
+    done = subprocess.run([sys.executable, "-c", WITHOUT_HOST], timeout=60, check=False)
+    assert done.returncode == 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -11,6 +12,7 @@ import pytest
 
 import followspot as fs
 from followspot.context import Context
+from followspot.worker.reporting import late_threads as module
 from followspot.worker.reporting.late_threads import late_threads
 
 
@@ -77,13 +79,26 @@ def test_threads_that_hold_nothing_up_are_not_named(tmp_path: Path, over: thread
 def test_what_no_stage_has_started_is_named_in_a_process_of_its_own_alone(over: threading.Event) -> None:
     before = threading.enumerate()
     threading.Thread(target=over.wait, name="of a library").start()
-    pool = ThreadPoolExecutor(1)  # idle: the end of the process ends it
-    pool.submit(int).result()
     stages = [("once", Once(Context("once")))]
-    try:
-        assert list(late_threads(before, stages, own_process=False)) == []
-        ((stage, text),) = late_threads(before, stages, own_process=True)
-    finally:
-        pool.shutdown()
+    assert list(late_threads(before, stages, own_process=False)) == []
+    ((stage, text),) = late_threads(before, stages, own_process=True)
     assert stage == ""
     assert text.startswith('its thread "of a library" goes on after close()')
+
+
+def test_a_thread_of_a_pool_is_named_while_it_works_and_not_waited_for_without_work(
+    over: threading.Event, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The end of the process ends one without work."""
+    before = threading.enumerate()
+    monkeypatch.setattr(module, "_PATIENCE", 0.0)
+    with ThreadPoolExecutor(1, "my pool") as pool:
+        work = pool.submit(over.wait)
+        found = list(late_threads(before, [], own_process=True))
+        over.set()
+        work.result()
+        monkeypatch.setattr(module, "_PATIENCE", math.inf)
+        without_work = list(late_threads(before, [], own_process=True))
+    ((_, text),) = found
+    assert text.startswith('its thread "my pool_0" goes on after close()')
+    assert without_work == []

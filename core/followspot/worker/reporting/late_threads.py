@@ -17,6 +17,8 @@ from followspot.stage import Stage
 _PATIENCE, _PATIENCE_BESIDE = 5.0, 1.0
 """Seconds that threads have to end after the close of their stage, in a process of their own and beside other
 threads."""
+_LOOK = 0.05
+"""Seconds after which a thread is looked at again: one of a pool may have no work left."""
 _LIBRARY = Path(threading.__file__).parent
 _REMEDY = "end it in close(), or start it with daemon=True"
 
@@ -34,17 +36,20 @@ def late_threads(
     for thread in threading.enumerate():
         if thread.daemon or thread in before or thread is threading.current_thread():
             continue
-        thread.join(max(0.0, limit - time.monotonic()))
-        calls = _calls(thread)
-        frames = [frame for frame in calls if not _in_library(frame)]
+        while thread.is_alive() and not _is_idle(thread) and (left := limit - time.monotonic()) > 0:
+            thread.join(min(left, _LOOK))
+        frames = [frame for frame in _calls(thread) if not _in_library(frame)]
         stage = next((by_file[file] for frame in frames if (file := frame.f_code.co_filename) in by_file), "")
-        idle = not frames and any(frame.f_code.co_filename == thread_pool.__file__ for frame in calls)
-        if (
-            idle or not thread.is_alive() or not (stage or own_process)
-        ):  # the end of the process ends idle ones
+        if _is_idle(thread) or not thread.is_alive() or not (stage or own_process):
             continue
         place = f" at {frames[0].f_code.co_filename}:{frames[0].f_lineno}" if frames else ""
         yield stage, f'its thread "{thread.name}" goes on{place} after close(): {_REMEDY}'
+
+
+def _is_idle(thread: threading.Thread) -> bool:
+    """Whether a thread of a pool waits for work: the end of the process ends it."""
+    calls = _calls(thread)
+    return bool(calls) and calls[-1].f_code is thread_pool._worker.__code__
 
 
 def _file_of(stage: Stage) -> str:
