@@ -30,16 +30,18 @@ class TemporaryFolder(Closing):
         owner = new.open("w")
         fcntl.flock(owner, fcntl.LOCK_EX)
         new.rename(self.path / _OWNER)  # locked from the moment that others see it
-        self._remove = weakref.finalize(self, _remove, self.path, owner)
+        self._remove = weakref.finalize(self, _remove, self.path, owner, os.getpid())
 
     def close(self) -> None:
         """Remove the folder; so does the end of the process, or that of the last reference."""
         self._remove()
 
 
-def _remove(folder: Path, owner: IO[str]) -> None:
+def _remove(folder: Path, owner: IO[str], process: int) -> None:
+    """Remove the folder of a process; a copy of the process that ends earlier removes nothing."""
     with owner:
-        shutil.rmtree(folder, ignore_errors=True)
+        if os.getpid() == process:
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def _remove_abandoned(prefix: str) -> None:

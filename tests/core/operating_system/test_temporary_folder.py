@@ -21,6 +21,18 @@ os.kill(os.getpid(), signal.SIGKILL)
 """
 
 
+FORKED = """
+import os, sys
+from followspot.operating_system.temporary_folder import TemporaryFolder
+
+folder = TemporaryFolder("test")
+if os.fork() == 0:
+    sys.exit()
+os.wait()
+print(folder.path.exists())
+"""
+
+
 @pytest.fixture
 def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
@@ -41,6 +53,12 @@ def test_the_next_process_removes_what_a_killed_one_left(temporary: Path) -> Non
     with TemporaryFolder("test") as folder:
         assert not left.exists()
         assert folder.path.exists()
+
+
+def test_a_copy_of_the_process_leaves_the_folder_to_it(temporary: Path) -> None:
+    done = subprocess.run([sys.executable, "-c", FORKED], capture_output=True, text=True, check=True)
+    assert done.stdout == "True\n"
+    assert not list(temporary.iterdir())
 
 
 def test_folders_in_use_and_those_of_others_stay(temporary: Path) -> None:
