@@ -157,10 +157,11 @@ class OwnRun(ScriptHandle):
         if os.getpid() != self._pid:  # a copy of the process, without the thread of the run
             return
         remedy = 'use it in a "with" block, or wait() for its end'
-        warnings.warn(
-            f"{self.label} goes on at the end of the script, and is stopped: {remedy}", stacklevel=1
-        )
-        self.close()
+        told = f"{self.label} goes on at the end of the script, and is stopped: {remedy}"
+        try:
+            warnings.warn(told, stacklevel=1)
+        finally:  # warnings may be errors
+            self.close()
 
     def _run(self, prepared: AbstractContextManager[PreparedRun], recorder: StartRecorder) -> None:
         """Prepare and execute the run, in a thread; then wake all that wait for its end."""

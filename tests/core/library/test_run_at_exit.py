@@ -42,11 +42,15 @@ begun.wait()
 """
 
 
-@pytest.mark.parametrize("end", ["", "raise ValueError('of a cell')"], ids=["end", "exception"])
-def test_its_stages_are_closed_and_the_remedy_is_told(end: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("end", "code"),
+    [("", 0), ("raise ValueError('of a cell')", 1), ("import warnings; warnings.simplefilter('error')", 0)],
+    ids=["end", "exception", "warnings are errors"],
+)
+def test_its_stages_are_closed_and_the_remedy_is_told(end: str, code: int, tmp_path: Path) -> None:
     words = [sys.executable, "-c", f"{SCRIPT}\n{end}", str(tmp_path)]
     done = subprocess.run(words, capture_output=True, text=True, timeout=120)
-    assert done.returncode == bool(end)
+    assert done.returncode == code
     assert 'goes on at the end of the script, and is stopped: use it in a "with" block' in done.stderr
     assert int((tmp_path / "closed.txt").read_text()) > 0
 
