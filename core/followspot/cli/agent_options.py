@@ -5,11 +5,8 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-from followspot.errors import FollowspotError
 
 if TYPE_CHECKING:
     from followspot.transport.zenoh.network import Network
@@ -89,9 +86,8 @@ def network_of(
 
 
 def _warn_of_end(folder: Path) -> None:
-    """Print that the certificate of this host ends soon; what is wrong with the folder is said later."""
+    """Print that the certificate of this host ends soon."""
     from followspot.transport.host_registry import expiring_soon
 
-    with suppress(FollowspotError):
-        if ending := expiring_soon(folder):
-            print(f"warning: {ending}", file=sys.stderr, flush=True)
+    if ending := expiring_soon(folder):
+        print(f"warning: {ending}", file=sys.stderr, flush=True)

@@ -82,9 +82,12 @@ def read_certificates(folder: Path, now: datetime | None = None) -> Certificates
 def expiring_soon(folder: Path, now: datetime | None = None) -> str:
     """That the certificate of a host ends soon, with the remedy; "" if it does not, or has ended.
 
-    folder: of the host's certificates. Raises FollowspotError if it has no registry.
+    folder: of the host's certificates; "" also if its registry cannot be read: `read_certificates` says that.
     """
-    own, members = read_host_registry(folder / REGISTRY)
+    try:
+        own, members = read_host_registry(folder / REGISTRY)
+    except FollowspotError:
+        return ""
     now = now or datetime.now(UTC)
     for member in members:
         if member.name == own and now < member.expires < now + SOON:

@@ -166,6 +166,7 @@ def test_a_certificate_that_ends_within_a_month_is_told(
         assert told.endswith("followspot certs host pc-left --renew")
     assert expiring_soon(later, authority.now) == ""
     assert expiring_soon(folder, authority.now + timedelta(days=30)) == ""  # an error says that
+    assert expiring_soon(authority.folder / "none") == ""  # so it does here
     for chosen in (folder, later, authority.folder / "none"):
         network_of(Namespace(listen=[], connect=[], certificates=str(chosen), insecure=False))
     assert capsys.readouterr().err == f"warning: {told}\n"
