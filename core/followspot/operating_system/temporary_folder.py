@@ -19,7 +19,10 @@ _OWNER = "owner"
 
 
 class TemporaryFolder(Closing):
-    """A folder for this process alone. Making one removes those that killed processes of this user left."""
+    """A folder for this process alone.
+
+    Making one removes those for the same purpose that killed processes of this user left.
+    """
 
     def __init__(self, purpose: str) -> None:
         """purpose: a word for the folder's name. Raises OSError."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from argparse import Namespace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -13,12 +12,11 @@ from cryptography import x509
 from cryptography.hazmat.primitives.asymmetric import ec
 from tests.full_disk import full_disk
 
-from followspot.cli.agent_options import network_of
 from followspot.cli.main import main
 from followspot.errors import FollowspotError
 from followspot.files import DOCUMENT
 from followspot.security.authority import Authority, create_authority
-from followspot.transport.host_registry import HostRole, expiring_soon, read_certificates, read_host_registry
+from followspot.transport.host_registry import HostRole, read_certificates, read_host_registry
 
 
 def mode(path: Path) -> int:
@@ -153,30 +151,6 @@ def test_a_key_that_others_can_read_is_not_used(authority: Authority) -> None:
     (folder / "key.pem").chmod(0o640)
     with pytest.raises(FollowspotError, match=r"mode 0640.*chmod 600"):
         read_certificates(folder)
-
-
-def test_a_certificate_that_ends_within_a_month_is_told(
-    authority: Authority, capsys: pytest.CaptureFixture[str]
-) -> None:
-    later = authority.add("pc-right", "camera", days=31)
-    folder = authority.add("pc-left", "camera", days=29)
-    day = f"{authority.now + timedelta(days=29):%Y-%m-%d}"
-    for told in (expiring_soon(folder, authority.now), expiring_soon(folder)):
-        assert told.startswith(f"the certificate of pc-left ends on {day}, ")
-        assert told.endswith("followspot certs host pc-left --renew")
-    assert expiring_soon(later, authority.now) == ""
-    assert expiring_soon(folder, authority.now + timedelta(days=30)) == ""  # an error says that
-    assert expiring_soon(authority.folder / "none") == ""  # so it does here
-    for chosen in (folder, later, authority.folder / "none"):
-        network_of(Namespace(listen=[], connect=[], certificates=str(chosen), insecure=False))
-    assert capsys.readouterr().err == f"warning: {told}\n"
-
-
-def test_an_expired_certificate_is_named_with_the_day_and_the_remedy(authority: Authority) -> None:
-    folder = authority.add("pc-left", "camera", days=30)
-    read_certificates(folder, authority.now + timedelta(days=29))
-    with pytest.raises(FollowspotError, match=r"pc-left .* expired on 20.*--renew"):
-        read_certificates(folder, authority.now + timedelta(days=31))
 
 
 @pytest.mark.parametrize("name", ["ca.pem", "cert.pem", "key.pem", "hosts.json"])
