@@ -10,6 +10,7 @@ from pathlib import Path
 from followspot.cli.agent_options import add_network_options, network_of
 from followspot.cli.graph_options import add_plugin_option
 from followspot.host.operator_timeout import OPERATOR_TIMEOUT
+from followspot.operating_system.ending_signals import ending_signals
 from followspot.plugins.hooks import Command
 
 
@@ -100,7 +101,7 @@ def _run(args: argparse.Namespace) -> int:
     )
     with RejectedPeers(_tell):
         agent = Agent(options, _tell)
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in ending_signals():
             signal.signal(number, lambda *_: agent.stop())
         _tell(f"agent {args.name} listens on {', '.join(agent.locators) or network.router}")
         agent.serve()

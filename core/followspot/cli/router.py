@@ -9,6 +9,7 @@ import threading
 
 from followspot.cli.agent_options import add_network_options, network_of
 from followspot.errors import FollowspotError
+from followspot.operating_system.ending_signals import ending_signals
 from followspot.plugins.hooks import Command
 
 
@@ -35,7 +36,7 @@ def _run(args: argparse.Namespace) -> int:
             "    make one where the authority is: followspot certs host NAME --role router"
         )
     over = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in ending_signals():
         signal.signal(number, lambda *_: over.set())
     with RejectedPeers(_tell):
         session = connected(network, routes=True)

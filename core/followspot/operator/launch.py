@@ -15,6 +15,7 @@ from followspot.control.unix_socket import serve_requests
 from followspot.graph.plan import Plan
 from followspot.host.local_host import LocalHost
 from followspot.log.run_log import OnLog
+from followspot.operating_system.ending_signals import ending_signals
 from followspot.operator.coordinator import Coordinator
 from followspot.operator.new_order import new_order
 from followspot.operator.output_folder import reserved_folder
@@ -132,10 +133,7 @@ def interruptible(run: Run, on_progress: OnProgress | None = None) -> RunReport:
             raise KeyboardInterrupt
         run.stop()
 
-    ends = [signal.SIGINT, signal.SIGTERM]
-    if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
-        ends.append(signal.SIGHUP)
-    before = {number: signal.signal(number, stop) for number in ends}
+    before = {number: signal.signal(number, stop) for number in ending_signals()}
     try:
         return run.execute(on_progress)
     finally:

@@ -41,6 +41,23 @@ def test_a_command_that_is_ended_removes_its_temporary_files(number: signal.Sign
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("words", [["agent", "--name", "left"], ["router"]], ids=["agent", "router"])
+def test_agents_and_routers_end_in_order_when_their_terminal_closes(words: list[str], tmp_path: Path) -> None:
+    code = "import sys; from followspot.cli.main import main; sys.exit(main())"
+    with subprocess.Popen(
+        [sys.executable, "-c", code, *words, "--listen", "tcp/127.0.0.1:0"],
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL),
+    ) as process:
+        assert process.stderr
+        assert " listens on tcp/127.0.0.1:" in process.stderr.readline()
+        process.send_signal(signal.SIGHUP)
+        assert process.stderr.read() == ""
+    assert process.returncode == 0
+
+
 def test_what_is_ignored_stays_ignored() -> None:
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:
