@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -102,3 +104,50 @@ def test_a_thread_of_a_pool_is_named_while_it_works_and_not_waited_for_without_w
     ((_, text),) = found
     assert text.startswith('its thread "my pool_0" goes on after close()')
     assert without_work == []
+
+
+SCRIPT = """
+import threading
+from pathlib import Path
+import followspot as fs
+
+class Note(fs.Message):
+    value: int
+
+class Once(fs.Stage):
+    def process(self) -> fs.Source[Note]:
+        yield fs.at(0, Note(1))
+
+class Device(fs.Stage):
+    def setup(self) -> None:
+        threading.Thread(target=self.read, name="of the stage", daemon=False).start()
+
+    def read(self) -> None:
+        over.wait()
+
+    def process(self, note: Note) -> None:
+        begun.set()
+        going.wait()
+
+def own() -> None:
+    going.set()
+    over.wait()
+
+begun, going, over = threading.Event(), threading.Event(), threading.Event()
+graph = fs.Graph("g")
+graph.add("device", Device, note=graph.add("once", Once))
+with fs.run(graph, out=Path("out")) as run:
+    begun.wait()
+    threading.Thread(target=own, name="of the script").start()
+    print(*run.wait().warnings)
+over.set()
+"""
+
+
+def test_threads_that_a_script_starts_during_its_run_are_its_own(tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(SCRIPT)
+    words = [sys.executable, "script.py"]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith('device: its thread "of the stage" goes on at ')
+    assert "of the script" not in done.stdout

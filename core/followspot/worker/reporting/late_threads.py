@@ -6,11 +6,11 @@ import inspect
 import sys
 import threading
 import time
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from concurrent.futures import thread as thread_pool
 from contextlib import suppress
 from pathlib import Path
-from types import FrameType
+from types import CodeType, FrameType
 
 from followspot.stage import Stage
 
@@ -24,7 +24,7 @@ _REMEDY = "end it in close(), or start it with daemon=True"
 
 
 def late_threads(
-    before: Collection[threading.Thread], stages: Iterable[tuple[str, Stage]], *, own_process: bool
+    before: Collection[threading.Thread], stages: Sequence[tuple[str, Stage]], *, own_process: bool
 ) -> Iterator[tuple[str, str]]:
     """The stage, "" if that is not known, and a warning for each thread that a process waits for at its end.
 
@@ -32,14 +32,13 @@ def late_threads(
     the stages can have started a thread since.
     """
     limit = time.monotonic() + (_PATIENCE if own_process else _PATIENCE_BESIDE)
-    by_file = {file: name for name, stage in stages if (file := _file_of(stage))}
     for thread in threading.enumerate():
         if thread.daemon or thread in before or thread is threading.current_thread():
             continue
         while thread.is_alive() and not _is_idle(thread) and (left := limit - time.monotonic()) > 0:
             thread.join(min(left, _LOOK))
         frames = [frame for frame in _calls(thread) if not _in_library(frame)]
-        stage = next((by_file[file] for frame in frames if (file := frame.f_code.co_filename) in by_file), "")
+        stage = _stage_of([frame.f_code for frame in frames], stages)
         if _is_idle(thread) or not thread.is_alive() or not (stage or own_process):
             continue
         place = f" at {frames[0].f_code.co_filename}:{frames[0].f_lineno}" if frames else ""
@@ -52,10 +51,22 @@ def _is_idle(thread: threading.Thread) -> bool:
     return bool(calls) and calls[-1].f_code is thread_pool._worker.__code__
 
 
-def _file_of(stage: Stage) -> str:
+def _stage_of(calls: Sequence[CodeType], stages: Sequence[tuple[str, Stage]]) -> str:
+    """The stage whose class calls, else one whose file does; a script has threads of its own."""
+    ours = [(name, type(stage)) for name, stage in stages for call in calls if _is_in(call, type(stage))]
+    named = [name for name, kind in ours if any(_is_method(call, kind) for call in calls)]
+    return next(iter(named or [name for name, kind in ours if kind.__module__ != "__main__"]), "")
+
+
+def _is_in(call: CodeType, kind: type[Stage]) -> bool:
+    """Whether code is in the file of a class."""
     with suppress(OSError, TypeError):
-        return inspect.getfile(type(stage))
-    return ""
+        return call.co_filename == inspect.getfile(kind)
+    return False
+
+
+def _is_method(call: CodeType, kind: type[Stage]) -> bool:
+    return call.co_qualname.startswith(f"{kind.__qualname__}.")
 
 
 def _calls(thread: threading.Thread) -> list[FrameType]:
