@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.camera_kind import source_for
 from followspot.graph.parameters import path_parameters
 from followspot.messages import Message
+from followspot.operating_system.temporary_folder import TemporaryFolder
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.room import Camera, Member, Room, Sensor
 from followspot.stage import Stage
@@ -56,9 +56,9 @@ def tried(
                 if not Path(params[name]).exists():
                     text = f"{params[name]} does not exist"
                     return Tried(wrong(device.name, text, "mend the path in the room file"))
-        with tempfile.TemporaryDirectory() as out:
+        with TemporaryFolder("doctor") as out:
             warnings: list[str] = []
-            context = Context(device.name, room, member=member, out=Path(out), warn=warnings.append)
+            context = Context(device.name, room, member=member, out=out.path, warn=warnings.append)
             taken = _taken(stage(context, **params), take, timeout)
     except PluginError as error:
         return Tried(wrong(device.name, error.problem, str(error.remedy)))
