@@ -150,10 +150,8 @@ class LightShow:
 
     def _stripe(self, time: float) -> Strokes:
         """A bar of light that turns about the middle of the first screen."""
-        middle, arm = (
-            self._size[0] / 2,
-            np.array([math.cos(STRIPE_TURN * time), math.sin(STRIPE_TURN * time)]),
-        )
+        middle, angle = self._size[0] / 2, STRIPE_TURN * time
+        arm = np.array([math.cos(angle), math.sin(angle)])
         arm *= (middle / np.maximum(np.abs(arm), 1e-9)).min()
         color = displayed(self._colors[int(time / STRIPE_TIME) % len(self._colors)] * STRIPE_LIGHT)
         return middle + PIECES * arm, STRIPE_RADIUS, ON_FLOOR, np.repeat(color[None], BENDS, axis=0)
