@@ -25,8 +25,8 @@ doubt."""
 class DepartureTest:
     """Doubts tracks of targets that several cameras have in their pictures; targets with a mark excepted.
 
-    doubt_frames: number of successive frames without enough candidates, or with those of cameras of one kind
-    alone, after which a target is doubted; 0: never.
+    doubt_frames: number of successive frames in which the positions are not :meth:`agreed`, after which a
+    target is doubted; 0: never.
     If no camera sees colours, no target is doubted, because nothing would tell it from other things.
     """
 
@@ -34,8 +34,21 @@ class DepartureTest:
         """marked: (T,) bool, targets with a mark."""
         self.views = Views(room.cameras.values())
         self.marked = marked
-        colored = any(camera.kind == "color" for camera in self.views.cameras)
-        self.frames = doubt_frames if colored else 0
+        self.colored = np.array([camera.kind == "color" for camera in self.views.cameras], bool)
+        self.frames = doubt_frames if self.colored.any() else 0
+
+    def agreed(self, support: Array, confirmed: Array, xyz: Array, least: int) -> Array:
+        """Which positions, (M, 3) m, nothing speaks against: (M,) bool.
+
+        Enough candidates show them, and cameras of both kinds do if both have them in their pictures.
+        support: (M,) number of candidates; confirmed: (M,) bool, whether both kinds show it; least: enough.
+        """
+        enough = support >= least
+        asked = enough & ~confirmed
+        if np.count_nonzero(asked):
+            seen = self.views.in_pictures(xyz[asked])
+            enough[asked] = seen[self.colored].any(axis=0) != seen[~self.colored].any(axis=0)
+        return np.asarray(enough)
 
     def doubted(self, life: LifeCycle, xyz: Array) -> Array:
         """Targets that are also searched elsewhere in the next frame: (T,) bool. xyz: (T, 3) m."""

@@ -32,7 +32,7 @@ class LifeCycle(NamedTuple):
     """(T, 3) m, the candidate in the last of these frames."""
     weak: Array
     """(T,) frames in a row with a position that fewer candidates show than confirm a target, or only those of
-    cameras of one kind, from the first measurement of that kind on."""
+    cameras of one kind where both look, from the first such measurement on."""
 
     @classmethod
     def lost(cls, count: int) -> Self:

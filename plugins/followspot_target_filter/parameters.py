@@ -69,9 +69,10 @@ class TargetFilterParams(StageParams):
         ge=0,
         unit="frames",
         description="number of successive frames with fewer candidates than `minimum_support`, or with "
-        "candidates of cameras of one kind only, after which a tracked target is also searched for "
-        "everywhere, in every fifth frame; this needs three cameras with the target in their pictures, and a "
-        "colour camera in the room; 0: never; raising it keeps tracks longer that have left their targets",
+        "candidates of cameras of one kind only where both kinds look, after which a tracked target is also "
+        "searched for everywhere, in every fifth frame; this needs three cameras with the target in their "
+        "pictures, and a colour camera in the room; 0: never; raising it keeps tracks longer that have left "
+        "their targets",
     )
     fade_time: float = Field(
         0.1,

@@ -127,7 +127,7 @@ class TargetFilter(Stage, ABC):
         self.motion.update(target[old], xyz[old], noise[old], sure[old], self.period)
         measured, agreed, bridged = np.zeros((3, len(life.status)), bool)
         measured[target] = ~positions.predicted
-        agreed[target] = (positions.support >= p.minimum_support) & positions.confirmed
+        agreed[target] = self.departure.agreed(positions.support, positions.confirmed, xyz, p.minimum_support)
         bridged[target] = positions.predicted
         bridged |= doubt & ~measured
         if np.count_nonzero(bridged):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from tests.plugins.balls.scene import make_room, positions_at
 from tests.plugins.balls.watched import FPS, HERE, THERE, kalman, watch
@@ -43,6 +44,26 @@ def test_a_target_that_cameras_of_one_kind_alone_show_is_doubted() -> None:
     assert tracks.sigma.max() > 0.03 > before
     watch(stage, 1, first=49, support=6, confirmed=True)
     assert poor(stage, 5, first=50) == [TRACKED] * 5
+
+
+def test_a_target_that_only_one_kind_of_camera_can_see_is_not_doubted() -> None:
+    """The infrared cameras look away: that none shows the target says nothing."""
+    room = make_room()
+    about = np.diag([1.0, -1.0, -1.0])
+    away = {
+        name: replace(c, rotation=about @ c.rotation, translation=about @ c.translation)
+        if c.kind == "infrared"
+        else c
+        for name, c in room.cameras.items()
+    }
+    more = {"cam4": replace(room.cameras["cam0"], name="cam4")}
+    stage = Kalman(Context(room=replace(room, cameras={**away, **more})))
+    stage.setup()
+    watch(stage, 40)
+    for number in range(40, 60):
+        assert stage.forecast().state[0] == TRACKED
+        tracks = watch(stage, 1, first=number, support=6, confirmed=False)[0].tracks
+    assert tracks.sigma.max() < 0.03
 
 
 def test_a_target_is_doubted_only_where_three_cameras_have_it_in_view_and_one_sees_colours() -> None:
