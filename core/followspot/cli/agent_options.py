@@ -68,6 +68,7 @@ def network_of(
     a certificate that ends soon.
 
     listen, connect: endpoints if the options name none; by default a free port of this host, and its agent.
+    Raises FollowspotError if an endpoint is none.
     """
     from followspot.transport.zenoh.network import AGENT, LOOPBACK, Network, secured
 
@@ -78,6 +79,7 @@ def network_of(
     if args.certificates:  # loopback uses TLS, too: certificates identify the peers
         listen, connect, (router,) = secured(listen), secured(connect), secured([router])
     network = Network(listen, connect, args.certificates or "", args.insecure, router, discover)
+    network.check_endpoints()
     if network.insecure and network.exposed:
         print(_INSECURE.format(", ".join(network.exposed)), file=sys.stderr, flush=True)
     if network.certificates:

@@ -86,8 +86,8 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
     from followspot.library.report import Report
 
     plan = with_default_host(plan, args.host)
-    _print_notes(plan, args)
     network = network_of(args)
+    _print_notes(plan, args)
     if args.detach:
         return _detach(plan, args, network)
     out = output_folder(args.out, plan.graph)

@@ -73,8 +73,10 @@ def prepared_run(
     """A run that has not begun, and its metadata; see `run_plan`.
 
     in_process: workers of this host that run as threads of this process; a plan's only worker always does.
-    Raises InputError if an agent is missing, FollowspotError if another run writes to the output folder.
+    Raises InputError if an agent is missing, FollowspotError if another run writes to the output folder, or
+    if an endpoint is none, although the plan may need no agent.
     """
+    network.check_endpoints()
     restart = restart or plan.live
     with reserved_folder(options.out):
         if network.public or any(worker.host for worker in plan.workers):

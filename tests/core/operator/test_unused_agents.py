@@ -48,6 +48,21 @@ def test_a_script_is_warned(graph: Path, recwarn: pytest.WarningsRecorder) -> No
     assert told.startswith(f"{TOLD}name hosts in a file for placement=")
 
 
+def test_an_endpoint_that_is_none_is_refused_although_no_agent_is_needed(
+    graph: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = graph.parent / "out"
+    wrong = ["--connect", "ws/192.168.0.7:7450"]
+    assert main(["run", str(graph), "--plugin", str(TICKS), "--out", str(out), *wrong]) == 1
+    told = "followspot: 'ws/192.168.0.7:7450' is no endpoint; write PROTOCOL/HOST:PORT with tcp or tls"
+    assert capsys.readouterr().err.startswith(told)
+    assert not (out / "ticks.csv").exists()
+    network = Network(connect=("ws/192.168.0.7:7450",))
+    run = fs.run(graph, plugin_files=[TICKS], out=out, network=network)
+    with pytest.raises(fs.FollowspotError, match="is no endpoint"), run:
+        pass
+
+
 def test_nothing_is_said_of_agents_that_a_worker_needs(graph: Path) -> None:
     placement = graph.with_name("placement.yaml")
     placement.write_text("placement: p\nworkers: {left: {host: pc-left, stages: [a]}}\n")

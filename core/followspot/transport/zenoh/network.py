@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
+from followspot.errors import FollowspotError
 from followspot.transport.host_registry import read_certificates
 from followspot.transport.keys import OPERATOR
 
@@ -62,10 +63,14 @@ class Network:
         """The endpoints to connect to, without this session's own: all hosts may have one list."""
         return tuple(endpoint for endpoint in self.connect if endpoint not in self.listen)
 
-    @property
-    def malformed(self) -> tuple[str, ...]:
-        """Endpoints that are no PROTOCOL/ADDRESS, or no HOST:PORT where the protocol needs one."""
-        return tuple(e for e in self.endpoints if not _FORM.fullmatch(e) or _port(e) > _LARGEST_PORT)
+    def check_endpoints(self) -> None:
+        """Raise FollowspotError if an endpoint has another form or protocol, or its port is too large."""
+        for endpoint in self.endpoints:
+            if not _FORM.fullmatch(endpoint) or _port(endpoint) > _LARGEST_PORT:
+                raise FollowspotError(
+                    f"{endpoint!r} is no endpoint; write PROTOCOL/HOST:PORT with tcp or tls, for example "
+                    "tcp/127.0.0.1:7450 or tls/192.168.0.7:7450"
+                )
 
     @property
     def leads_somewhere(self) -> bool:

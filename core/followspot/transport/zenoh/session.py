@@ -41,11 +41,7 @@ def config_of(network: Network, *, routes: bool = False) -> zenoh.Config:
     Raises FollowspotError if an endpoint is none, is open to other hosts without certificates or consent, or
     these cannot be used.
     """
-    if network.malformed:
-        raise FollowspotError(
-            f"{network.malformed[0]!r} is no endpoint; write PROTOCOL/HOST:PORT with tcp or tls, for example "
-            "tcp/127.0.0.1:7450 or tls/192.168.0.7:7450"
-        )
+    network.check_endpoints()
     if network.exposed and not network.insecure:
         raise FollowspotError(
             f"{network.exposed[0]} is open to other hosts without protection; "
