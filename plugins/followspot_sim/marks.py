@@ -11,7 +11,7 @@ MARKS = ("brace", "brace", "brace", "brace", "cuff", "cuff", "band", "band", "di
 """Marks of one person: braces before the body and behind it, cuffs and thigh bands left before right, a round
 reflector on the back; patches on the left shoulder and the chest."""
 MARK_RADII = np.array([0.02, 0.02, 0.02, 0.02, 0.05, 0.05, 0.085, 0.085, 0.05, 0.06, 0.06])
-"""m."""
+"""Radii of these marks, m."""
 TRUNK_ENDS = np.array([
     [[0.16, 0.09, 0.12], [0.16, 0.09, 0.42]], [[0.16, -0.09, 0.12], [0.16, -0.09, 0.42]],
     [[-0.16, 0.05, 0.12], [-0.16, 0.05, 0.42]], [[-0.16, -0.05, 0.12], [-0.16, -0.05, 0.42]],
@@ -21,7 +21,7 @@ TRUNK_ENDS = np.array([
 """Braces, disc and patches in the frame of the trunk: forward, left, up from the hip; m."""
 ON_TRUNK = (0, 1, 2, 3, 8, 9, 10)
 CUFF, BAND = np.array([0.72, 0.8]), np.array([0.33, 0.33])
-"""Where they begin and end, as shares of the forearm and the leg."""
+"""Where cuffs and thigh bands begin and end, as shares of the forearm and the leg."""
 
 
 def marks(p: Pose, limbs: Array) -> Array:

@@ -58,7 +58,7 @@ class Round:
     held: Array
 
     def acting(self) -> Array:
-        """Who passes, throws, fetches or stows a ball in this round, (P,) bool."""
+        """Which people pass, throw, fetch or stow a ball in this round, (P,) bool."""
         busy = np.zeros(len(self.start), bool)
         for move in self.moves:
             for place in (move.before, move.after):

@@ -43,14 +43,19 @@ def test_verify_says_that_sources_alone_are_not_repeated(
     assert capsys.readouterr().out.endswith("0 ports, 0 messages: nothing is repeated\n")
 
 
-def test_verify_names_the_first_difference(
-    show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def tracked_otherwise(show: Path, changed: Path) -> Path:
+    """The recording with another parameter of its tracker in the plan: other tracks than those recorded."""
     with Recording(show) as recording:
         plan = json.loads(recording.attachment("plan.json"))
     track = next(stage for stage in plan["stages"] if stage["name"] == "track")
     track["params"]["acceleration_sigma"] *= 2
-    changed = altered(show, tmp_path / "b.mcap", stages=plan["stages"])
+    return altered(show, changed, stages=plan["stages"])
+
+
+def test_verify_names_the_first_difference(
+    show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    changed = tracked_otherwise(show, tmp_path / "b.mcap")
     assert main(["verify", str(changed), "--json"]) == 1
     rows = {row["port"]: row["difference"] for row in json.loads(capsys.readouterr().out)["ports"]}
     assert rows["track.tracks"].startswith("message ")
@@ -100,11 +105,7 @@ def test_verify_says_up_to_where_a_damaged_recording_is_good(
 def test_a_difference_counts_whatever_is_damaged(
     show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with Recording(show) as recording:
-        plan = json.loads(recording.attachment("plan.json"))
-    track = next(stage for stage in plan["stages"] if stage["name"] == "track")
-    track["params"]["acceleration_sigma"] *= 2
-    changed = altered(show, tmp_path / "b.mcap", stages=plan["stages"])
+    changed = tracked_otherwise(show, tmp_path / "b.mcap")
     changed.write_bytes(changed.read_bytes()[:-100])
     assert main(["verify", str(changed), "--up-to-damage"]) == 1
     told = capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""Asks who answers at an endpoint, by the first message of two Zenoh peers, over a socket of its own.
+"""Asks which program answers at an endpoint, by the first message of two Zenoh peers, over its own socket.
 
 It is an InitSyn of Zenoh's protocol 9 (all versions 1.x), and leaves no state at the other end.
 """

@@ -42,7 +42,7 @@ class PersonSlots:
     def after(self, poses: Poses) -> Slots:
         """The slots after one frame of persons; rows with invalid numbers are ignored.
 
-        The position is that of the top of the head; the velocity of who is not seen is 0.
+        The position is that of the top of the head; the velocity of a person who is not seen is 0.
         """
         time, before = poses.header.time, self.slots
         poses = poses.where(sendable(np.column_stack([poses.xy, poses.height, poses.heading])))

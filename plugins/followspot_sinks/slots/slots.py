@@ -55,7 +55,7 @@ class Slots:
 
     @property
     def rotation(self) -> Array:
-        """(N, 3) rotation vectors, rad; by the heading where there is no quaternion."""
+        """(N, 3) rotation vectors, rad; by the heading if there is no quaternion."""
         about_up = self.heading[:, None] * np.array([0.0, 0.0, 1.0])
         return np.where(self.oriented[:, None], rotation_vector(self.quaternion), about_up)
 

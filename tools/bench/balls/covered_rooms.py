@@ -1,4 +1,4 @@
-"""Whether balls that people half cover are tracked in rooms by chance, with each fusion.
+"""Whether balls that people half cover are tracked in random rooms, with each fusion.
 
     python tools/bench/balls/covered_rooms.py --rooms 12 --first 20000 --frames 300 -o runs/covered
 
@@ -68,8 +68,8 @@ def main() -> None:
     """Measure the rooms that the file lacks, then print the tables."""
     parser = options_of(__doc__)
     parser.add_argument("--rooms", type=int, default=12, help="number of seeds (default: %(default)s)")
-    parser.add_argument("--first", type=int, default=20000, help="first seed")
-    parser.add_argument("--frames", type=int, default=300)
+    parser.add_argument("--first", type=int, default=20000, help="first seed (default: %(default)s)")
+    parser.add_argument("--frames", type=int, default=300, help="of each room (default: %(default)s)")
     parser.add_argument("--graph", type=Path, default=GRAPH, help="(default: the demo's)")
     parser.add_argument("--set", action="append", default=[], metavar="STAGE.KEY=VALUE")
     parser.add_argument("--jobs", type=int, default=1, help="rooms at a time")

@@ -82,8 +82,9 @@ class BoxModel:
         return bodies if np.isfinite(bodies.state).all() else None
 
     def _possible(self, points: Array) -> Array:
-        """Whether pairs of boxes may show one person, (P,) bool, by the middles and ends where they meet,
-        (P, 3, 3) m.
+        """Whether pairs of boxes may show one person, (P,) bool.
+
+        points: (P, 3, 3) m, where their middles, upper and lower ends meet; NaN for an end that is cut off.
         """
         return np.asarray(is_body(points, LARGEST) | stands(points[:, 1:], self.floor))
 
